@@ -1,0 +1,13 @@
+//! Settings of libraries that are read from the environment when they start.
+
+/// Sets a variable that the user has not set, for libraries that start later in this process.
+///
+/// Does nothing once the process has a second thread, where changing the environment would be unsound.
+pub fn set_default(name: &str, value: &str) {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let alone = status.lines().any(|line| line.strip_prefix("Threads:").is_some_and(|n| n.trim() == "1"));
+    if alone && std::env::var_os(name).is_none() {
+        // SAFETY: no other thread can read the environment, there is none.
+        unsafe { std::env::set_var(name, value) };
+    }
+}

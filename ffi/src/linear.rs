@@ -1,0 +1,411 @@
+//! Direct solution of A x = b with MUMPS, checked every time.
+//!
+//! The analysis (ordering, symbolic factorization) is kept while the pattern of the matrix stands, the factors while its
+//! values do. Want of workspace is met by more of it. A solution counts only when its true residual ||b - A x|| / ||b||
+//! is small, after iterative refinement if need be: MUMPS itself goes on past a null pivot.
+//!
+//! `ICNTL`, `CNTL` and `INFOG` are MUMPS's controls and answers; see its Users' guide. Every control can be given as a
+//! PETSc option, `-mat_mumps_icntl_14 200`, which takes precedence over the values here.
+
+use std::ffi::CStr;
+use std::fmt;
+use std::mem::MaybeUninit;
+use std::ptr::null_mut;
+
+use crate::error::{Error, check, forget};
+use crate::matrix::{Matrix, Version};
+use crate::runtime::Petsc;
+use crate::sys;
+use crate::vector::{Vector, norm2};
+
+/// The largest ||b - A x|| / ||b|| of a solution that counts.
+pub const RESIDUAL_TOLERANCE: f64 = 1e-6;
+/// Steps of iterative refinement before a solution is given up.
+const MAX_REFINEMENTS: usize = 2;
+/// Doublings of the workspace before a factorization is given up.
+const MAX_RETRIES: usize = 5;
+
+const ORDERING: i32 = 7;
+const LDLT_ORDERING: i32 = 12;
+const SCALAPACK_ROOT: i32 = 13;
+/// Workspace beyond the estimate, in percent.
+const WORKSPACE: i32 = 14;
+const NULL_PIVOTS: i32 = 24;
+const ANALYSIS: i32 = 28;
+
+/// The kind of factorization.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Factorization {
+    /// For any matrix.
+    Lu,
+    /// For a symmetric, possibly indefinite matrix, of which only the upper triangle is used.
+    Ldlt,
+}
+
+/// Why a linear system could not be solved. A smaller increment may help.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LinearFailure {
+    /// An infinity or a NaN in the `matrix` or the `right-hand side`.
+    NotFinite(&'static str),
+    /// MUMPS found the matrix singular: INFOG(1), INFOG(2).
+    Singular(i32, i32),
+    /// MUMPS failed otherwise, for want of memory mostly: INFOG(1), INFOG(2).
+    Mumps(i32, i32),
+    /// The true relative residual, and the null pivots that MUMPS replaced: with any, the system has no solution.
+    Inaccurate { relative_residual: f64, null_pivots: usize },
+    /// A solver chosen by PETSc options did not converge, for this reason.
+    Krylov(String),
+}
+
+impl fmt::Display for LinearFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "linear solver: ")?;
+        match self {
+            Self::NotFinite(what) => write!(f, "the {what} is not finite"),
+            Self::Singular(one, two) => write!(f, "the matrix is singular (MUMPS INFOG(1) = {one}, INFOG(2) = {two})"),
+            Self::Mumps(one @ (-7 | -13), two) => {
+                write!(f, "not enough memory to factor (MUMPS INFOG(1) = {one}, INFOG(2) = {two})")
+            }
+            Self::Mumps(one, two) => {
+                write!(f, "the factorization failed (MUMPS INFOG(1) = {one}, INFOG(2) = {two})")
+            }
+            Self::Inaccurate { relative_residual, null_pivots: 0 } => {
+                write!(f, "the relative residual is {relative_residual:.1e}: the matrix is nearly singular")
+            }
+            Self::Inaccurate { relative_residual, null_pivots } => {
+                write!(f, "the relative residual is {relative_residual:.1e}, with {null_pivots} null pivots: ")?;
+                write!(f, "the matrix is singular")
+            }
+            Self::Krylov(reason) => write!(f, "{reason}"),
+        }
+    }
+}
+
+impl std::error::Error for LinearFailure {}
+
+/// What [`LinearSolver::solve`] can end with besides a solution; the same on all ranks.
+#[derive(Clone, Debug)]
+pub enum LinearError {
+    /// The system has no good solution.
+    Failure(LinearFailure),
+    /// PETSc failed, or was used wrongly.
+    Error(Error),
+}
+
+impl From<Error> for LinearError {
+    fn from(error: Error) -> Self {
+        Self::Error(error)
+    }
+}
+
+impl From<LinearFailure> for LinearError {
+    fn from(failure: LinearFailure) -> Self {
+        Self::Failure(failure)
+    }
+}
+
+impl fmt::Display for LinearError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Failure(failure) => failure.fmt(f),
+            Self::Error(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for LinearError {}
+
+/// What a solver has done so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LinearStatistics {
+    /// Analyses of a pattern.
+    pub analyses: usize,
+    /// Numeric factorizations, repeated ones included.
+    pub factorizations: usize,
+    /// Factorizations repeated with more workspace.
+    pub workspace_retries: usize,
+    /// Systems solved or tried.
+    pub solves: usize,
+    /// Steps of iterative refinement.
+    pub refinements: usize,
+    /// ||b - A x|| / ||b|| of the last system.
+    pub relative_residual: f64,
+    /// Null pivots of the last factorization: redundant equations, if the residual is small all the same.
+    pub null_pivots: usize,
+}
+
+/// Solves systems with MUMPS.
+pub struct LinearSolver<'p> {
+    petsc: &'p Petsc<'p>,
+    factorization: Factorization,
+    /// Workspace beyond the estimate, in percent, since the default or the user's has not sufficed.
+    workspace: Option<i32>,
+    factor: Option<Factor<'p>>,
+    statistics: LinearStatistics,
+}
+
+/// A factored matrix.
+struct Factor<'p> {
+    raw: sys::Mat,
+    pattern: u64,
+    /// The values that the factors are of, once they are.
+    values: Option<Version>,
+    residual: Vector<'p>,
+    correction: Vector<'p>,
+}
+
+impl<'p> LinearSolver<'p> {
+    /// A solver that has seen no matrix yet.
+    pub fn new(petsc: &'p Petsc<'p>, factorization: Factorization) -> Self {
+        Self { petsc, factorization, workspace: None, factor: None, statistics: LinearStatistics::default() }
+    }
+
+    /// What it has done so far.
+    pub fn statistics(&self) -> LinearStatistics {
+        self.statistics
+    }
+
+    /// Counts a system that another solver solved.
+    pub(crate) fn record(&mut self, relative_residual: f64) {
+        self.statistics.solves += 1;
+        self.statistics.relative_residual = relative_residual;
+    }
+
+    /// Solves A x = b. Collective.
+    ///
+    /// On [`LinearError::Failure`] `x` is of no use, and the solver as good as before.
+    pub fn solve(&mut self, matrix: &Matrix, b: &Vector, x: &mut Vector) -> Result<(), LinearError> {
+        matrix.require_layout(&[b, x])?;
+        // SAFETY: live vectors of the matrix's layout, distinct since one is borrowed mutably.
+        unsafe { self.solve_raw(matrix, b.raw(), x.raw()) }
+    }
+
+    /// Solves A x = b. Collective.
+    ///
+    /// # Safety
+    /// Live vectors of the matrix's layout, distinct.
+    pub(crate) unsafe fn solve_raw(&mut self, matrix: &Matrix, b: sys::Vec, x: sys::Vec) -> Result<(), LinearError> {
+        self.statistics.solves += 1;
+        self.statistics.relative_residual = 0.0;
+        // SAFETY: the caller vouches for `b`.
+        let norm = unsafe { norm2(b) }?;
+        if !norm.is_finite() {
+            self.statistics.relative_residual = f64::NAN;
+            return Err(LinearFailure::NotFinite("right-hand side").into());
+        }
+        if norm == 0.0 {
+            // An empty system, too.
+            // SAFETY: the caller vouches for `x`.
+            return Ok(check(unsafe { sys::VecSet(x, 0.0) })?);
+        }
+        let factor = self.factored(matrix)?;
+        // SAFETY: as for this function.
+        let result = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+        // Kept unless MUMPS failed: PETSc would neither factor nor solve with it again.
+        if matches!(result, Ok(()) | Err(LinearError::Failure(LinearFailure::Inaccurate { .. }))) {
+            self.factor = Some(factor);
+        }
+        result
+    }
+
+    /// Takes the factors of the matrix, up to date; after a failure none are left. Collective.
+    fn factored(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
+        let version = matrix.version();
+        if let Some(factor) = self.factor.take_if(|factor| factor.values == Some(version)) {
+            return Ok(factor);
+        }
+        if !matrix.is_finite_everywhere() {
+            return Err(LinearFailure::NotFinite("matrix").into());
+        }
+        let kept = self.factor.take().filter(|factor| factor.pattern == version.pattern);
+        let mut factor = kept.map_or_else(|| self.analysed(matrix), Ok)?;
+        for retry in 0.. {
+            self.statistics.factorizations += 1;
+            match factor.factor(matrix, self.factorization)? {
+                Answer::Done { null_pivots } => {
+                    self.statistics.null_pivots = null_pivots;
+                    break;
+                }
+                Answer::MoreWorkspace(_) if retry < MAX_RETRIES => {
+                    self.statistics.workspace_retries += 1;
+                    self.workspace = Some(factor.workspace()?.max(50).saturating_mul(2));
+                    drop(factor);
+                    factor = self.analysed(matrix)?;
+                }
+                Answer::MoreWorkspace(failure) | Answer::Failed(failure) => return Err(failure.into()),
+            }
+        }
+        factor.values = Some(version);
+        Ok(factor)
+    }
+
+    /// Analyses the pattern of the matrix. Collective.
+    fn analysed(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
+        self.statistics.analyses += 1;
+        let mut factor = Factor::analyse(self.petsc, matrix, self.factorization)?;
+        if let Some(workspace) = self.workspace {
+            factor.set_control(WORKSPACE, workspace)?;
+        }
+        Ok(factor)
+    }
+}
+
+/// What MUMPS says after a factorization.
+enum Answer {
+    Done { null_pivots: usize },
+    MoreWorkspace(LinearFailure),
+    Failed(LinearFailure),
+}
+
+impl<'p> Factor<'p> {
+    /// Analyses the pattern of a matrix. Collective.
+    fn analyse(petsc: &'p Petsc<'p>, matrix: &Matrix, factorization: Factorization) -> Result<Self, LinearError> {
+        const MUMPS: &CStr = c"mumps";
+        let kind = match factorization {
+            Factorization::Lu => sys::MAT_FACTOR_LU,
+            Factorization::Ldlt => sys::MAT_FACTOR_CHOLESKY,
+        };
+        let (residual, correction) =
+            (Vector::zeros(petsc, matrix.local_rows())?, Vector::zeros(petsc, matrix.local_rows())?);
+        let mut raw = null_mut();
+        // SAFETY: a live matrix, the solver's name, and a place for the handle.
+        check(unsafe { sys::MatGetFactor(matrix.raw(), MUMPS.as_ptr(), kind, &mut raw) })?;
+        let mut factor = Self { raw, pattern: matrix.version().pattern, values: None, residual, correction };
+        factor.set_controls(factorization)?;
+        let info = factor_info()?;
+        // SAFETY: a fresh factor of this matrix; MUMPS orders by itself (NULL).
+        check(unsafe {
+            match factorization {
+                Factorization::Lu => sys::MatLUFactorSymbolic(raw, matrix.raw(), null_mut(), null_mut(), &info),
+                Factorization::Ldlt => sys::MatCholeskyFactorSymbolic(raw, matrix.raw(), null_mut(), &info),
+            }
+        })?;
+        match factor.infog(1)? {
+            0.. => Ok(factor),
+            _ => Err(factor.failure()?.into()),
+        }
+    }
+
+    /// The defaults of MUMPS that we change; PETSc's options come after them.
+    fn set_controls(&mut self, factorization: Factorization) -> Result<(), Error> {
+        self.set_control(ANALYSIS, 1)?; // sequential
+        self.set_control(ORDERING, 3)?; // SCOTCH; PORD where MUMPS is built without it
+        self.set_control(SCALAPACK_ROOT, 1)?; // without ScaLAPACK, which cannot pivot past a null
+        self.set_control(WORKSPACE, 100)?;
+        self.set_control(NULL_PIVOTS, 1)?; // find and replace: redundant constraints are legal
+        if factorization == Factorization::Ldlt {
+            self.set_control(LDLT_ORDERING, 2)?; // compressed graph: pairs multipliers with displacements
+        }
+        Ok(())
+    }
+
+    /// Computes the factors. Collective.
+    fn factor(&mut self, matrix: &Matrix, factorization: Factorization) -> Result<Answer, Error> {
+        let info = factor_info()?;
+        // SAFETY: a factor analysed for the pattern of this matrix.
+        check(unsafe {
+            match factorization {
+                Factorization::Lu => sys::MatLUFactorNumeric(self.raw, matrix.raw(), &info),
+                Factorization::Ldlt => sys::MatCholeskyFactorNumeric(self.raw, matrix.raw(), &info),
+            }
+        })?;
+        Ok(match self.infog(1)? {
+            0.. => Answer::Done { null_pivots: self.infog(28)?.max(0) as usize },
+            // Integer or real workspace, send or receive buffer too small.
+            -8 | -9 | -17 | -20 => Answer::MoreWorkspace(self.failure()?),
+            _ => Answer::Failed(self.failure()?),
+        })
+    }
+
+    /// Solves with the factors, and refines until the true residual is small. Collective.
+    ///
+    /// # Safety
+    /// Live vectors of the matrix's layout, distinct. `b` comes with its norm.
+    unsafe fn solve(
+        &self,
+        matrix: &Matrix,
+        (b, norm): (sys::Vec, f64),
+        x: sys::Vec,
+        statistics: &mut LinearStatistics,
+    ) -> Result<(), LinearError> {
+        let (residual, correction) = (self.residual.raw(), self.correction.raw());
+        for refinement in 0.. {
+            // SAFETY: live vectors of one layout, each pair distinct.
+            unsafe {
+                if refinement == 0 {
+                    self.apply(b, x)?;
+                } else {
+                    statistics.refinements += 1;
+                    self.apply(residual, correction)?;
+                    check(sys::VecAXPY(x, 1.0, correction))?;
+                }
+                statistics.relative_residual = matrix.raw_residual(b, x, residual)? / norm;
+            }
+            if statistics.relative_residual <= RESIDUAL_TOLERANCE {
+                return Ok(());
+            }
+            if refinement == MAX_REFINEMENTS || !statistics.relative_residual.is_finite() {
+                break;
+            }
+        }
+        let (relative_residual, null_pivots) = (statistics.relative_residual, statistics.null_pivots);
+        Err(LinearFailure::Inaccurate { relative_residual, null_pivots }.into())
+    }
+
+    /// Solves with the factors once. Collective.
+    ///
+    /// # Safety
+    /// Live vectors of the factor's layout, distinct.
+    unsafe fn apply(&self, b: sys::Vec, x: sys::Vec) -> Result<(), LinearError> {
+        // SAFETY: the caller vouches for the vectors; the factors are computed.
+        let result = check(unsafe { sys::MatSolve(self.raw, b, x) });
+        if result.is_err() && self.infog(1)? < 0 {
+            forget();
+            return Err(self.failure()?.into());
+        }
+        Ok(result?)
+    }
+
+    fn workspace(&self) -> Result<i32, Error> {
+        let mut workspace = 0;
+        // SAFETY: a live MUMPS factor and a place for the answer.
+        check(unsafe { sys::MatMumpsGetIcntl(self.raw, WORKSPACE, &mut workspace) })?;
+        Ok(workspace)
+    }
+
+    fn set_control(&mut self, control: i32, value: i32) -> Result<(), Error> {
+        // SAFETY: a live MUMPS factor.
+        check(unsafe { sys::MatMumpsSetIcntl(self.raw, control, value) })
+    }
+
+    fn infog(&self, index: i32) -> Result<i32, Error> {
+        let mut value = 0;
+        // SAFETY: a live MUMPS factor and a place for the answer.
+        check(unsafe { sys::MatMumpsGetInfog(self.raw, index, &mut value) })?;
+        Ok(value)
+    }
+
+    /// The failure that INFOG tells of.
+    fn failure(&self) -> Result<LinearFailure, Error> {
+        Ok(match (self.infog(1)?, self.infog(2)?) {
+            (one @ (-6 | -10), two) => LinearFailure::Singular(one, two),
+            (one, two) => LinearFailure::Mumps(one, two),
+        })
+    }
+}
+
+impl Drop for Factor<'_> {
+    fn drop(&mut self) {
+        // SAFETY: a live factor that nobody else holds.
+        unsafe { sys::MatDestroy(&mut self.raw) };
+    }
+}
+
+/// PETSc's defaults for a factorization; MUMPS does not look at them.
+fn factor_info() -> Result<sys::MatFactorInfo, Error> {
+    let mut info = MaybeUninit::zeroed();
+    // SAFETY: the call writes defaults over plain numbers, for which zeros are valid too.
+    check(unsafe { sys::MatFactorInfoInitialize(info.as_mut_ptr()) })?;
+    // SAFETY: as above.
+    Ok(unsafe { info.assume_init() })
+}

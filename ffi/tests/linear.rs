@@ -1,0 +1,179 @@
+//! The direct solver: accuracy, reuse, and what it says of systems without a good solution.
+
+mod common;
+use common::*;
+
+use petsc::{Factorization, LinearError, LinearFailure, LinearSolver, Matrix, Petsc};
+
+/// Solves for a known solution and returns its largest error.
+fn error_of_solution(petsc: &Petsc, solver: &mut LinearSolver, a: &Matrix, dense: &[Vec<f64>]) -> f64 {
+    let exact: Vec<f64> = (0..dense.len()).map(|i| (1.0 + i as f64).sin()).collect();
+    let (b, mut x) = (vector(petsc, &product(dense, &exact)), vector(petsc, &vec![0.0; dense.len()]));
+    solver.solve(a, &b, &mut x).unwrap();
+    x.axpy(-1.0, &vector(petsc, &exact)).unwrap();
+    x.norm_inf().unwrap()
+}
+
+/// Solves for b = 1 and returns the failure.
+fn failure(petsc: &Petsc, solver: &mut LinearSolver, a: &Matrix, b: f64) -> LinearFailure {
+    let n = a.global_rows().unwrap();
+    match solver.solve(a, &vector(petsc, &vec![b; n]), &mut vector(petsc, &vec![0.0; n])) {
+        Err(LinearError::Failure(failure)) => failure,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn reuse(petsc: &Petsc, kind: Factorization, symbolic: &str, numeric: &str, mut dense: Vec<Vec<f64>>) {
+    let n = dense.len();
+    let mut a = matrix(petsc, &dense);
+    a.set_symmetric(kind == Factorization::Ldlt).unwrap();
+    let mut solver = LinearSolver::new(petsc, kind);
+    let counts = || (petsc.log_count(symbolic).unwrap(), petsc.log_count(numeric).unwrap());
+    let solve = |solver: &mut LinearSolver, a: &Matrix, dense: &[Vec<f64>]| {
+        let error = error_of_solution(petsc, solver, a, dense);
+        assert!(error < 1e-9, "{error}");
+    };
+    for _ in 0..2 {
+        solve(&mut solver, &a, &dense);
+        assert_eq!(counts(), (1, 1));
+    }
+    for factorizations in 2..4 {
+        dense.iter_mut().flatten().for_each(|a| *a *= 1.5);
+        a.update(&compress(own_rows(petsc, n), &dense).2).unwrap();
+        solve(&mut solver, &a, &dense);
+        assert_eq!(counts(), (1, factorizations));
+    }
+    (dense[0][3], dense[3][0]) = (1e4, 1e4);
+    let (offsets, columns, values) = compress(own_rows(petsc, n), &dense);
+    a.rebuild(&offsets, &columns, &values).unwrap();
+    solve(&mut solver, &a, &dense);
+    assert_eq!(counts(), (2, 4));
+    // Another matrix with the same pattern is another pattern all the same.
+    solve(&mut solver, &matrix(petsc, &dense), &dense);
+    let statistics = solver.statistics();
+    assert_eq!((statistics.analyses, statistics.factorizations, statistics.solves), (3, 5, 6));
+    assert_eq!((statistics.workspace_retries, statistics.null_pivots), (0, 0));
+    assert!(statistics.relative_residual < 1e-12, "{statistics:?}");
+    assert!(petsc.log_seconds(numeric).unwrap() > 0.0 && petsc.log_seconds("NoSuchEvent").unwrap() == 0.0);
+}
+
+#[test]
+fn ldlt_of_a_saddle_point() {
+    with_petsc("ldlt_of_a_saddle_point", &[1, 2, 3], "", |petsc| {
+        reuse(petsc, Factorization::Ldlt, "MatCholFctrSym", "MatCholFctrNum", saddle_point(20, 5));
+    });
+}
+
+#[test]
+fn lu_of_an_unsymmetric_saddle_point() {
+    with_petsc("lu_of_an_unsymmetric_saddle_point", &[1, 2, 3], "", |petsc| {
+        let mut dense = saddle_point(20, 5);
+        for i in 0..20 {
+            dense[i][20 + i % 5] += 0.3;
+        }
+        reuse(petsc, Factorization::Lu, "MatLUFactorSym", "MatLUFactorNum", dense);
+    });
+}
+
+#[test]
+fn an_empty_system_is_solved() {
+    with_petsc("an_empty_system_is_solved", &[1, 2], "", |petsc| {
+        assert_eq!(
+            error_of_solution(petsc, &mut LinearSolver::new(petsc, Factorization::Lu), &matrix(petsc, &[]), &[])
+                .max(0.0),
+            0.0
+        );
+    });
+}
+
+#[test]
+fn a_redundant_constraint_is_counted() {
+    with_petsc("a_redundant_constraint_is_counted", &[1, 2, 3], "", |petsc| {
+        let mut dense = saddle_point(10, 2);
+        dense[11] = dense[10].clone();
+        (0..10).for_each(|i| dense[i][11] = dense[i][10]);
+        for kind in [Factorization::Ldlt, Factorization::Lu] {
+            let mut solver = LinearSolver::new(petsc, kind);
+            let b = vector(petsc, &product(&dense, &[1.0; 12]));
+            let mut x = vector(petsc, &[0.0; 12]);
+            solver.solve(&matrix(petsc, &dense), &b, &mut x).unwrap();
+            assert_eq!(solver.statistics().null_pivots, 1);
+            assert!(solver.statistics().relative_residual < 1e-12);
+        }
+    });
+}
+
+#[test]
+fn a_singular_matrix_is_a_failure() {
+    with_petsc("a_singular_matrix_is_a_failure", &[1, 2, 3], "", |petsc| {
+        // Two equations alike with different right-hand sides.
+        let mut dense = saddle_point(10, 2);
+        dense[11] = dense[10].clone();
+        (0..10).for_each(|i| dense[i][11] = dense[i][10]);
+        let b: Vec<f64> = (0..12).map(|i| i as f64).collect();
+        for kind in [Factorization::Ldlt, Factorization::Lu] {
+            let mut solver = LinearSolver::new(petsc, kind);
+            let (b, mut x) = (vector(petsc, &b), vector(petsc, &[0.0; 12]));
+            match solver.solve(&matrix(petsc, &dense), &b, &mut x) {
+                Err(LinearError::Failure(LinearFailure::Inaccurate { relative_residual, null_pivots: 1 })) => {
+                    assert!(relative_residual > 1e-3)
+                }
+                other => panic!("{other:?}"),
+            }
+            // It is as good as before.
+            let sound = saddle_point(10, 2);
+            assert!(error_of_solution(petsc, &mut solver, &matrix(petsc, &sound), &sound) < 1e-9);
+        }
+    });
+}
+
+#[test]
+fn a_null_pivot_is_a_failure_where_it_may_not_be_replaced() {
+    let options = "-mat_mumps_icntl_24 0";
+    with_petsc("a_null_pivot_is_a_failure_where_it_may_not_be_replaced", &[1, 2, 3], options, |petsc| {
+        let mut dense = saddle_point(10, 2);
+        dense[11] = dense[10].clone();
+        (0..10).for_each(|i| dense[i][11] = dense[i][10]);
+        let a = matrix(petsc, &dense);
+        for kind in [Factorization::Ldlt, Factorization::Lu] {
+            let failure = failure(petsc, &mut LinearSolver::new(petsc, kind), &a, 1.0);
+            assert!(matches!(failure, LinearFailure::Singular(-10, _)), "{failure:?}");
+            assert!(failure.to_string().contains("singular"), "{failure}");
+        }
+    });
+}
+
+#[test]
+fn a_nan_is_a_failure() {
+    with_petsc("a_nan_is_a_failure", &[1, 2, 3], "", |petsc| {
+        let dense = saddle_point(10, 2);
+        let mut a = matrix(petsc, &dense);
+        let mut solver = LinearSolver::new(petsc, Factorization::Ldlt);
+        assert_eq!(failure(petsc, &mut solver, &a, f64::NAN), LinearFailure::NotFinite("right-hand side"));
+        let (_, _, good) = compress(own_rows(petsc, 12), &dense);
+        let mut bad = good.clone();
+        // On the last rank only.
+        if own_rows(petsc, 12).end == 12 && !bad.is_empty() {
+            bad[0] = f64::NAN;
+        }
+        a.update(&bad).unwrap();
+        assert_eq!(failure(petsc, &mut solver, &a, 1.0), LinearFailure::NotFinite("matrix"));
+        a.update(&good).unwrap();
+        assert!(error_of_solution(petsc, &mut solver, &a, &dense) < 1e-9);
+        assert_eq!(solver.statistics().analyses, 1);
+    });
+}
+
+#[test]
+fn want_of_workspace_is_met() {
+    with_petsc("want_of_workspace_is_met", &[1, 2], "-mat_mumps_icntl_14 -60", |petsc| {
+        // Dense, so that the factors need what was estimated.
+        let n = 200;
+        let entry = |i: usize, j: usize| if i == j { 30.0 } else { ((i * 37 + j * 61) % 101) as f64 / 101.0 };
+        let dense: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect();
+        let mut solver = LinearSolver::new(petsc, Factorization::Lu);
+        assert!(error_of_solution(petsc, &mut solver, &matrix(petsc, &dense), &dense) < 1e-9);
+        let statistics = solver.statistics();
+        assert!(statistics.workspace_retries == 1 && statistics.factorizations == 2, "{statistics:?}");
+    });
+}

@@ -1,0 +1,14 @@
+//! nagata: implicit, parallel finite elements for large-sliding frictional contact on Nagata-smoothed surfaces.
+//!
+//! The way through the program; a module may use those listed before it, not those after.
+//!
+//! - [`error`]: the one error type; wrong input, no convergence, a failing library
+//! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
+
+pub mod error;
+pub mod parallel;
+
+/// A vector in space.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A second-order tensor.
+pub type Mat3 = nalgebra::Matrix3<f64>;

@@ -1,0 +1,146 @@
+//! What all ranks must agree on: errors, and the global numbers of owned things.
+//!
+//! An error that one rank alone returns leaves the others waiting in the next collective call. So whatever may fail on
+//! one rank passes through [`agree`] before any rank acts on it.
+
+use crate::error::{Error, Location, Result};
+use mpi::collective::SystemOperation;
+use mpi::datatype::{Equivalence, Partition, PartitionMut};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+use serde_json::{Value, json};
+
+/// Returns each rank's own value when all ranks have one, else the error of the lowest failing rank on every rank.
+///
+/// Collective; one allreduce when nothing failed. The values of the ranks that succeeded are dropped when another failed:
+/// `T` must not be a thing whose drop is collective, unless it was made collectively and so failed on all ranks or none.
+pub fn agree<T>(comm: &impl Communicator, result: Result<T>) -> Result<T> {
+    let failing = if result.is_err() { comm.rank() } else { comm.size() };
+    let mut lowest = failing;
+    comm.all_reduce_into(&failing, &mut lowest, SystemOperation::min());
+    if lowest == comm.size() {
+        return result;
+    }
+    let mut message = match &result {
+        Err(error) if comm.rank() == lowest => encode(error).into_bytes(),
+        _ => Vec::new(),
+    };
+    let root = comm.process_at_rank(lowest);
+    let mut length = message.len() as u64;
+    root.broadcast_into(&mut length);
+    message.resize(length as usize, 0);
+    root.broadcast_into(&mut message[..]);
+    Err(decode(&message))
+}
+
+/// Numbers what the ranks own: `(offset, total)`, where this rank's `owned` things are `offset .. offset + owned`.
+///
+/// Collective.
+pub fn number(comm: &impl Communicator, owned: u64) -> (u64, u64) {
+    let (mut end, mut total) = (0, 0);
+    comm.scan_into(&owned, &mut end, SystemOperation::sum());
+    comm.all_reduce_into(&owned, &mut total, SystemOperation::sum());
+    (end - owned, total)
+}
+
+/// Sends `parcels[r]` to rank r and returns what each rank sent here. Collective.
+pub fn exchange<T>(comm: &SimpleCommunicator, parcels: &[Vec<T>]) -> Vec<Vec<T>>
+where
+    T: Equivalence + Copy + Default,
+{
+    let size = comm.size() as usize;
+    let send_counts: Vec<i32> = parcels.iter().map(|p| p.len() as i32).collect();
+    let mut receive_counts = vec![0i32; size];
+    comm.all_to_all_into(&send_counts, &mut receive_counts);
+    let sent: Vec<T> = parcels.iter().flatten().copied().collect();
+    let mut received = vec![T::default(); receive_counts.iter().map(|&n| n as usize).sum()];
+    let (send_at, receive_at) = (offsets(&send_counts), offsets(&receive_counts));
+    {
+        let outgoing = Partition::new(&sent[..], &send_counts[..], &send_at[..]);
+        let mut incoming = PartitionMut::new(&mut received[..], &receive_counts[..], &receive_at[..]);
+        comm.all_to_all_varcount_into(&outgoing, &mut incoming);
+    }
+    (0..size)
+        .map(|r| received[receive_at[r] as usize..receive_at[r] as usize + receive_counts[r] as usize].to_vec())
+        .collect()
+}
+
+/// Start of each run of `counts` in a packed buffer.
+fn offsets(counts: &[i32]) -> Vec<i32> {
+    counts.iter().scan(0, |next, &n| Some(std::mem::replace(next, *next + n))).collect()
+}
+
+/// Sums over ranks, entry by entry. Collective.
+pub fn sum(comm: &SimpleCommunicator, values: &mut [f64]) {
+    let mine = values.to_vec();
+    comm.all_reduce_into(&mine[..], values, SystemOperation::sum());
+}
+
+/// Largest over ranks, entry by entry. Collective.
+pub fn max(comm: &SimpleCommunicator, values: &mut [f64]) {
+    let mine = values.to_vec();
+    comm.all_reduce_into(&mine[..], values, SystemOperation::max());
+}
+
+/// True when any rank says so. Collective.
+pub fn any(comm: &SimpleCommunicator, here: bool) -> bool {
+    let mut all = 0i32;
+    comm.all_reduce_into(&i32::from(here), &mut all, SystemOperation::max());
+    all != 0
+}
+
+fn encode(error: &Error) -> String {
+    let value = match error {
+        Error::Input { at, what, help } => {
+            let at = at.as_ref().map(|at| json!([*at.file, at.line, at.column, *at.text]));
+            json!({ "kind": "input", "at": at, "what": what, "help": help })
+        }
+        Error::Diverged(what) => json!({ "kind": "diverged", "what": what }),
+        Error::System(what) => json!({ "kind": "system", "what": what }),
+    };
+    value.to_string()
+}
+
+fn decode(message: &[u8]) -> Error {
+    let value: Value = serde_json::from_slice(message).unwrap_or_default();
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
+    let number = |value: &Value| value.as_u64().unwrap_or_default() as usize;
+    let what = text(&value["what"]);
+    match value["kind"].as_str() {
+        Some("input") => {
+            let at = value["at"].as_array().map(|_| &value["at"]).map(|at| Location {
+                file: text(&at[0]).into(),
+                line: number(&at[1]),
+                column: number(&at[2]),
+                text: text(&at[3]).into(),
+            });
+            Error::Input { at, what, help: text(&value["help"]) }
+        }
+        Some("diverged") => Error::Diverged(what),
+        _ => Error::System(what),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_arrives_with_kind_place_and_help() {
+        let at =
+            Location { file: "a \"b\".toml".into(), line: 3, column: 14, text: "friction = -0.3 # µ\u{1F600}".into() };
+        let override_at = Location { file: "--set x=1".into(), line: 0, column: 0, text: "".into() };
+        for error in [
+            Error::input(&at, "friction is negative", "give 0 or more\nor leave it out"),
+            Error::input(&override_at, "no such key", ""),
+            Error::input_anywhere("cannot write", "use --out"),
+            Error::Diverged("increment 7: node 12".into()),
+            Error::System("MUMPS: INFOG(1) = -9".into()),
+        ] {
+            let arrived = decode(encode(&error).as_bytes());
+            assert_eq!(arrived.to_string(), error.to_string());
+            assert_eq!(arrived.exit_code(), error.exit_code());
+            assert_eq!(format!("{arrived:?}"), format!("{error:?}"));
+        }
+    }
+}
