@@ -4,9 +4,11 @@
 //!
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
+//! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 
 pub mod error;
 pub mod parallel;
+pub mod scene;
 
 /// A vector in space.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,0 +1,395 @@
+//! The scene: what the user wrote, as plain structs, checked for form but with nothing computed.
+//!
+//! Names stay names here; `model` resolves them against the meshes and reports through the [`Location`] that each
+//! keeps.
+//! [`load`] reads a scene file, [`parse`] its text; `key=value` overrides (`--set`) change any entry by its dotted key.
+//!
+//! # Reference of the keys
+//!
+//! A scene is TOML in the user's units, which must be consistent (mm, N, MPa). `*` marks what must be given; `= value`
+//! is the default. A NAME is a letter followed by letters, digits, `_` and `-`; a body and a tool may not share one. A
+//! SET is `"BODY"` or `"BODY.GROUP"`, FACES are `"BODY.GROUP"`, a VECTOR is `[x, y, z]`, `directions` are letters of
+//! `"xyz"`.
+//!
+//! | key | value |
+//! |---|---|
+//! | `title` = name of the file | one line about the scene |
+//!
+//! ## `[body.NAME]`: a deformable body (one or more)
+//!
+//! | key | value |
+//! |---|---|
+//! | `mesh` or `block` * | a mesh file (Gmsh or Abaqus), relative to the scene file; or a structured block, see below |
+//! | `group` | the volume group of the mesh file to take; all without it |
+//! | `material` * | NAME of a material |
+//! | `element` = by the mesh | `"hex8"`, `"hex8-fbar"` (nearly incompressible, thin), `"tet4"` |
+//! | `plane_strain` = `false` | u_z = 0 in a body of one layer of elements along z |
+//!
+//! `block = { ... }`, a structured block of hexahedra:
+//!
+//! | key | value |
+//! |---|---|
+//! | `box` or `sector` * | `{ origin = [0, 0, 0], size* = VECTOR }`; or a part of a ring about an axis along z: `{ center = [0, 0, 0], radii* = [inner, outer], angles* = [from, to], length* = number }`, degrees from x towards y, a span of 360 closes |
+//! | `elements` * | `[n, n, n]` along x, y, z or radius, angle, z |
+//! | `grading` = `[1, 1, 1]` | size of the last element over that of the first |
+//! | `faces` | further names for faces: `{ top = "ymax", sides = ["xmin", "xmax"] }`. The faces of a box are `xmin, xmax, ymin, ymax, zmin, zmax`, those of a sector `rmin, rmax, amin, amax, zmin, zmax` |
+//!
+//! ## `[material.NAME]`
+//!
+//! | key | value |
+//! |---|---|
+//! | `model` * | `"neo-hookean"` or `"hooke"`, see [`MaterialModel`] |
+//! | `young` * | Young's modulus, above 0 |
+//! | `poisson` * | Poisson's ratio, above -1 and below 0.5 |
+//!
+//! ## `[tool.NAME]`: a rigid surface
+//!
+//! One of:
+//!
+//! | key | value |
+//! |---|---|
+//! | `mesh` | a file with a surface mesh, whose normals point to the bodies |
+//! | `plane` | `{ point* = VECTOR, normal* = VECTOR }`, the normal points to the bodies |
+//! | `cylinder` | `{ point* = VECTOR, axis* = VECTOR, radius* = number, hollow = false }`; hollow is a bore |
+//! | `sphere` | `{ center* = VECTOR, radius* = number, hollow = false }` |
+//!
+//! With `mesh` only:
+//!
+//! | key | value |
+//! |---|---|
+//! | `group` | the surface group of the file to take; all without it |
+//! | `smoothing` = `"nagata"` | `"nagata"` or `"facet"` |
+//! | `feature_angle` = `40.0` | degrees; an edge whose facets' normals differ by more stays sharp |
+//! | `flip` = `false` | turn the surface over |
+//!
+//! ## `[contact.NAME]`: a contact pair
+//!
+//! | key | value |
+//! |---|---|
+//! | `slave` * | FACES |
+//! | `master` * | NAME of a tool |
+//! | `friction` = `0.0` | Coulomb coefficient, 0 or more; 0 is frictionless |
+//! | `method` = `"augmented-lagrangian"` | the only one |
+//! | `penalty` = `"auto"` | or a number, force per length |
+//! | `reach` = by the meshes | how far a slave node may be from the master and still be watched |
+//!
+//! ## `[[step]]`: conditions that act together, one step after the other (one or more)
+//!
+//! | key | value |
+//! |---|---|
+//! | `name` = `step 1` ... | NAME |
+//! | `duration` = `1.0` | time |
+//! | `increments` or `increment` * | number of uniform increments, which may still be cut; or `{ initial = duration/10, min = initial/1024, max = initial }`, in time, `min <= initial <= max <= duration` |
+//! | `fix` | `[{ set* = SET, directions = "xyz" }, ...]` |
+//! | `move` | `[{ target* = tool or SET, by = VECTOR, directions = "xyz" (sets), rotate = { point* = VECTOR, axis* = VECTOR, angle* = degrees } (tools) }, ...]`, with `by`, `rotate` or both: displacement over the step, linear in time |
+//! | `force` | `[{ target* = tool or SET, total* = VECTOR, directions (tools: *) }, ...]`, a total force; it frees a tool in these directions |
+//! | `pressure` | `[{ set* = FACES, value* = number }, ...]`, positive into the body, follows the face |
+//! | `body_force` | `[{ body* = NAME, per_volume* = VECTOR }, ...]`, per reference volume |
+//!
+//! ## `[output]`
+//!
+//! | key | value |
+//! |---|---|
+//! | `every` = `1` | fields are written every so many increments, and at the end of each step |
+//! | `history` = `[]` | SETs whose displacement and reaction stand in `history.csv`; tools and contacts always do |
+//!
+//! ## `[solver]`
+//!
+//! | key | value |
+//! |---|---|
+//! | `tolerance` = `1e-10` | largest residual over the largest force, below 0.01 |
+//! | `max_iterations` = `15` | Newton iterations before an increment is cut |
+//! | `force_floor` = by the stiffness | the force that counts while there is none |
+
+mod names;
+mod overrides;
+mod parse;
+mod reader;
+mod references;
+mod steps;
+#[cfg(test)]
+mod tests;
+mod tree;
+
+pub use names::{did_you_mean, nearest};
+pub use parse::{load, parse};
+
+use crate::Vec3;
+use crate::error::Location;
+use std::path::PathBuf;
+
+/// A value with the place where the user wrote it.
+#[derive(Clone, Debug)]
+pub struct Located<T> {
+    pub value: T,
+    pub at: Location,
+}
+
+/// A whole scene file with its overrides applied.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem of the scene file; the default output folder is `out/<name>`.
+    pub name: String,
+    pub title: String,
+    /// The scene as run, overrides applied and mesh files by their absolute paths, as TOML text; written to `scene.toml`.
+    pub text: String,
+    pub bodies: Vec<Body>,
+    pub materials: Vec<Material>,
+    pub tools: Vec<Tool>,
+    pub contacts: Vec<Contact>,
+    pub steps: Vec<Step>,
+    pub output: Output,
+    pub solver: Solver,
+}
+
+/// A deformable body.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Its name, located at its table header.
+    pub name: Located<String>,
+    pub mesh: MeshSource,
+    /// Name of a material in [`Scene::materials`].
+    pub material: Located<String>,
+    /// `None`: chosen by the mesh (hex8 or tet4).
+    pub element: Option<Located<Element>>,
+    /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
+    pub plane_strain: Option<Located<bool>>,
+}
+
+/// Where a mesh comes from.
+#[derive(Clone, Debug)]
+pub enum MeshSource {
+    /// A Gmsh or Abaqus file (path made absolute or relative to the working directory), and the volume or surface
+    /// group in it to take; `None` takes all.
+    File { path: Located<PathBuf>, group: Option<Located<String>> },
+    /// A structured block of hexahedra.
+    Block(Located<Block>),
+}
+
+/// A structured block of hexahedra.
+#[derive(Clone, Debug)]
+pub struct Block {
+    pub shape: BlockShape,
+    /// Elements along the three directions (x, y, z) or (radius, angle, axis).
+    pub elements: [usize; 3],
+    /// Size of the last element over that of the first along each direction; 1 is uniform.
+    pub grading: [f64; 3],
+    /// Further group names for faces: (name, default face names). The default face names are `xmin, xmax, ymin, ymax, zmin,
+    /// zmax` of a box and `rmin, rmax, amin, amax, zmin, zmax` of a sector.
+    pub faces: Vec<FaceGroup>,
+}
+
+/// The name of a group of block faces, and the faces.
+pub type FaceGroup = (Located<String>, Vec<Located<String>>);
+
+/// The region that a block fills.
+#[derive(Clone, Debug)]
+pub enum BlockShape {
+    Box {
+        origin: Vec3,
+        size: Vec3,
+    },
+    /// A sector of a ring or cylinder about an axis parallel to z through `center`; angles in degrees, from x towards y;
+    /// a span of 360 closes on itself.
+    Sector {
+        center: Vec3,
+        radii: [f64; 2],
+        angles: [f64; 2],
+        length: f64,
+    },
+}
+
+/// The element formulations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Element {
+    /// 8-node hexahedron, full 2x2x2 integration.
+    Hex8,
+    /// 8-node hexahedron, F-bar.
+    Hex8Fbar,
+    /// 4-node tetrahedron.
+    Tet4,
+}
+
+impl Element {
+    /// What the user calls it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Hex8 => "hex8",
+            Self::Hex8Fbar => "hex8-fbar",
+            Self::Tet4 => "tet4",
+        }
+    }
+}
+
+/// A material card.
+#[derive(Clone, Debug)]
+pub struct Material {
+    pub name: Located<String>,
+    pub model: MaterialModel,
+}
+
+/// The material models and their parameters, checked to be physical.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MaterialModel {
+    /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J.
+    NeoHookean { young: f64, poisson: f64 },
+    /// Kirchhoff stress linear in the logarithmic strain.
+    Hooke { young: f64, poisson: f64 },
+}
+
+/// A rigid surface.
+#[derive(Clone, Debug)]
+pub struct Tool {
+    pub name: Located<String>,
+    pub shape: ToolShape,
+}
+
+/// The geometry of a tool.
+#[derive(Clone, Debug)]
+pub enum ToolShape {
+    /// A surface mesh; its facets' outward normals point to the bodies.
+    Mesh {
+        mesh: MeshSource,
+        smoothing: Smoothing,
+        /// Edges whose facets' normals differ by more stay sharp, degrees.
+        feature_angle: f64,
+        /// Turn the surface over.
+        flip: bool,
+    },
+    /// The half space behind the plane is solid; the unit vector `normal` points out of it.
+    Plane {
+        point: Vec3,
+        normal: Vec3,
+    },
+    /// Solid inside, or a bore when `hollow`; `axis` is a unit vector.
+    Cylinder {
+        point: Vec3,
+        axis: Vec3,
+        radius: f64,
+        hollow: bool,
+    },
+    Sphere {
+        center: Vec3,
+        radius: f64,
+        hollow: bool,
+    },
+}
+
+/// How a surface mesh is smoothed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothing {
+    Facet,
+    Nagata,
+}
+
+/// A contact pair.
+#[derive(Clone, Debug)]
+pub struct Contact {
+    pub name: Located<String>,
+    /// `body.group`.
+    pub slave: Located<String>,
+    /// A tool.
+    pub master: Located<String>,
+    /// Coulomb coefficient; 0 is frictionless.
+    pub friction: f64,
+    /// `None` is "auto": a fifth of the stiffness of the slave node. Force per length.
+    pub penalty: Option<f64>,
+    /// How far a slave node may be from the master and still be watched; `None` chooses it from the meshes.
+    pub reach: Option<f64>,
+}
+
+/// A step: the conditions listed act during it, and only they do.
+#[derive(Clone, Debug)]
+pub struct Step {
+    pub name: Located<String>,
+    pub duration: f64,
+    pub increment: Increment,
+    pub fix: Vec<Fix>,
+    pub moves: Vec<Move>,
+    pub forces: Vec<Force>,
+    pub pressures: Vec<Pressure>,
+    pub body_forces: Vec<BodyForce>,
+}
+
+/// Increment sizes, in the time of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment {
+    pub initial: f64,
+    pub min: f64,
+    pub max: f64,
+}
+
+/// Holds nodes where they are in the given directions.
+#[derive(Clone, Debug)]
+pub struct Fix {
+    /// `body.group` or `body`.
+    pub set: Located<String>,
+    pub directions: [bool; 3],
+}
+
+/// Moves a tool or the nodes of a set over the step, linearly in time.
+#[derive(Clone, Debug)]
+pub struct Move {
+    /// A tool, `body.group` or `body`.
+    pub target: Located<String>,
+    /// Displacement over the step.
+    pub by: Vec3,
+    /// Directions that are prescribed; for a tool always all three.
+    pub directions: [bool; 3],
+    /// Rotation over the step about an axis through a point (tools only).
+    pub rotate: Option<Rotation>,
+}
+
+/// A rotation about a fixed axis, a unit vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation {
+    pub point: Vec3,
+    pub axis: Vec3,
+    /// Degrees, right-handed.
+    pub angle: f64,
+}
+
+/// A total force on a set (spread by area, or evenly over bare nodes), or on a tool, which is then free to
+/// translate in `directions`. Ramps linearly from its value at the end of the last step; on a tool that was not driven by
+/// force until then, from the force that held it.
+#[derive(Clone, Debug)]
+pub struct Force {
+    pub target: Located<String>,
+    pub total: Vec3,
+    /// Free directions of a tool; ignored for sets.
+    pub directions: [bool; 3],
+}
+
+/// A follower pressure on faces, positive when it pushes into the body.
+#[derive(Clone, Debug)]
+pub struct Pressure {
+    pub set: Located<String>,
+    pub value: f64,
+}
+
+/// A force per reference volume on a body.
+#[derive(Clone, Debug)]
+pub struct BodyForce {
+    pub body: Located<String>,
+    pub per_volume: Vec3,
+}
+
+/// What is written, and how often.
+#[derive(Clone, Debug)]
+pub struct Output {
+    /// Every so many increments; the last of each step always is.
+    pub every: usize,
+    /// Sets whose displacement and reaction stand in the history: `body.group`, `body`.
+    pub history: Vec<Located<String>>,
+}
+
+/// Controls of the nonlinear solution.
+#[derive(Clone, Copy, Debug)]
+pub struct Solver {
+    /// Largest residual over the largest force of the scene.
+    pub tolerance: f64,
+    /// Newton iterations before an increment is cut.
+    pub max_iterations: usize,
+    /// Force that stands for "the forces of the scene" while there is none; `None` derives it from the stiffness.
+    pub force_floor: Option<f64>,
+}

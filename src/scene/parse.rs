@@ -1,0 +1,345 @@
+//! Reads a scene: the tree of the TOML text, the overrides, then the schema table by table.
+
+use super::reader::{Item, Table};
+use super::references::Names;
+use super::tree::{self, Node};
+use super::{
+    Block, BlockShape, Body, Contact, Element, FaceGroup, Located, Material, MaterialModel, MeshSource, Output, Scene,
+    Smoothing, Solver, Tool, ToolShape, overrides, steps,
+};
+use crate::Vec3;
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Elements a block may have: nodes are numbered in 32 bits on a rank.
+const MOST_ELEMENTS: usize = 1 << 31;
+
+/// Degrees by which the span of a full circle may be off.
+const ROUND_OFF: f64 = 1e-9;
+
+/// Reads and checks a scene file; `overrides` are `key=value`, applied in order.
+///
+/// # Errors
+/// The file cannot be read, is not TOML, or is not a scene: [`Error::Input`] with the place of what is wrong.
+pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        Error::input_anywhere(
+            format!("cannot read the scene {}: {error}", path.display()),
+            "give the path of a TOML file",
+        )
+    })?;
+    parse(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new("")), overrides)
+}
+
+/// Reads and checks the text of a scene. `file_name` is for messages and [`Scene::name`]; mesh files are relative to
+/// `directory`.
+///
+/// # Errors
+/// As [`load`].
+pub fn parse(file_name: &str, text: &str, directory: &Path, overrides: &[String]) -> Result<Scene> {
+    let mut root = tree::parse_document(file_name, text)?;
+    for text in overrides {
+        overrides::apply(&mut root, text)?;
+    }
+    let name = Path::new(file_name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut scene = scene(&root, name, directory)?;
+    let text = if overrides.is_empty() { text.to_string() } else { tree::to_toml(&root) };
+    scene.text = tree::with_absolute_meshes(&text, directory);
+    Ok(scene)
+}
+
+/// The schema; leaves [`Scene::text`] empty.
+fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
+    let keys = ["title", "body", "material", "tool", "contact", "step", "output", "solver"];
+    let root = Item::root(root).table(&keys)?;
+    let (bodies, materials) = (root.named("body")?, root.named("material")?);
+    let (tools, contacts) = (root.named("tool")?, root.named("contact")?);
+    let names = Names::new(&bodies, &materials, &tools)?;
+    if bodies.is_empty() {
+        return Err(Error::input(
+            root.at(),
+            "the scene has no body",
+            "add a table `[body.NAME]` with a mesh and a material",
+        ));
+    }
+    let materials = materials.into_iter().map(|(name, item)| Ok(Material { name, model: material_model(&item)? }));
+    let tools = tools.into_iter().map(|(name, item)| Ok(Tool { name, shape: tool_shape(&item, directory)? }));
+    let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
+    let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
+    Ok(Scene {
+        name,
+        title,
+        text: String::new(),
+        materials: materials.collect::<Result<_>>()?,
+        tools: tools.collect::<Result<_>>()?,
+        bodies: bodies.collect::<Result<_>>()?,
+        contacts: all_contacts(contacts, &names)?,
+        steps: steps::read(&root, &names)?,
+        output: output(&root, &names)?,
+        solver: solver(&root)?,
+    })
+}
+
+fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> Result<Body> {
+    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain"])?;
+    let mesh = match (table.get("mesh"), table.get("block")) {
+        (Some(_), Some(block)) => return Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
+        (Some(file), None) => mesh_file(&table, &file, directory)?,
+        (None, Some(item)) => MeshSource::Block(item.located(block(&item)?)),
+        (None, None) => return Err(table.error("has no `mesh`", "add `mesh = \"FILE\"`, or `block = { ... }`")),
+    };
+    if let (MeshSource::Block(_), Some(group)) = (&mesh, table.get("group")) {
+        return Err(group.error("needs a mesh file", "the groups of a block are its `faces`"));
+    }
+    let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()))?;
+    let elements = [Element::Hex8, Element::Hex8Fbar, Element::Tet4].map(|e| (e.key(), e));
+    let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)))?;
+    let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
+    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain };
+    check_block_use(&body)?;
+    Ok(body)
+}
+
+/// A block is made of hexahedra, and of one layer of them in plane strain.
+fn check_block_use(body: &Body) -> Result<()> {
+    let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
+    let name = &body.name.value;
+    if let Some(element) = body.element.as_ref().filter(|element| element.value == Element::Tet4) {
+        let help = "use element = \"hex8\" or \"hex8-fbar\"";
+        return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
+    }
+    if let Some(plane_strain) = body.plane_strain.as_ref().filter(|plane_strain| plane_strain.value)
+        && block.value.elements[2] != 1
+    {
+        let layers = block.value.elements[2];
+        let what = format!("body.{name} is in plane strain but has {layers} layers of elements along z");
+        return Err(Error::input(&plane_strain.at, what, "make the third of `elements` 1"));
+    }
+    Ok(())
+}
+
+fn mesh_file(table: &Table, file: &Item, directory: &Path) -> Result<MeshSource> {
+    let name = file.string()?;
+    if name.is_empty() {
+        return Err(file.error("names no file", ""));
+    }
+    let group = table.optional("group", Item::located_string)?;
+    Ok(MeshSource::File { path: file.located(directory.join(name)), group })
+}
+
+fn block(item: &Item) -> Result<Block> {
+    let table = item.table(&["box", "sector", "elements", "grading", "faces"])?;
+    let shape = match (table.get("box"), table.get("sector")) {
+        (Some(cuboid), None) => box_shape(&cuboid)?,
+        (None, Some(sector)) => sector_shape(&sector)?,
+        _ => {
+            return Err(
+                table.error("must have one of `box` and `sector`", "for example `box = { size = [1.0, 1.0, 1.0] }`")
+            );
+        }
+    };
+    let elements = table.require("elements", "[10, 10, 1]")?;
+    let counts = elements.array::<usize, 3>(Item::count, "[10, 10, 1]")?;
+    let total = counts.iter().try_fold(1usize, |total, &count| total.checked_mul(count));
+    if total.is_none_or(|total| total > MOST_ELEMENTS) {
+        return Err(elements.error("are more than 2^31 elements", ""));
+    }
+    let mut face_names = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"];
+    let mut faces = face_names.as_slice();
+    if let BlockShape::Sector { angles, .. } = shape {
+        face_names[..4].copy_from_slice(&["rmin", "rmax", "amin", "amax"]);
+        let closed = angles[1] - angles[0] >= 360.0 - ROUND_OFF;
+        if closed && counts[1] < 3 {
+            return Err(elements.error("must have 3 or more around a full circle", ""));
+        }
+        faces = if closed { &["rmin", "rmax", "zmin", "zmax"] } else { &face_names };
+    }
+    Ok(Block {
+        shape,
+        elements: counts,
+        grading: table.optional("grading", |item| item.array(Item::positive, "[1.0, 1.0, 1.0]"))?.unwrap_or([1.0; 3]),
+        faces: table.optional("faces", |item| face_groups(item, faces))?.unwrap_or_default(),
+    })
+}
+
+fn box_shape(item: &Item) -> Result<BlockShape> {
+    let table = item.table(&["origin", "size"])?;
+    let size = table.require("size", "[1.0, 1.0, 1.0]")?.array::<f64, 3>(Item::positive, "[1.0, 1.0, 1.0]")?;
+    let origin = table.optional("origin", Item::vector)?.unwrap_or_else(Vec3::zeros);
+    Ok(BlockShape::Box { origin, size: Vec3::from(size) })
+}
+
+fn sector_shape(item: &Item) -> Result<BlockShape> {
+    let table = item.table(&["center", "radii", "angles", "length"])?;
+    let radii_item = table.require("radii", "[1.0, 2.0]")?;
+    let radii = radii_item.array::<f64, 2>(Item::positive, "[1.0, 2.0]")?;
+    let angles_item = table.require("angles", "[0.0, 90.0]")?;
+    let angles = angles_item.array::<f64, 2>(Item::number, "[0.0, 90.0]")?;
+    if radii[1] <= radii[0] {
+        return Err(radii_item.error("must increase", "write the inner radius, then the outer"));
+    }
+    if !(angles[0] < angles[1] && angles[1] - angles[0] <= 360.0 + ROUND_OFF) {
+        return Err(angles_item.error("must increase, by 360 at most", "angles are in degrees, from x towards y"));
+    }
+    let center = table.optional("center", Item::vector)?.unwrap_or_else(Vec3::zeros);
+    Ok(BlockShape::Sector { center, radii, angles, length: table.require("length", "1.0")?.positive()? })
+}
+
+/// Groups of block faces: `{ top = "ymax", sides = ["xmin", "xmax"] }`.
+fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
+    let face = |item: &Item| {
+        item.choice(&known.iter().map(|&face| (face, ())).collect::<Vec<_>>())?;
+        item.located_string()
+    };
+    let group = |(name, faces): (Located<String>, Item)| {
+        if known.contains(&name.value.as_str()) {
+            return Err(Error::input(
+                &name.at,
+                format!("`{}` already is the name of a face", name.value),
+                "choose another",
+            ));
+        }
+        let faces = match faces.is_string() {
+            true => vec![face(&faces)?],
+            false => faces.filled_list()?.iter().map(face).collect::<Result<_>>()?,
+        };
+        Ok((name, faces))
+    };
+    item.named()?.into_iter().map(group).collect()
+}
+
+fn material_model(item: &Item) -> Result<MaterialModel> {
+    let table = item.table(&["model", "young", "poisson"])?;
+    type Make = fn(f64, f64) -> MaterialModel;
+    let neo_hookean: Make = |young, poisson| MaterialModel::NeoHookean { young, poisson };
+    let hooke: Make = |young, poisson| MaterialModel::Hooke { young, poisson };
+    let models = [("neo-hookean", neo_hookean), ("hooke", hooke)];
+    let model = table.require("model", "\"neo-hookean\"")?.choice(&models)?;
+    let young = table.require("young", "210000.0")?.positive()?;
+    let poisson = table.require("poisson", "0.3")?;
+    let incompressible = poisson.number()? >= 0.5;
+    let help =
+        if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
+    Ok(model(young, poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?))
+}
+
+fn tool_shape(item: &Item, directory: &Path) -> Result<ToolShape> {
+    let shapes = ["mesh", "plane", "cylinder", "sphere"];
+    let of_mesh = ["group", "smoothing", "feature_angle", "flip"];
+    let table = item.table(&[shapes.as_slice(), of_mesh.as_slice()].concat())?;
+    let mut given = shapes.iter().filter_map(|&shape| table.get(shape).map(|item| (shape, item)));
+    let help = "a tool has one of `mesh`, `plane`, `cylinder` and `sphere`";
+    let (kind, shape) = given.next().ok_or_else(|| table.error("has no shape", help))?;
+    if let Some((_, second)) = given.next() {
+        return Err(second.error(format!("stands beside a {kind}"), help));
+    }
+    if kind == "mesh" {
+        return mesh_tool(&table, &shape, directory);
+    }
+    match of_mesh.iter().find_map(|key| table.get(key)) {
+        Some(item) => {
+            Err(item.error(format!("means nothing for a {kind}, which is exact"), "remove it, or use a mesh"))
+        }
+        None => analytic_tool(kind, &shape),
+    }
+}
+
+fn mesh_tool(table: &Table, file: &Item, directory: &Path) -> Result<ToolShape> {
+    let smoothings = [("facet", Smoothing::Facet), ("nagata", Smoothing::Nagata)];
+    let angle = |item: &Item| {
+        item.number_that_is("above 0 and at most 180", |value| value > 0.0 && value <= 180.0, "it is in degrees")
+    };
+    Ok(ToolShape::Mesh {
+        mesh: mesh_file(table, file, directory)?,
+        smoothing: table.optional("smoothing", |item| item.choice(&smoothings))?.unwrap_or(Smoothing::Nagata),
+        feature_angle: table.optional("feature_angle", angle)?.unwrap_or(40.0),
+        flip: table.optional("flip", Item::boolean)?.unwrap_or(false),
+    })
+}
+
+fn analytic_tool(kind: &str, item: &Item) -> Result<ToolShape> {
+    let vector = |table: &Table, key| table.require(key, "[0.0, 0.0, 0.0]")?.vector();
+    let direction = |table: &Table, key| table.require(key, "[0.0, 0.0, 1.0]")?.unit_vector();
+    let radius = |table: &Table| table.require("radius", "1.0")?.positive();
+    let hollow = |table: &Table| table.optional("hollow", Item::boolean).map(|hollow| hollow.unwrap_or(false));
+    match kind {
+        "plane" => {
+            let table = item.table(&["point", "normal"])?;
+            Ok(ToolShape::Plane { point: vector(&table, "point")?, normal: direction(&table, "normal")? })
+        }
+        "cylinder" => {
+            let table = item.table(&["point", "axis", "radius", "hollow"])?;
+            let (point, axis) = (vector(&table, "point")?, direction(&table, "axis")?);
+            Ok(ToolShape::Cylinder { point, axis, radius: radius(&table)?, hollow: hollow(&table)? })
+        }
+        _ => {
+            let table = item.table(&["center", "radius", "hollow"])?;
+            Ok(ToolShape::Sphere {
+                center: vector(&table, "center")?,
+                radius: radius(&table)?,
+                hollow: hollow(&table)?,
+            })
+        }
+    }
+}
+
+fn all_contacts(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
+    let mut contacts: Vec<Contact> = Vec::new();
+    for (name, item) in items {
+        let next = contact(name, &item, names)?;
+        let same = |other: &&Contact| other.slave.value == next.slave.value && other.master.value == next.master.value;
+        if let Some(first) = contacts.iter().find(same) {
+            let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
+            return Err(Error::input(&next.slave.at, what, "remove one of them"));
+        }
+        contacts.push(next);
+    }
+    Ok(contacts)
+}
+
+fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
+    let table = item.table(&["slave", "master", "friction", "method", "penalty", "reach"])?;
+    table.optional("method", |item| item.choice(&[("augmented-lagrangian", ())]))?;
+    let friction = |item: &Item| {
+        item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
+    };
+    let penalty = |item: &Item| {
+        if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
+    };
+    Ok(Contact {
+        name,
+        slave: names.faces(&table.require("slave", "\"BODY.GROUP\"")?)?,
+        master: names.master(&table.require("master", "\"TOOL\"")?)?,
+        friction: table.optional("friction", friction)?.unwrap_or(0.0),
+        penalty: table.optional("penalty", penalty)?.flatten(),
+        reach: table.optional("reach", Item::positive)?,
+    })
+}
+
+fn output(root: &Table, names: &Names) -> Result<Output> {
+    let mut output = Output { every: 1, history: Vec::new() };
+    let Some(table) = root.optional("output", |item| item.table(&["every", "history"]))? else { return Ok(output) };
+    output.every = table.optional("every", Item::count)?.unwrap_or(1);
+    for item in table.optional("history", Item::list)?.unwrap_or_default() {
+        let set = names.set(&item, "tools always are in the history")?;
+        if output.history.iter().any(|other| other.value == set.value) {
+            return Err(item.error(format!("repeats `{}`", set.value), "list it once"));
+        }
+        output.history.push(set);
+    }
+    Ok(output)
+}
+
+fn solver(root: &Table) -> Result<Solver> {
+    let mut solver = Solver { tolerance: 1e-10, max_iterations: 15, force_floor: None };
+    let keys = ["tolerance", "max_iterations", "force_floor"];
+    let Some(table) = root.optional("solver", |item| item.table(&keys))? else { return Ok(solver) };
+    let tolerance = |item: &Item| {
+        let help = "it is the largest residual over the largest force";
+        item.number_that_is("above 0 and below 0.01", |value| value > 0.0 && value < 1e-2, help)
+    };
+    solver.tolerance = table.optional("tolerance", tolerance)?.unwrap_or(solver.tolerance);
+    solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
+    solver.force_floor = table.optional("force_floor", Item::positive)?;
+    Ok(solver)
+}

@@ -1,0 +1,206 @@
+//! Reads the steps of a scene: increments, and the conditions that act in each.
+
+use super::reader::{Item, Table, check_name};
+use super::references::{Names, Target};
+use super::{BodyForce, Fix, Force, Increment, Located, Move, Pressure, Rotation, Step};
+use crate::Vec3;
+use crate::error::{Error, Location, Result};
+
+const ADD_STEP: &str = "add a table `[[step]]` with its increments and conditions";
+
+/// The steps, one or more, with unique names.
+pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
+    let item = root.get("step").ok_or_else(|| Error::input(root.at(), "the scene has no step", ADD_STEP))?;
+    let items = item.filled_list().map_err(|error| match error {
+        Error::Input { at, what, .. } => Error::Input { at, what, help: ADD_STEP.to_string() },
+        other => other,
+    })?;
+    let mut steps: Vec<Step> = Vec::new();
+    for item in items {
+        let step = step(&item, steps.len() + 1, names)?;
+        if steps.iter().any(|other| other.name.value == step.name.value) {
+            return Err(Error::input(
+                &step.name.at,
+                format!("two steps are named `{}`", step.name.value),
+                "rename one",
+            ));
+        }
+        steps.push(step);
+    }
+    Ok(steps)
+}
+
+fn step(item: &Item, number: usize, names: &Names) -> Result<Step> {
+    let keys = ["name", "duration", "increment", "increments", "fix", "move", "force", "pressure", "body_force"];
+    let table = item.table(&keys)?;
+    let name = match table.optional("name", Item::located_string)? {
+        Some(name) => check_name(&name.value, &name.at).map(|()| name)?,
+        None => item.located(format!("step {number}")),
+    };
+    let duration = table.optional("duration", Item::positive)?.unwrap_or(1.0);
+    let forces = table.each("force", |item| force(item, names))?;
+    let moves = table.each("move", |item| movement(item, names))?;
+    let step = Step {
+        name,
+        duration,
+        increment: increment(&table, duration)?,
+        fix: table.each("fix", |item| fix(item, names))?,
+        pressures: table.each("pressure", |item| pressure(item, names))?,
+        body_forces: table.each("body_force", |item| body_force(item, names))?,
+        moves: moves.iter().map(|(movement, _)| movement.clone()).collect(),
+        forces: forces.iter().map(|(force, _)| force.clone()).collect(),
+    };
+    check_repeats(&step)?;
+    check_fixed_moves(&step)?;
+    for (force, _) in forces.iter().filter(|(_, target)| *target == Target::Tool) {
+        check_free_directions(&step, force)?;
+    }
+    Ok(step)
+}
+
+/// Increment sizes, `min <= initial <= max <= duration`; those not given follow from those that are.
+fn increment(step: &Table, duration: f64) -> Result<Increment> {
+    let table = match (step.get("increment"), step.get("increments")) {
+        (None, None) => {
+            let help = "add `increments = 20`, or `increment = { initial = 0.05, min = 1e-4, max = 0.1 }`";
+            return Err(step.error("has no increments", help));
+        }
+        (Some(_), Some(count)) => return Err(count.error("stands beside `increment`", "keep one of the two")),
+        (None, Some(count)) => {
+            let size = duration / count.count()? as f64;
+            return Ok(Increment { initial: size, min: size / 1024.0, max: size });
+        }
+        (Some(sizes), None) => sizes.table(&["initial", "min", "max"])?,
+    };
+    let bounded = |key, low: f64, high: f64, high_name: &str| {
+        let from = if low > 0.0 { format!("at least min ({low:?})") } else { "above 0".to_string() };
+        let expected = format!("{from} and at most {high_name} ({high:?})");
+        let holds = |value: f64| value > 0.0 && value >= low && value <= high;
+        table.optional(key, |item| item.number_that_is(&expected, holds, "it is in the time of the step"))
+    };
+    let max = bounded("max", 0.0, duration, "the duration")?;
+    let (high, high_name) = max.map_or((duration, "the duration"), |max| (max, "max"));
+    let min = bounded("min", 0.0, high, high_name)?;
+    let low = min.unwrap_or(0.0);
+    let initial = bounded("initial", low, high, high_name)?;
+    let initial = initial.unwrap_or((duration / 10.0).max(low).min(high));
+    Ok(Increment { initial, min: min.unwrap_or(initial / 1024.0), max: max.unwrap_or(initial) })
+}
+
+fn fix(item: &Item, names: &Names) -> Result<Fix> {
+    let table = item.table(&["set", "directions"])?;
+    let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a tool stands still unless the step moves it")?;
+    Ok(Fix { set, directions: table.optional("directions", Item::directions)?.unwrap_or([true; 3]) })
+}
+
+fn movement(item: &Item, names: &Names) -> Result<(Move, Target)> {
+    let table = item.table(&["target", "by", "directions", "rotate"])?;
+    let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
+    let (by, rotate) = (table.optional("by", Item::vector)?, table.optional("rotate", rotation)?);
+    if by.is_none() && rotate.is_none() {
+        return Err(table.error("does not say how to move", "add `by = [0.0, 0.0, 1.0]`"));
+    }
+    let by = by.unwrap_or_else(Vec3::zeros);
+    let directions = table.optional("directions", Item::directions)?.unwrap_or([true; 3]);
+    match (kind, table.get("directions"), table.get("rotate")) {
+        (Target::Tool, Some(item), _) => {
+            return Err(item.error("is for sets; a tool moves in all three", "remove it"));
+        }
+        (Target::Set, _, Some(item)) => return Err(item.error("is for tools; a set only translates", "remove it")),
+        _ => {}
+    }
+    if let (Some(axis), Some(item)) = ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis]), table.get("by")) {
+        let what = format!("moves in {}, which `directions` leaves free", letter(axis));
+        return Err(item.error(what, "make it 0, or add the direction"));
+    }
+    Ok((Move { target, by, directions, rotate }, kind))
+}
+
+fn rotation(item: &Item) -> Result<Rotation> {
+    let table = item.table(&["point", "axis", "angle"])?;
+    Ok(Rotation {
+        point: table.require("point", "[0.0, 0.0, 0.0]")?.vector()?,
+        axis: table.require("axis", "[0.0, 0.0, 1.0]")?.unit_vector()?,
+        angle: table.require("angle", "90.0")?.number()?,
+    })
+}
+
+fn force(item: &Item, names: &Names) -> Result<(Force, Target)> {
+    let table = item.table(&["target", "total", "directions"])?;
+    let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
+    let total_item = table.require("total", "[0.0, 0.0, -1.0]")?;
+    let total = total_item.vector()?;
+    let directions = match (kind, table.get("directions")) {
+        (Target::Set, None) => [true; 3],
+        (Target::Set, Some(item)) => return Err(item.error("is for tools; a set is free", "remove it")),
+        (Target::Tool, Some(item)) => item.directions()?,
+        (Target::Tool, None) => {
+            let help = "add `directions = \"z\"`, those in which the force moves the tool";
+            return Err(table.error(format!("has no `directions` for the tool `{}`", target.value), help));
+        }
+    };
+    if let Some(axis) = (0..3).find(|&axis| total[axis] != 0.0 && !directions[axis]) {
+        let what = format!("acts in {}, in which `directions` does not free the tool", letter(axis));
+        return Err(total_item.error(what, "make it 0, or add the direction"));
+    }
+    Ok((Force { target, total, directions }, kind))
+}
+
+fn pressure(item: &Item, names: &Names) -> Result<Pressure> {
+    let table = item.table(&["set", "value"])?;
+    let set = names.faces(&table.require("set", "\"BODY.GROUP\"")?)?;
+    Ok(Pressure { set, value: table.require("value", "1.0")?.number()? })
+}
+
+fn body_force(item: &Item, names: &Names) -> Result<BodyForce> {
+    let table = item.table(&["body", "per_volume"])?;
+    let body = names.body(&table.require("body", "\"BODY\"")?)?;
+    Ok(BodyForce { body, per_volume: table.require("per_volume", "[0.0, 0.0, -1.0]")?.vector()? })
+}
+
+/// A target is moved once and loaded once in a step.
+fn check_repeats(step: &Step) -> Result<()> {
+    let once = |verb: &str, targets: Vec<&Located<String>>| {
+        let repeated = |&i: &usize| targets[..i].iter().any(|other| other.value == targets[i].value);
+        match (1..targets.len()).find(repeated) {
+            Some(i) => {
+                Err(conflict(step, &targets[i].at, &format!("{verb} `{}` twice", targets[i].value), "merge the two"))
+            }
+            None => Ok(()),
+        }
+    };
+    once("moves", step.moves.iter().map(|movement| &movement.target).collect())?;
+    once("pushes", step.forces.iter().map(|force| &force.target).collect())
+}
+
+/// A set is not moved in a direction in which it is fixed.
+fn check_fixed_moves(step: &Step) -> Result<()> {
+    for movement in &step.moves {
+        for fix in step.fix.iter().filter(|fix| fix.set.value == movement.target.value) {
+            if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && fix.directions[axis]) {
+                let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, letter(axis));
+                return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A tool is not displaced in a direction in which a force drives it.
+fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
+    for movement in step.moves.iter().filter(|movement| movement.target.value == force.target.value) {
+        if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && force.directions[axis]) {
+            let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, letter(axis));
+            return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
+        }
+    }
+    Ok(())
+}
+
+fn conflict(step: &Step, at: &Location, what: &str, help: &str) -> Error {
+    Error::input(at, format!("step `{}` {what}", step.name.value), help)
+}
+
+fn letter(axis: usize) -> &'static str {
+    ["x", "y", "z"][axis]
+}
