@@ -5,8 +5,10 @@
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
+//! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
 
 pub mod error;
+pub mod mesh;
 pub mod parallel;
 pub mod scene;
 

@@ -1,0 +1,233 @@
+//! Turns the sets and surfaces of a deck into groups.
+
+use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
+use super::super::{Facet, Group, faces, message};
+use super::{Deck, Kind, Member, Side};
+use crate::error::{Error, Location, Result};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Appends all scopes to one mesh and makes the groups.
+pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
+    deck.here();
+    if deck.scopes.len() == 1 {
+        // Parts without an assembly stand where they are.
+        let parts = std::mem::take(&mut deck.parts);
+        deck.scopes.extend(parts);
+    }
+    let mut file = FileMesh::new(source);
+    let mut placed = Placed { deck: &deck, nodes: Vec::new(), cells: Vec::new(), starts: vec![0], slots: Vec::new() };
+    for scope in &deck.scopes {
+        let (nodes, slots) = file.append(&scope.point_ids, &scope.points, &scope.cells)?;
+        let ids: Vec<u64> = scope.cells.iter().map(|cell| cell.id).collect();
+        let cells = Ids::new(&ids, placed.slots.len() as u32).map_err(|twice| {
+            let what = format!("{} defined twice", message::several("element", &twice));
+            message::whole_file(source, what, "give each element a number of its own")
+        })?;
+        placed.nodes.push(nodes);
+        placed.cells.push(cells);
+        placed.slots.extend(slots);
+        placed.starts.push(placed.slots.len());
+    }
+    let mut surfaces = Surfaces::default();
+    let named: Vec<_> =
+        (0..deck.scopes.len()).map(|scope| placed.groups(scope, &mut file, &mut surfaces)).collect::<Result<_>>()?;
+    file.groups = placed.publish(named);
+    Ok(file)
+}
+
+/// The groups of one scope by name in capitals, each with its name as written.
+type Named = BTreeMap<String, (String, FileGroup)>;
+
+/// A deck with the places of its nodes and elements.
+struct Placed<'a> {
+    deck: &'a Deck,
+    /// By scope: to points.
+    nodes: Vec<Ids>,
+    /// By scope: to slots.
+    cells: Vec<Ids>,
+    /// By scope: its first slot; and the end.
+    starts: Vec<usize>,
+    slots: Vec<Slot>,
+}
+
+impl Placed<'_> {
+    /// The groups of a scope; facets of surfaces join the mesh.
+    fn groups(&self, scope: usize, file: &mut FileMesh, surfaces: &mut Surfaces) -> Result<Named> {
+        let mut nodes_of: BTreeMap<String, Vec<u32>> = BTreeMap::new();
+        let mut named = Named::new();
+        for (key, set) in self.deck.scopes[scope].sets(Kind::Node) {
+            let nodes = self.resolve(Kind::Node, scope, &set.members, &set.name, &file.mesh.source)?;
+            if let [reference] = nodes[..] {
+                file.attached[reference as usize] = true;
+            }
+            if !set.internal {
+                named.entry(key.clone()).or_insert_with(|| (set.name.clone(), FileGroup::default()));
+                nodes_of.insert(key.clone(), nodes);
+            }
+        }
+        for (key, set) in self.deck.scopes[scope].sets(Kind::Element).iter().filter(|(_, set)| !set.internal) {
+            let cells = self.resolve(Kind::Element, scope, &set.members, &set.name, &file.mesh.source)?;
+            let (_, group) = named.entry(key.clone()).or_insert_with(|| (set.name.clone(), FileGroup::default()));
+            group.group = self.group_of(cells.iter().map(|&cell| cell as usize));
+        }
+        for surface in &self.deck.scopes[scope].surfaces {
+            let key = surface.name.to_uppercase();
+            let (_, group) = named.entry(key.clone()).or_insert_with(|| (surface.name.clone(), FileGroup::default()));
+            for (member, side, at) in &surface.members {
+                let kind = if surface.nodes { Kind::Node } else { Kind::Element };
+                let members = std::slice::from_ref(member);
+                let found = self.resolve(kind, scope, members, &surface.name, &file.mesh.source)?;
+                if surface.nodes {
+                    nodes_of.entry(key.clone()).or_default().extend(found);
+                } else {
+                    for cell in found {
+                        surfaces.add(file, self.slots[cell as usize], *side, at, &mut group.group.facets)?;
+                    }
+                }
+            }
+            if !surface.nodes && !group.group.solids.is_empty() && !nodes_of.contains_key(&key) {
+                let facets = group.group.facets.iter().map(|&facet| &file.mesh.facets[facet as usize]);
+                nodes_of.insert(key, facets.flat_map(Facet::nodes).copied().collect());
+            }
+        }
+        for (key, nodes) in nodes_of {
+            if let Some((_, group)) = named.get_mut(&key) {
+                group.group.nodes = nodes;
+                group.closed = true;
+            }
+        }
+        Ok(named)
+    }
+
+    fn group_of(&self, cells: impl Iterator<Item = usize>) -> Group {
+        let mut group = Group::default();
+        for cell in cells {
+            match self.slots[cell] {
+                Slot::Solid(solid) => group.solids.push(solid),
+                Slot::Facet(facet) => group.facets.push(facet),
+                Slot::Loose(nodes) => group.nodes.extend(nodes),
+            }
+        }
+        group
+    }
+
+    /// The nodes (points) or elements (slots) that the members of a set named `name` stand for, sorted, each once.
+    fn resolve(&self, kind: Kind, scope: usize, members: &[Member], name: &str, source: &str) -> Result<Vec<u32>> {
+        let (ids, what) = match kind {
+            Kind::Node => (&self.nodes, "node"),
+            Kind::Element => (&self.cells, "element"),
+        };
+        let mut stack: Vec<(usize, &Member)> = members.iter().map(|member| (scope, member)).collect();
+        let mut seen = HashSet::new();
+        let (mut found, mut missing) = (Vec::new(), Vec::new());
+        while let Some((own, member)) = stack.pop() {
+            let of = |scope: usize| if scope == 0 { own } else { scope };
+            match member {
+                Member::One { scope, id } => match ids[of(*scope)].get(*id) {
+                    Some(index) => found.push(index),
+                    None => missing.push(*id),
+                },
+                // As in Abaqus, a range may have gaps.
+                Member::Range { scope, first, last, step } => ids[of(*scope)].range(*first, *last, *step, &mut found),
+                Member::Set { scope, name, at } => {
+                    let key = (of(*scope), name.to_uppercase());
+                    let sets = self.deck.scopes[key.0].sets(kind);
+                    let Some(set) = sets.get(&key.1) else {
+                        let help = message::near(name, sets.values().map(|set| set.name.as_str()));
+                        return Err(Error::input(at, format!("there is no {what} set '{name}'"), help));
+                    };
+                    if seen.insert(key.clone()) {
+                        stack.extend(set.members.iter().map(|member| (key.0, member)));
+                    }
+                }
+            }
+        }
+        if let Some(id) = missing.last() {
+            let more = message::and_more(missing.len() - 1);
+            let text = format!("set '{name}' names {what} {id}, which does not exist{more}");
+            return Err(message::whole_file(source, text, ""));
+        }
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
+    }
+
+    /// Names the groups of all scopes.
+    fn publish(&self, named: Vec<Named>) -> BTreeMap<String, FileGroup> {
+        let mut uses: HashMap<String, usize> = HashMap::new();
+        named.iter().flat_map(Named::keys).for_each(|key| *uses.entry(key.clone()).or_default() += 1);
+        let mut groups = BTreeMap::new();
+        for (scope, named) in named.into_iter().enumerate() {
+            for (key, (name, group)) in named {
+                if scope > 0 {
+                    groups.insert(format!("{}.{name}", self.deck.scopes[scope].name), group.clone());
+                }
+                if scope == 0 || uses[&key] == 1 {
+                    groups.insert(name, group);
+                }
+            }
+        }
+        for (scope, range) in self.starts.windows(2).enumerate().skip(1) {
+            let group = || FileGroup { group: self.group_of(range[0]..range[1]), closed: false };
+            groups.entry(self.deck.scopes[scope].name.clone()).or_insert_with(group);
+        }
+        groups
+    }
+}
+
+/// The facets that surfaces made, each once.
+#[derive(Default)]
+struct Surfaces {
+    /// By solid and local face.
+    of_solid: HashMap<(u32, u8), u32>,
+    /// Shell facets turned over.
+    turned: HashMap<u32, u32>,
+    /// The boundary of all solids, once it is needed.
+    free: Option<Vec<(u32, u8)>>,
+}
+
+impl Surfaces {
+    /// Adds the facets of one side of an element.
+    fn add(&mut self, file: &mut FileMesh, slot: Slot, side: Side, at: &Location, to: &mut Vec<u32>) -> Result<()> {
+        let mesh = &mut file.mesh;
+        match (slot, side) {
+            (Slot::Solid(solid), Side::Face(face)) => {
+                let shape = mesh.solids[solid as usize].shape;
+                if face as usize >= shape.face_count() {
+                    let id = mesh.solids[solid as usize].id;
+                    let what = format!("element {id} has {} faces, no S{}", shape.face_count(), face + 1);
+                    return Err(Error::input(at, what, ""));
+                }
+                to.push(self.face(file, solid, face));
+            }
+            (Slot::Solid(solid), Side::Free) => {
+                let free = self.free.get_or_insert_with(|| faces::boundary(&mesh.solids));
+                let first = free.partition_point(|face| face.0 < solid);
+                let own: Vec<_> = free[first..].iter().take_while(|face| face.0 == solid).copied().collect();
+                to.extend(own.into_iter().map(|(solid, face)| self.face(file, solid, face)));
+            }
+            (Slot::Facet(facet), Side::Free | Side::Positive | Side::Face(1)) => to.push(facet),
+            (Slot::Facet(facet), Side::Negative | Side::Face(0)) => {
+                to.push(*self.turned.entry(facet).or_insert_with(|| {
+                    mesh.facets.push(mesh.facets[facet as usize].reversed());
+                    mesh.facets.len() as u32 - 1
+                }));
+            }
+            (Slot::Solid(_), _) => {
+                return Err(Error::input(at, "a solid has no positive or negative side", "use S1 to S6"));
+            }
+            (Slot::Facet(_), Side::Face(_)) => {
+                return Err(Error::input(at, "a surface element has no such face", "use SPOS or SNEG"));
+            }
+            (Slot::Loose(_), _) => return Err(Error::input(at, "a point or a line has no faces", "")),
+        }
+        Ok(())
+    }
+
+    fn face(&mut self, file: &mut FileMesh, solid: u32, face: u8) -> u32 {
+        *self.of_solid.entry((solid, face)).or_insert_with(|| {
+            file.mesh.facets.push(file.mesh.solids[solid as usize].face(face as usize));
+            file.mesh.facets.len() as u32 - 1
+        })
+    }
+}

@@ -1,0 +1,402 @@
+//! Refuses meshes that cannot be computed with, and names what is wrong by the numbers of the file.
+
+use super::{Facet, Mesh, Solid, SolidShape, message};
+use crate::Vec3;
+use crate::error::{Error, Result};
+
+/// Coincident nodes are closer than this times the size of the elements around them.
+const COINCIDENT: f64 = 1e-9;
+/// A volume or area is zero below this times the product of the lengths that span it.
+const FLAT: f64 = 1e-10;
+
+/// Checks a whole mesh: coordinates, connectivity, shapes of elements and facets, duplicates, coincident nodes.
+///
+/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners.
+pub fn check(mesh: &Mesh) -> Result<()> {
+    let broken = (0..mesh.points.len()).filter(|&node| !mesh.points[node].iter().all(|x| x.is_finite()));
+    refuse(mesh, "node", ids_of(mesh, broken), "not at a finite place", "give it finite coordinates")?;
+    check_connectivity(mesh)?;
+    check_solids(mesh)?;
+    check_facets(mesh)?;
+    check_duplicates(mesh)?;
+    check_coincident(mesh)
+}
+
+fn ids_of(mesh: &Mesh, nodes: impl Iterator<Item = usize>) -> Vec<u64> {
+    nodes.map(|node| mesh.point_ids.get(node).copied().unwrap_or(node as u64)).collect()
+}
+
+/// An error when `ids` holds any: "nodes 3, 4, 5 and 7 more are `what`".
+fn refuse(mesh: &Mesh, kind: &str, ids: Vec<u64>, what: &str, help: &str) -> Result<()> {
+    match ids.is_empty() {
+        true => Ok(()),
+        false => Err(fail(mesh, format!("{} {what}", message::several(kind, &ids)), help)),
+    }
+}
+
+fn fail(mesh: &Mesh, what: String, help: &str) -> Error {
+    message::whole_file(&mesh.source, what, help)
+}
+
+/// Nodes that elements name exist, and belong to something.
+fn check_connectivity(mesh: &Mesh) -> Result<()> {
+    let mut used = vec![false; mesh.points.len()];
+    let elements = mesh.solids.iter().map(|solid| (solid.id, solid.nodes()));
+    for (id, nodes) in elements.chain(mesh.facets.iter().map(|facet| (facet.id, facet.nodes()))) {
+        for &node in nodes {
+            match used.get_mut(node as usize) {
+                Some(used) => *used = true,
+                None => return Err(fail(mesh, format!("element {id} names node {node}, which does not exist"), "")),
+            }
+        }
+    }
+    let alone = (0..used.len()).filter(|&node| !used[node]);
+    refuse(mesh, "node", ids_of(mesh, alone), ALONE, DELETE)
+}
+
+pub(super) const ALONE: &str = "not part of any element";
+pub(super) const DELETE: &str = "delete nodes that nothing uses";
+
+fn check_solids(mesh: &Mesh) -> Result<()> {
+    let mut bad = [const { Vec::new() }; 4];
+    let points = Quadrature::new();
+    for solid in &mesh.solids {
+        let fault = if repeats(solid.nodes()) {
+            0
+        } else {
+            let corners = solid.nodes.map(|node| Vec3::from(mesh.points[node as usize]));
+            let (low, high) = match solid.shape {
+                SolidShape::Tet4 => scaled_tet(&corners),
+                SolidShape::Hex8 => points.scaled_hex(&corners),
+            };
+            match () {
+                _ if high < -FLAT => 1,
+                _ if low < -FLAT => 2,
+                // Also when it is not a number.
+                _ if low > FLAT => continue,
+                _ => 3,
+            }
+        };
+        bad[fault].push(solid.id);
+    }
+    let [repeated, mirrored, inverted, flat] = bad;
+    refuse(mesh, "element", repeated, "degenerate: a node occurs twice", "wedges and pyramids are not read")?;
+    refuse(
+        mesh,
+        "element",
+        mirrored,
+        "inside out: the nodes are in mirrored order",
+        "turn the order of the nodes over",
+    )?;
+    refuse(
+        mesh,
+        "element",
+        inverted,
+        "inverted: the Jacobian determinant is negative somewhere",
+        "repair the mesh there",
+    )?;
+    refuse(mesh, "element", flat, "without volume", "repair the mesh there")
+}
+
+fn repeats(nodes: &[u32]) -> bool {
+    nodes.iter().enumerate().any(|(at, node)| nodes[..at].contains(node))
+}
+
+/// Determinant of three vectors over the product of their lengths: 1 for right angles, 0 when flat.
+fn scaled(a: Vec3, b: Vec3, c: Vec3) -> f64 {
+    a.dot(&b.cross(&c)) / (a.norm() * b.norm() * c.norm())
+}
+
+/// Smallest and largest scaled determinant over the corners of a tetrahedron.
+fn scaled_tet(x: &[Vec3; 8]) -> (f64, f64) {
+    let value = scaled(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
+    (value, value)
+}
+
+/// Signs of the parent coordinates of the corners of a hexahedron.
+const CORNERS: [[f64; 3]; 8] = [
+    [-1., -1., -1.],
+    [1., -1., -1.],
+    [1., 1., -1.],
+    [-1., 1., -1.],
+    [-1., -1., 1.],
+    [1., -1., 1.],
+    [1., 1., 1.],
+    [-1., 1., 1.],
+];
+
+/// Derivatives of the trilinear shape functions at the Gauss points and corners of a hexahedron.
+struct Quadrature([[[f64; 3]; 8]; 16]);
+
+impl Quadrature {
+    fn new() -> Self {
+        let gauss = 1.0 / 3.0_f64.sqrt();
+        Self(std::array::from_fn(|point| {
+            let at = CORNERS[point % 8].map(|sign| if point < 8 { sign } else { sign * gauss });
+            CORNERS.map(|corner| {
+                let f: [f64; 3] = std::array::from_fn(|i| 1.0 + corner[i] * at[i]);
+                [corner[0] * f[1] * f[2], f[0] * corner[1] * f[2], f[0] * f[1] * corner[2]].map(|d| d / 8.0)
+            })
+        }))
+    }
+
+    /// Smallest and largest scaled determinant over the points.
+    fn scaled_hex(&self, x: &[Vec3; 8]) -> (f64, f64) {
+        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
+        for derivatives in &self.0 {
+            let mut columns = [Vec3::zeros(); 3];
+            for (derivative, x) in derivatives.iter().zip(x) {
+                for (column, d) in columns.iter_mut().zip(derivative) {
+                    *column += x * *d;
+                }
+            }
+            let value = scaled(columns[0], columns[1], columns[2]);
+            if value.is_nan() {
+                return (value, value);
+            }
+            range = (range.0.min(value), range.1.max(value));
+        }
+        range
+    }
+}
+
+fn check_facets(mesh: &Mesh) -> Result<()> {
+    let (mut repeated, mut flat, mut folded) = (Vec::new(), Vec::new(), Vec::new());
+    for facet in &mesh.facets {
+        if repeats(facet.nodes()) {
+            repeated.push(facet.id);
+            continue;
+        }
+        match squareness(mesh, facet) {
+            value if value < -FLAT => folded.push(facet.id),
+            value if value > FLAT => {}
+            _ => flat.push(facet.id),
+        }
+    }
+    refuse(mesh, "facet", repeated, "degenerate: a node occurs twice", "use triangles where quadrilaterals collapse")?;
+    refuse(mesh, "facet", flat, "degenerate: without area, or with two edges on one line", "repair the surface there")?;
+    refuse(mesh, "facet", folded, "folded or concave", "repair the surface there")
+}
+
+/// Smallest sine of the angles at the corners of a facet, negative where it folds back; not a number without area.
+fn squareness(mesh: &Mesh, facet: &Facet) -> f64 {
+    let x: [Vec3; 4] = facet.nodes.map(|node| Vec3::from(mesh.points[node as usize]));
+    let count = facet.count as usize;
+    let diagonals = if count == 4 { [x[2] - x[0], x[3] - x[1]] } else { [x[1] - x[0], x[2] - x[0]] };
+    let area = diagonals[0].cross(&diagonals[1]);
+    if area.norm() <= FLAT * diagonals[0].norm() * diagonals[1].norm() {
+        return f64::NAN;
+    }
+    let normal = area.normalize();
+    let sine = |corner: usize| {
+        let (a, b) = (x[(corner + 1) % count] - x[corner], x[(corner + count - 1) % count] - x[corner]);
+        a.cross(&b).dot(&normal) / (a.norm() * b.norm())
+    };
+    // A NaN must stay one, which `min` would drop.
+    (0..count).map(sine).fold(1.0, |least, value| if value >= least { least } else { value })
+}
+
+fn check_duplicates(mesh: &Mesh) -> Result<()> {
+    let key = |solid: &Solid| {
+        let mut key = solid.nodes;
+        key[solid.nodes().len()..].fill(u32::MAX);
+        key.sort_unstable();
+        key
+    };
+    let solids = mesh.solids.iter().map(|solid| (key(solid), solid.id)).collect();
+    refuse_pairs(mesh, "elements", duplicates(solids))?;
+    refuse_pairs(mesh, "facets", duplicates(mesh.facets.iter().map(|facet| (facet.key(), facet.id)).collect()))
+}
+
+/// Pairs of numbers with equal keys.
+fn duplicates<K: Ord>(mut keyed: Vec<(K, u64)>) -> Vec<[u64; 2]> {
+    keyed.sort_unstable();
+    keyed.windows(2).filter(|pair| pair[0].0 == pair[1].0).map(|pair| [pair[0].1, pair[1].1]).collect()
+}
+
+fn refuse_pairs(mesh: &Mesh, kind: &str, pairs: Vec<[u64; 2]>) -> Result<()> {
+    match pairs.first() {
+        None => Ok(()),
+        Some([a, b]) => {
+            let what = format!("{kind} {a} and {b} have the same nodes{}", more_pairs(&pairs));
+            Err(fail(mesh, what, "delete one of them"))
+        }
+    }
+}
+
+fn more_pairs<T>(pairs: &[T]) -> String {
+    if pairs.len() == 1 { String::new() } else { format!(", and {} more pairs", pairs.len() - 1) }
+}
+
+/// No two nodes are at the same place: sorted along a direction that no mesh is aligned with, close ones are near in
+/// the order.
+fn check_coincident(mesh: &Mesh) -> Result<()> {
+    let sizes = sizes(mesh);
+    let direction = Vec3::new(0.5357, 0.6214, 0.5718);
+    let points: Vec<Vec3> = mesh.points.iter().map(|&point| point.into()).collect();
+    let mut order: Vec<(f64, u32)> = points.iter().zip(0..).map(|(point, at)| (point.dot(&direction), at)).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    // Projections carry rounding errors of the size of the coordinates.
+    let extent = points.iter().map(|point| point.amax()).fold(0.0, f64::max);
+    let window = COINCIDENT * sizes.iter().copied().fold(0.0, f64::max) + 1e-15 * extent;
+    let mut pairs = Vec::new();
+    for (at, &(along, a)) in order.iter().enumerate() {
+        for &(_, b) in order[at + 1..].iter().take_while(|other| other.0 - along <= window) {
+            let [a, b] = [a.min(b) as usize, a.max(b) as usize];
+            if (points[a] - points[b]).norm() <= COINCIDENT * sizes[a].min(sizes[b]) {
+                pairs.push([a, b]);
+            }
+        }
+    }
+    pairs.sort_unstable();
+    match pairs.first() {
+        None => Ok(()),
+        Some(&[a, b]) => {
+            let [x, y, z] = mesh.points[a];
+            let [id_a, id_b] = [a, b].map(|node| mesh.point_ids[node]);
+            let what = format!("nodes {id_a} and {id_b} are both at ({x}, {y}, {z}){}", more_pairs(&pairs));
+            Err(fail(mesh, what, "merge coincident nodes (Gmsh: Coherence Mesh), or take the parts as separate groups"))
+        }
+    }
+}
+
+/// For each node the size of the largest element around it: the extent of its box.
+fn sizes(mesh: &Mesh) -> Vec<f64> {
+    let mut sizes = vec![0.0_f64; mesh.points.len()];
+    for nodes in mesh.solids.iter().map(Solid::nodes).chain(mesh.facets.iter().map(Facet::nodes)) {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &node in nodes {
+            for (i, &x) in mesh.points[node as usize].iter().enumerate() {
+                low[i] = low[i].min(x);
+                high[i] = high[i].max(x);
+            }
+        }
+        let size = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+        nodes.iter().for_each(|&node| sizes[node as usize] = sizes[node as usize].max(size));
+    }
+    sizes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0], id: 70 };
+
+    /// A unit tetrahedron and a unit cube beside it; number of node i is 10 i.
+    fn sample() -> Mesh {
+        let mut points = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
+        points.extend(CORNERS.map(|corner| corner.map(|sign| 3.5 + 0.5 * sign)));
+        let hex = Solid { shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11], id: 71 };
+        Mesh {
+            source: "a.msh".into(),
+            point_ids: (0..points.len() as u64).map(|id| 10 * id).collect(),
+            points,
+            solids: vec![TET, hex],
+            facets: vec![hex.face(1), TET.face(0)],
+            groups: Default::default(),
+        }
+    }
+
+    /// The message after a change.
+    fn broken(change: impl Fn(&mut Mesh)) -> String {
+        let mut mesh = sample();
+        change(&mut mesh);
+        let text = check(&mesh).unwrap_err().to_string();
+        assert!(text.starts_with("a.msh: "), "{text}");
+        text["a.msh: ".len()..].lines().next().unwrap_or_default().to_string()
+    }
+
+    #[test]
+    fn a_good_mesh_passes_in_any_unit() {
+        for scale in [1.0, 1e-9, 1e9] {
+            let mut mesh = sample();
+            mesh.points.iter_mut().flatten().for_each(|x| *x *= scale);
+            check(&mesh).unwrap();
+            // A body that is thin along two directions is not flat.
+            mesh.points[4..].iter_mut().for_each(|point| point[1] *= 1e-6);
+            mesh.points[4..].iter_mut().for_each(|point| point[2] *= 1e-6);
+            check(&mesh).unwrap();
+        }
+        check(&Mesh::default()).unwrap();
+    }
+
+    #[test]
+    fn nodes() {
+        assert_eq!(broken(|mesh| mesh.points[3][1] = f64::NAN), "node 30 is not at a finite place");
+        let all = broken(|mesh| mesh.points.iter_mut().for_each(|point| point[2] = f64::INFINITY));
+        assert_eq!(all, "nodes 0, 10, 20 and 9 more are not at a finite place");
+        assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 99), "element 71 names node 99, which does not exist");
+        let alone = |mesh: &mut Mesh| {
+            mesh.points.push([9.0; 3]);
+            mesh.point_ids.push(555);
+        };
+        assert_eq!(broken(alone), "node 555 is not part of any element");
+        assert_eq!(
+            broken(|mesh| mesh.points[3] = [3.0, 3.0, 3.0 + 1e-10]),
+            "nodes 30 and 40 are both at (3, 3, 3.0000000001)"
+        );
+        let copy = |mesh: &mut Mesh| {
+            let mut other = sample();
+            other.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|node| *node += 12);
+            mesh.points.extend(other.points);
+            mesh.point_ids.extend(100..112);
+            mesh.solids.extend(other.solids);
+        };
+        assert_eq!(broken(copy), "nodes 0 and 100 are both at (0, 0, 0), and 11 more pairs");
+    }
+
+    #[test]
+    fn close_nodes_that_are_apart_pass() {
+        let mut mesh = sample();
+        mesh.points[3] = [3.0, 3.0, 3.0 - 1e-8];
+        check(&mesh).unwrap();
+    }
+
+    #[test]
+    fn solids() {
+        let mirrored = broken(|mesh| mesh.solids[0].nodes.swap(0, 1));
+        assert_eq!(mirrored, "element 70 is inside out: the nodes are in mirrored order");
+        let mirrored = broken(|mesh| {
+            let n = mesh.solids[1].nodes;
+            mesh.solids[1].nodes = [n[4], n[5], n[6], n[7], n[0], n[1], n[2], n[3]];
+        });
+        assert_eq!(mirrored, "element 71 is inside out: the nodes are in mirrored order");
+        // A corner pushed through the opposite faces; the Jacobian of the other corners stays positive.
+        let inverted = broken(|mesh| mesh.points[10] = [3.1; 3]);
+        assert_eq!(inverted, "element 71 is inverted: the Jacobian determinant is negative somewhere");
+        assert_eq!(broken(|mesh| mesh.points[3][2] = 0.0), "element 70 is without volume");
+        assert_eq!(
+            broken(|mesh| mesh.points[8..].iter_mut().for_each(|point| point[2] = 3.0)),
+            "element 71 is without volume"
+        );
+        assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 8), "element 71 is degenerate: a node occurs twice");
+        let twice = |mesh: &mut Mesh| mesh.solids.push(Solid { nodes: [1, 2, 0, 3, 0, 0, 0, 0], id: 80, ..TET });
+        assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
+    }
+
+    #[test]
+    fn facets() {
+        assert_eq!(broken(|mesh| mesh.facets[1].nodes[1] = 0), "facet 70 is degenerate: a node occurs twice");
+        let twice = |mesh: &mut Mesh| mesh.facets.push(Facet { id: 90, ..mesh.facets[0].reversed() });
+        assert_eq!(broken(twice), "facets 71 and 90 have the same nodes");
+        let crossed = |mesh: &mut Mesh| {
+            mesh.solids.truncate(1);
+            mesh.points[10] = [3.2, 3.2, 4.0];
+        };
+        assert_eq!(
+            broken(|mesh| {
+                crossed(mesh);
+                mesh.facets.push(Solid { id: 5, shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11] }.face(0))
+            }),
+            "facet 71 is folded or concave"
+        );
+        let flat = |mesh: &mut Mesh| {
+            mesh.solids.clear();
+            mesh.facets = vec![Facet { count: 3, nodes: [0, 1, 2, 0], id: 1 }];
+            mesh.points = vec![[0., 0., 0.], [1., 1., 0.], [3., 3., 0.]];
+            mesh.point_ids = vec![1, 2, 3];
+        };
+        assert_eq!(broken(flat), "facet 1 is degenerate: without area, or with two edges on one line");
+    }
+}

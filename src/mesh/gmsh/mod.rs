@@ -1,0 +1,351 @@
+//! Gmsh files, versions 2.2 and 4.1, text and binary (Gmsh reference manual, "Gmsh file formats").
+//!
+//! A physical group becomes a group under its name, or under its number when it has no name ("surface 1" and
+//! "volume 1" where several dimensions use that number). Groups of points and lines give their nodes.
+
+mod bytes;
+#[cfg(test)]
+mod tests;
+
+use super::message;
+use super::raw::{Cell, CellShape, FileMesh, Slot};
+use crate::error::Result;
+use bytes::{Bytes, Encoding};
+use std::collections::HashMap;
+
+/// (dimension, number) of a physical group or an entity.
+type Key = (i64, i64);
+
+/// Names of the dimensions of groups.
+const DIMENSIONS: [&str; 4] = ["point", "curve", "surface", "volume"];
+
+/// Reads a whole file; `source` names it in messages.
+pub(super) fn read(source: &str, data: &[u8]) -> Result<FileMesh> {
+    let mut gmsh = Gmsh {
+        input: Bytes::new(source, data),
+        names: HashMap::new(),
+        entities: HashMap::new(),
+        point_ids: Vec::new(),
+        points: Vec::new(),
+        cells: Vec::new(),
+        groups: HashMap::new(),
+        written: HashMap::new(),
+    };
+    let old = gmsh.read_format()?;
+    let mut missing = vec!["$Nodes", "$Elements"];
+    while let Some(name) = gmsh.input.section()? {
+        missing.retain(|section| section.as_bytes()[1..] != *name);
+        match (name, old) {
+            (b"PhysicalNames", _) => gmsh.read_names()?,
+            (b"Entities", false) => gmsh.read_entities(false)?,
+            (b"PartitionedEntities", false) => gmsh.read_entities(true)?,
+            (b"Nodes", true) => gmsh.read_nodes_2()?,
+            (b"Nodes", false) => gmsh.read_nodes_4()?,
+            (b"Elements", true) => gmsh.read_elements_2()?,
+            (b"Elements", false) => gmsh.read_elements_4()?,
+            _ => {
+                gmsh.input.skip_section(name)?;
+                continue;
+            }
+        }
+        gmsh.input.end_section(name)?;
+    }
+    match missing.first() {
+        Some(section) => Err(message::whole_file(source, format!("the file has no {section}"), "mesh before saving")),
+        None => gmsh.finish(source),
+    }
+}
+
+struct Gmsh<'a> {
+    input: Bytes<'a>,
+    names: HashMap<Key, String>,
+    /// Physical groups of each entity; negative where the group turns it over.
+    entities: HashMap<Key, Vec<i64>>,
+    point_ids: Vec<u64>,
+    points: Vec<[f64; 3]>,
+    cells: Vec<Cell>,
+    /// Cells of each physical group.
+    groups: HashMap<Key, Vec<u32>>,
+    /// Version 2 writes an element once for each of its groups: where it went, and the groups so far.
+    written: HashMap<(CellShape, [u64; 8]), (u32, Vec<i64>)>,
+}
+
+impl Gmsh<'_> {
+    /// Reads up to the end of `$MeshFormat` and sets the encoding; true for version 2.
+    fn read_format(&mut self) -> Result<bool> {
+        while let Some(name) = self.input.section()? {
+            match name {
+                b"MeshFormat" => break,
+                b"NOD" => return Err(self.input.error_here("Gmsh version 1 is not read", VERSIONS)),
+                _ => self.input.skip_section(name)?,
+            }
+        }
+        let version: f64 = self.input.word_as("the version of the format")?;
+        let old = (2.0..3.0).contains(&version);
+        if !old && version != 4.1 {
+            return Err(self.input.error_here(format!("Gmsh version {version} is not read"), VERSIONS));
+        }
+        let binary: u8 = self.input.word_as("the file type (0 or 1)")?;
+        let size: u8 = self.input.word_as("the data size")?;
+        if size != 8 && (old || size != 4) {
+            return Err(self.input.error_here(format!("data size {size} is not read"), "Gmsh writes 8"));
+        }
+        if binary != 0 {
+            self.input.end_line();
+            self.input.encoding = Encoding::Binary { big: false, wide: size == 8 };
+            match self.input.int("the number 1")? {
+                1 => {}
+                0x0100_0000 => self.input.encoding = Encoding::Binary { big: true, wide: size == 8 },
+                other => return Err(self.input.error_here(format!("expected the number 1, found {other}"), "")),
+            }
+        }
+        self.input.end_section(b"MeshFormat")?;
+        Ok(old)
+    }
+
+    fn read_names(&mut self) -> Result<()> {
+        for _ in 0..self.input.text_count("the number of physical names")? {
+            let dimension = self.input.word_as("a dimension")?;
+            let number = self.input.word_as("the number of a physical group")?;
+            let name = self.input.quoted("the name of a physical group")?;
+            self.names.insert((dimension, number), name);
+        }
+        Ok(())
+    }
+
+    /// Only the physical groups of the entities matter here.
+    fn read_entities(&mut self, partitioned: bool) -> Result<()> {
+        let input = &mut self.input;
+        if partitioned {
+            input.size("the number of partitions")?;
+            for _ in 0..2 * input.count("the number of ghost entities")? {
+                input.int("a ghost entity")?;
+            }
+        }
+        let mut counts = [0; 4];
+        for count in &mut counts {
+            *count = input.count("the number of entities")?;
+        }
+        for (dimension, count) in (0..).zip(counts) {
+            for _ in 0..count {
+                let number = input.int("the number of an entity")?;
+                if partitioned {
+                    input.int("the dimension of a parent")?;
+                    input.int("the number of a parent")?;
+                    for _ in 0..input.count("the number of partitions of an entity")? {
+                        input.int("a partition")?;
+                    }
+                }
+                for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                    input.real("a bound of an entity")?;
+                }
+                let mut physical = Vec::new();
+                for _ in 0..input.count("the number of physical groups of an entity")? {
+                    physical.push(input.int("a physical group")?);
+                }
+                if dimension > 0 {
+                    for _ in 0..input.count("the number of bounding entities")? {
+                        input.int("a bounding entity")?;
+                    }
+                }
+                self.entities.insert((dimension, number), physical);
+            }
+        }
+        Ok(())
+    }
+
+    fn read_nodes_2(&mut self) -> Result<()> {
+        let count = self.input.text_count("the number of nodes")?;
+        self.input.end_line();
+        for _ in 0..count {
+            let id = self.id("a node number")?;
+            self.point_ids.push(id);
+            self.read_point()?;
+        }
+        Ok(())
+    }
+
+    fn read_nodes_4(&mut self) -> Result<()> {
+        let blocks = self.input.count("the number of node blocks")?;
+        for what in ["the number of nodes", "the smallest node number", "the largest node number"] {
+            self.input.size(what)?;
+        }
+        for _ in 0..blocks {
+            let dimension = self.input.int("the dimension of an entity")?;
+            self.input.int("the number of an entity")?;
+            let parametric = self.input.int("0 or 1 for parametric coordinates")? != 0;
+            let count = self.input.count("the number of nodes of a block")?;
+            for _ in 0..count {
+                let id = self.input.size("a node number")?;
+                self.point_ids.push(id);
+            }
+            for _ in 0..count {
+                self.read_point()?;
+                for _ in 0..if parametric { dimension.clamp(0, 3) } else { 0 } {
+                    self.input.real("a parametric coordinate")?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn read_point(&mut self) -> Result<()> {
+        let mut point = [0.0; 3];
+        for coordinate in &mut point {
+            *coordinate = self.input.real("a coordinate")?;
+        }
+        self.points.push(point);
+        Ok(())
+    }
+
+    fn read_elements_2(&mut self) -> Result<()> {
+        let mut left = self.input.text_count("the number of elements")?;
+        self.input.end_line();
+        let text = self.input.encoding == Encoding::Text;
+        while left > 0 {
+            // In binary, a header serves a run of elements and stands before their numbers.
+            let mut id = if text { self.id("an element number")? } else { 0 };
+            let kind = self.input.int("an element type")?;
+            let run = if text { 1 } else { self.input.int("the number of elements of a run")? };
+            if !(1..=left as i64).contains(&run) {
+                let what = format!("a run has {run} elements, but {left} are left");
+                return Err(self.input.error_here(what, ""));
+            }
+            left -= run as usize;
+            let tag_count = self.input.int("the number of tags")?;
+            for _ in 0..run {
+                if !text {
+                    id = self.id("an element number")?;
+                }
+                let mut physical = 0;
+                for place in 0..tag_count {
+                    let tag = self.input.int("a tag")?;
+                    if place == 0 {
+                        physical = tag;
+                    }
+                }
+                self.read_cell_2(kind, id, physical)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn read_cell_2(&mut self, kind: i64, id: u64, physical: i64) -> Result<()> {
+        let shape = self.shape(kind, id)?;
+        let mut cell = Cell { shape, id, nodes: [0; 8] };
+        for node in &mut cell.nodes[..shape.node_count()] {
+            *node = self.id("a node number")?;
+        }
+        let index = self.cells.len() as u32;
+        let (at, groups) = self.written.entry((shape, cell.nodes)).or_insert((index, Vec::new()));
+        if physical == 0 || groups.contains(&physical) || (*at != index && groups.is_empty()) {
+            *at = index; // new, or a true duplicate, which is for the check to find
+        }
+        if *at == index {
+            self.cells.push(cell);
+        }
+        if physical != 0 {
+            groups.push(physical);
+            self.groups.entry((dimension(shape), physical.abs())).or_default().push(*at);
+        }
+        Ok(())
+    }
+
+    fn read_elements_4(&mut self) -> Result<()> {
+        let blocks = self.input.count("the number of element blocks")?;
+        for what in ["the number of elements", "the smallest element number", "the largest element number"] {
+            self.input.size(what)?;
+        }
+        for _ in 0..blocks {
+            let entity = (self.input.int("the dimension of an entity")?, self.input.int("the number of an entity")?);
+            let kind = self.input.int("an element type")?;
+            let count = self.input.count("the number of elements of a block")?;
+            let physical = self.entities.get(&entity).cloned().unwrap_or_default();
+            let start = self.cells.len() as u32;
+            for _ in 0..count {
+                let id = self.input.size("an element number")?;
+                let shape = self.shape(kind, id)?;
+                let mut nodes = [0; 8];
+                for node in &mut nodes[..shape.node_count()] {
+                    *node = self.input.size("a node number")?;
+                }
+                if matches!(shape, CellShape::Triangle | CellShape::Quad) && physical.first().is_some_and(|&p| p < 0) {
+                    nodes[1..shape.node_count()].reverse();
+                }
+                self.cells.push(Cell { shape, id, nodes });
+            }
+            for number in physical {
+                let cells = self.groups.entry((entity.0, number.abs())).or_default();
+                cells.extend(start..self.cells.len() as u32);
+            }
+        }
+        Ok(())
+    }
+
+    fn id(&mut self, what: &str) -> Result<u64> {
+        let value = self.input.int(what)?;
+        u64::try_from(value).map_err(|_| self.input.error_here(format!("expected {what}, found {value}"), ""))
+    }
+
+    fn shape(&self, kind: i64, id: u64) -> Result<CellShape> {
+        let (name, help) = match kind {
+            1 => return Ok(CellShape::Line),
+            2 => return Ok(CellShape::Triangle),
+            3 => return Ok(CellShape::Quad),
+            4 => return Ok(CellShape::Tet),
+            5 => return Ok(CellShape::Hex),
+            15 => return Ok(CellShape::Point),
+            6 => ("6-node wedges", LINEAR),
+            7 => ("5-node pyramids", LINEAR),
+            8 => ("second-order lines", ORDER),
+            9 => ("second-order triangles", ORDER),
+            10 | 16 => ("second-order quadrilaterals", ORDER),
+            11 => ("second-order tetrahedra", ORDER),
+            12 | 17 => ("second-order hexahedra", ORDER),
+            13 | 18 => ("second-order wedges", ORDER),
+            14 | 19 => ("second-order pyramids", ORDER),
+            20.. => ("such elements", ORDER),
+            _ => ("such elements", LINEAR),
+        };
+        let what = format!("element {id} has Gmsh type {kind}; {name} are not read");
+        Err(self.input.error_here(what, help))
+    }
+
+    fn finish(self, source: &str) -> Result<FileMesh> {
+        let mut file = FileMesh::new(source);
+        let (_, slots) = file.append(&self.point_ids, &self.points, &self.cells)?;
+        for (&(dimension, number), cells) in &self.groups {
+            let elsewhere = |&(d, n): &Key| n == number && d != dimension && !self.names.contains_key(&(d, n));
+            let name = match self.names.get(&(dimension, number)) {
+                Some(name) => name.clone(),
+                None if self.groups.keys().any(elsewhere) => {
+                    let dimension = usize::try_from(dimension).ok().and_then(|d| DIMENSIONS.get(d));
+                    format!("{} {number}", dimension.unwrap_or(&"entity"))
+                }
+                None => number.to_string(),
+            };
+            let group = &mut file.groups.entry(name).or_default().group;
+            for &cell in cells {
+                match slots[cell as usize] {
+                    Slot::Solid(solid) => group.solids.push(solid),
+                    Slot::Facet(facet) => group.facets.push(facet),
+                    Slot::Loose(nodes) => group.nodes.extend(nodes),
+                }
+            }
+        }
+        Ok(file)
+    }
+}
+
+const VERSIONS: &str = "save it as version 4.1 or 2.2";
+const ORDER: &str = "mesh with order 1";
+const LINEAR: &str = "use linear tetrahedra or hexahedra, and triangles or quadrilaterals on surfaces";
+
+fn dimension(shape: CellShape) -> i64 {
+    match shape {
+        CellShape::Point => 0,
+        CellShape::Line => 1,
+        CellShape::Triangle | CellShape::Quad => 2,
+        CellShape::Tet | CellShape::Hex => 3,
+    }
+}

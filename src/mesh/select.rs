@@ -1,0 +1,196 @@
+//! Takes a body or a tool out of a file: its elements, their nodes, and the groups restricted to them.
+
+use super::faces::{self, FaceKey, Owner};
+use super::raw::{FileGroup, FileMesh};
+use super::{Facet, Group, Mesh, Purpose, Solid, message};
+use crate::error::{Error, Location, Result};
+use std::collections::HashMap;
+
+/// What a file is asked for.
+pub(super) struct Wish<'a> {
+    pub purpose: Purpose,
+    /// A group of volume elements (body) or facets (tool); `None` takes all.
+    pub group: Option<&'a str>,
+    /// Where the user asked.
+    pub at: &'a Location,
+}
+
+/// What was taken.
+pub(super) struct Selected {
+    pub mesh: Mesh,
+    /// For each facet, whether it points out of a solid of the file; the others are as the file has them.
+    pub outward: Vec<bool>,
+}
+
+/// Takes what is wished for. A body's facets are boundary faces of its solids; a tool has facets alone.
+pub(super) fn select(file: FileMesh, wish: &Wish) -> Result<Selected> {
+    let chosen = match wish.group {
+        Some(name) => Some(&file.groups.get(name).ok_or_else(|| unknown(&file, name, wish))?.group),
+        None => None,
+    };
+    let taken = match wish.purpose {
+        Purpose::Body => take_body(&file, chosen, wish)?,
+        Purpose::Tool => take_tool(&file, chosen, wish)?,
+    };
+    let outward = taken.outward.clone();
+    Ok(Selected { mesh: taken.restrict(file), outward })
+}
+
+/// The groups that could have been meant.
+fn fitting(file: &FileMesh, purpose: Purpose) -> impl Iterator<Item = &str> {
+    let fits = move |group: &Group| match purpose {
+        Purpose::Body => !group.solids.is_empty(),
+        Purpose::Tool => !group.facets.is_empty(),
+    };
+    file.groups.iter().filter(move |(_, found)| fits(&found.group)).map(|(name, _)| name.as_str())
+}
+
+fn unknown(file: &FileMesh, name: &str, wish: &Wish) -> Error {
+    let what = format!("'{}' has no group '{name}'", file.mesh.source);
+    Error::input(wish.at, what, message::near(name, fitting(file, wish.purpose)))
+}
+
+fn empty(file: &FileMesh, wish: &Wish) -> Error {
+    let what = match wish.purpose {
+        Purpose::Body => "volume elements (tetrahedra or hexahedra), which a body is made of",
+        Purpose::Tool => "surface elements (triangles or quadrilaterals), which a tool is made of",
+    };
+    match wish.group {
+        Some(name) => {
+            let help = message::near(name, fitting(file, wish.purpose));
+            Error::input(wish.at, format!("group '{name}' of '{}' has no {what}", file.mesh.source), help)
+        }
+        None => Error::input(wish.at, format!("'{}' has no {what}", file.mesh.source), ""),
+    }
+}
+
+/// What is taken, in the nodes of the file.
+struct Taken {
+    solids: Vec<Solid>,
+    facets: Vec<Facet>,
+    /// For each of the facets, whether it points out of a solid.
+    outward: Vec<bool>,
+    /// New index of each solid and facet of the file.
+    solid_map: Vec<Option<u32>>,
+    facet_map: Vec<Option<u32>>,
+    /// Facets inside the body: they count for the nodes of their groups only.
+    inside: Vec<bool>,
+}
+
+fn take_body(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Taken> {
+    let mesh = &file.mesh;
+    let mut solid_map = vec![None; mesh.solids.len()];
+    let mut solids = Vec::new();
+    let mut take = |index: usize| {
+        solid_map[index].get_or_insert_with(|| {
+            solids.push(mesh.solids[index]);
+            solids.len() as u32 - 1
+        });
+    };
+    match chosen {
+        Some(group) => group.solids.iter().for_each(|&index| take(index as usize)),
+        None => (0..mesh.solids.len()).for_each(&mut take),
+    }
+    if solids.is_empty() {
+        return Err(empty(file, wish));
+    }
+    let mut taken =
+        Taken { solids, facets: Vec::new(), outward: Vec::new(), solid_map, facet_map: Vec::new(), inside: Vec::new() };
+    // A face that the file has several times, as facet and as skin, is one facet.
+    let mut known: HashMap<(u32, u8), u32> = HashMap::new();
+    for (facet, owner) in mesh.facets.iter().zip(faces::owners(&taken.solids, &mesh.facets)) {
+        taken.inside.push(owner == Owner::Shared);
+        taken.facet_map.push(match owner {
+            Owner::One { solid, face } => Some(*known.entry((solid, face)).or_insert_with(|| {
+                taken.facets.push(Facet { id: facet.id, ..taken.solids[solid as usize].face(face as usize) });
+                taken.facets.len() as u32 - 1
+            })),
+            _ => None,
+        });
+    }
+    taken.outward = vec![true; taken.facets.len()];
+    Ok(taken)
+}
+
+fn take_tool(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Taken> {
+    let mesh = &file.mesh;
+    let indices: Vec<u32> = match chosen {
+        Some(group) => group.facets.clone(),
+        None => (0..mesh.facets.len() as u32).collect(),
+    };
+    if indices.is_empty() {
+        return Err(empty(file, wish));
+    }
+    let all: Vec<Facet> = indices.iter().map(|&index| mesh.facets[index as usize]).collect();
+    let mut facets = Vec::new();
+    let mut outward = Vec::new();
+    let mut facet_map = vec![None; mesh.facets.len()];
+    // An element and a surface made of it are one facet; two elements on the same nodes are for the check to refuse.
+    let mut known: HashMap<(FaceKey, u64), u32> = HashMap::new();
+    for ((&index, facet), owner) in indices.iter().zip(&all).zip(faces::owners(&mesh.solids, &all)) {
+        let new = *known.entry((facet.key(), facet.id)).or_insert_with(|| {
+            outward.push(matches!(owner, Owner::One { .. }));
+            facets.push(match owner {
+                Owner::One { solid, face } => Facet { id: facet.id, ..mesh.solids[solid as usize].face(face as usize) },
+                _ => *facet,
+            });
+            facets.len() as u32 - 1
+        });
+        facet_map[index as usize] = Some(new);
+    }
+    let inside = vec![false; mesh.facets.len()];
+    Ok(Taken { solids: Vec::new(), facets, outward, solid_map: vec![None; mesh.solids.len()], facet_map, inside })
+}
+
+impl Taken {
+    /// The mesh of what was taken, with nodes in the order of the file.
+    fn restrict(mut self, file: FileMesh) -> Mesh {
+        let FileMesh { mesh, groups, .. } = file;
+        let mut node_map = vec![u32::MAX; mesh.points.len()];
+        let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
+        solid_nodes.chain(self.facets.iter().flat_map(Facet::nodes)).for_each(|&node| node_map[node as usize] = 0);
+        let mut result = Mesh { source: mesh.source.clone(), ..Mesh::default() };
+        for (node, new) in node_map.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
+            *new = result.points.len() as u32;
+            result.points.push(mesh.points[node]);
+            result.point_ids.push(mesh.point_ids[node]);
+        }
+        for (name, found) in &groups {
+            let group = self.restrict_group(found, &mesh, &node_map);
+            if group != Group::default() {
+                result.groups.insert(name.clone(), group);
+            }
+        }
+        let renumber = |nodes: &mut [u32]| nodes.iter_mut().for_each(|node| *node = node_map[*node as usize]);
+        self.solids.iter_mut().for_each(|solid| {
+            let count = solid.nodes().len();
+            renumber(&mut solid.nodes[..count]);
+        });
+        self.facets.iter_mut().for_each(|facet| renumber(&mut facet.nodes[..facet.count as usize]));
+        result.solids = self.solids;
+        result.facets = self.facets;
+        result
+    }
+
+    fn restrict_group(&self, found: &FileGroup, mesh: &Mesh, node_map: &[u32]) -> Group {
+        let listed = &found.group;
+        let mut group = Group {
+            solids: listed.solids.iter().filter_map(|&solid| self.solid_map[solid as usize]).collect(),
+            facets: listed.facets.iter().filter_map(|&facet| self.facet_map[facet as usize]).collect(),
+            nodes: listed.nodes.clone(),
+        };
+        if !found.closed {
+            group.nodes.extend(group.solids.iter().flat_map(|&solid| self.solids[solid as usize].nodes()));
+            group.nodes.extend(group.facets.iter().flat_map(|&facet| self.facets[facet as usize].nodes()));
+            let inside = listed.facets.iter().filter(|&&facet| self.inside[facet as usize]);
+            group.nodes.extend(inside.flat_map(|&facet| mesh.facets[facet as usize].nodes()));
+        }
+        group.nodes.iter_mut().for_each(|node| *node = node_map[*node as usize]);
+        group.nodes.retain(|&node| node != u32::MAX);
+        for indices in [&mut group.nodes, &mut group.facets, &mut group.solids] {
+            indices.sort_unstable();
+            indices.dedup();
+        }
+        group
+    }
+}
