@@ -6,10 +6,12 @@
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
+//! - [`partition`]: METIS, node ownership, the node halo
 
 pub mod error;
 pub mod mesh;
 pub mod parallel;
+pub mod partition;
 pub mod scene;
 
 /// A vector in space.

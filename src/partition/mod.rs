@@ -1,0 +1,83 @@
+//! The mesh cut into one part a rank: METIS on the dual graph, node ownership, and the node halo.
+//!
+//! Rank 0 reads the whole mesh, partitions it and sends every rank its part; nobody keeps the whole. A rank owns nodes,
+//! holds every element that touches one of them, and sees the other nodes of those elements as its halo. It can then
+//! assemble its own rows of any finite-element matrix without sending matrix entries.
+
+mod distribute;
+mod graph;
+mod halo;
+
+pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, distribute};
+pub use graph::{element_parts, node_owners};
+pub use halo::Halo;
+
+use crate::Vec3;
+use crate::mesh::SolidShape;
+
+/// A volume element on a rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartSolid {
+    pub shape: SolidShape,
+    /// Local nodes; the first 4 or all 8 count.
+    pub nodes: [u32; 8],
+    /// Index of its body in the scene.
+    pub body: u32,
+    /// Its number in the mesh file, for messages.
+    pub id: u64,
+    /// This rank counts it in sums and writes it: it owns the element's first node.
+    pub mine: bool,
+}
+
+impl PartSolid {
+    /// The nodes that count.
+    pub fn nodes(&self) -> &[u32] {
+        match self.shape {
+            SolidShape::Tet4 => &self.nodes[..4],
+            SolidShape::Hex8 => &self.nodes,
+        }
+    }
+}
+
+/// A facet of a set on a rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartFacet {
+    /// 3 or 4.
+    pub count: u8,
+    /// Local nodes, counter-clockwise seen from outside.
+    pub nodes: [u32; 4],
+    /// This rank counts it in sums and writes it.
+    pub mine: bool,
+}
+
+/// A set of the scene on a rank.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PartSet {
+    /// Owned nodes of the set.
+    pub nodes: Vec<u32>,
+    /// Facets of the set that touch an owned node.
+    pub facets: Vec<PartFacet>,
+}
+
+/// What one rank holds of the mesh.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// Nodes `0..owned` are owned, the rest is halo.
+    pub owned: usize,
+    /// Reference positions.
+    pub points: Vec<Vec3>,
+    /// Index of the body that a node belongs to.
+    pub body: Vec<u32>,
+    /// The number a node has in its mesh file, for messages.
+    pub id: Vec<u64>,
+    /// The local node whose displacement this node shares (plane strain); mostly itself.
+    pub tie: Vec<u32>,
+    pub solids: Vec<PartSolid>,
+    /// In the order in which they were given to [`distribute`].
+    pub sets: Vec<PartSet>,
+    pub halo: Halo,
+    /// Nodes of the whole mesh.
+    pub total_nodes: u64,
+    /// Elements of the whole mesh.
+    pub total_solids: u64,
+}
