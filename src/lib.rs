@@ -7,12 +7,14 @@
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
 //! - [`partition`]: METIS, node ownership, the node halo
+//! - [`surface`]: geometry without mechanics: facets, Nagata patches, analytic shapes, normals, closest points
 
 pub mod error;
 pub mod mesh;
 pub mod parallel;
 pub mod partition;
 pub mod scene;
+pub mod surface;
 
 /// A vector in space.
 pub type Vec3 = nalgebra::Vector3<f64>;

@@ -1,0 +1,103 @@
+//! Normals where the surface ends, extrapolated from its inside.
+
+use super::super::facets::Facets;
+use super::groups::Groups;
+use super::tangents;
+use crate::Vec3;
+use nalgebra::{Matrix2, Vector2};
+
+/// Fans with a smaller angle around their node are at corners, radians.
+const CORNER: f64 = 150.0 * std::f64::consts::PI / 180.0;
+/// Open fans with a larger angle see the surface all around, radians.
+const AROUND: f64 = 270.0 * std::f64::consts::PI / 180.0;
+/// Conditions along directions closer together than this, as a ratio of eigenvalues, count as one.
+const CUT: f64 = 1e-3;
+
+/// Moves the normals of fans at the ends of the surface as (*) asks.
+pub fn extrapolate_ends(facets: &Facets, fans: &Groups, counts: &[[bool; 4]], normals: &mut [Vec3], largest: f64) {
+    let (mean, mut ranks) = (normals.to_vec(), end_ranks(facets, fans));
+    // Fans along an end with neighbours in two directions first: then they are neighbours for the others.
+    for (rank, all) in [(1, false), (1, true), (2, true)] {
+        let mut conditions = vec![Conditions::default(); fans.count];
+        for (f, k) in facets.corners().filter(|(f, k)| counts[*f][*k] && ranks[fans.of(*f, *k)] == rank) {
+            for other in facets.beside(f, k) {
+                let (here, there) = (fans.of(f, k), fans.of(f, other));
+                if ranks[there] < rank {
+                    let d = (facets.point(f, other) - facets.point(f, k)).normalize();
+                    conditions[here].add(&mean[here], &normals[there], &d);
+                }
+            }
+        }
+        for fan in 0..fans.count {
+            if conditions[fan].directions() > if all { 0 } else { 1 } {
+                normals[fan] = conditions[fan].solve(&mean[fan], largest);
+                ranks[fan] = if all { rank } else { 0 };
+            }
+        }
+    }
+}
+
+/// 0 for fans that need no extrapolation, 1 along the ends of the surface, 2 at their corners.
+fn end_ranks(facets: &Facets, fans: &Groups) -> Vec<u8> {
+    let mut angles = vec![0.0; fans.count];
+    facets.corners().for_each(|(f, k)| angles[fans.of(f, k)] += facets.corner(f, k).1);
+    let rank = |fan: usize| match angles[fan] {
+        angle if !fans.open[fan] || angle > AROUND => 0,
+        angle if angle > CORNER => 1,
+        _ => 2,
+    };
+    (0..fans.count).map(rank).collect()
+}
+
+/// Conditions (*) on a unit normal n = p + sqrt(1-p^2) m as normal equations for p, its part in the plane orthogonal to
+/// the mean normal m of the facets.
+#[derive(Clone, Copy, Default)]
+struct Conditions {
+    matrix: Matrix2<f64>,
+    /// Sums over the edges d: of -d (n_u.d), and of d (m.d).
+    values: Vector2<f64>,
+    lean: Vector2<f64>,
+    /// Sum and number of the neighbours' normals n_u.
+    neighbours: Vec3,
+    count: f64,
+}
+
+impl Conditions {
+    fn add(&mut self, mean: &Vec3, neighbour: &Vec3, d: &Vec3) {
+        let [a, b] = tangents(mean);
+        let along = Vector2::new(a.dot(d), b.dot(d));
+        self.matrix += along * along.transpose();
+        self.values -= along * neighbour.dot(d);
+        self.lean += along * mean.dot(d);
+        self.neighbours += neighbour;
+        self.count += 1.0;
+    }
+
+    /// In how many directions of the plane there are conditions.
+    fn directions(&self) -> usize {
+        let eigenvalues = self.matrix.symmetric_eigenvalues();
+        eigenvalues.iter().filter(|value| **value > CUT * eigenvalues.max()).count()
+    }
+
+    /// The normal that meets the conditions and is closest to the linear extrapolation from the neighbours through the
+    /// mean, 2m - n_u; the mean when that would be further from it than `largest`.
+    fn solve(&self, mean: &Vec3, largest: f64) -> Vec3 {
+        let eigen = self.matrix.symmetric_eigen();
+        let cut = CUT * eigen.eigenvalues.max();
+        let inverse = |right: Vector2<f64>| -> Vector2<f64> {
+            let parts = eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter());
+            parts.filter(|(value, _)| **value > cut).map(|(value, v)| v * (v.dot(&right) / value)).sum()
+        };
+        let [a, b] = tangents(mean);
+        let guess = -Vector2::new(a.dot(&self.neighbours), b.dot(&self.neighbours)) / self.count;
+        let mut p = guess;
+        for _ in 0..5 {
+            let height = (1.0 - p.norm_squared()).max(0.0).sqrt();
+            p = guess + inverse(self.values - self.lean * height - self.matrix * guess);
+        }
+        if p.norm() > largest.min(0.5).sin() {
+            return *mean;
+        }
+        a * p.x + b * p.y + mean * (1.0 - p.norm_squared()).sqrt()
+    }
+}

@@ -1,0 +1,241 @@
+//! Nodal normals of a surface mesh, one for each corner of each facet.
+//!
+//! 1. Edges whose facets' normals differ by more than the feature angle are sharp. The facets around a node that hang
+//!    together across smooth edges are a fan; a fan has one normal, the mean of its corners. A corner of angle alpha
+//!    between edges a and b weighs sin(alpha)/(|a||b|) (Max 1999, J. Graph. Tools 4, 1-6): on circles, cylinders and
+//!    spheres the mean is then exact however unequal the facets are, which it is not when weighted by area or angle
+//!    alone.
+//! 2. A facet is straight behind an edge when it goes on in its own plane on the side away from the edge: a
+//!    quadrilateral across the opposite edge, a triangle beyond its third node in the direction normal to the edge. The
+//!    neighbours of an arc across the width of its strip are coplanar too, but lie beside the edge, not behind it.
+//!    - Where a straight facet meets a curved one the edge is a junction, and the fans at its ends take the normal of
+//!      the straight side: only then are the flat part flat and the arc exact (section 5.3 of the node-to-Nagata
+//!      paper). On a plane that is the normal of the plane, on a cylinder that runs into a torus the mean over the
+//!      cylinder. At the corner of several such parts, the part that is on the curved side of no junction decides.
+//!    - Where both sides are straight the edge is a crease, and sharp.
+//!    - A flat that is one facet deep cannot be told from an arc, and gets mean normals.
+//!    - In the middle of an S-bend of two equal arcs two facets are coplanar by chance. There the mean normals carry
+//!      the curvature on much better than the facet's, see (*), and stay.
+//! 3. Where a surface ends, at a boundary or sharp edge, the mean is that of one side only, off by half an edge's turn.
+//!    On circles, cylinders and spheres the normals at the ends of any chord d satisfy
+//!    ```text
+//!        (n_v + n_u).d = 0                                                              (*)
+//!    ```
+//!    so the normal is chosen to satisfy (*) towards its neighbours in the fan, in the mean-square sense; what that
+//!    leaves open is extrapolated linearly. Along a single edge it mirrors the neighbour's normal, n_v = n_u - 2
+//!    (n_u.d) d/|d|^2. Fans along an end follow complete ones, then those at corners all others. On flat parts nothing
+//!    moves.
+
+mod ends;
+mod groups;
+mod straight;
+
+use super::facets::Facets;
+use super::nagata::is_inflected;
+use super::patch::Edge;
+use crate::Vec3;
+use groups::Groups;
+
+/// The normals of a surface mesh.
+pub struct Normals {
+    /// Unit normal of each corner of each facet.
+    pub corners: Vec<[Vec3; 4]>,
+    pub edges: Vec<[Edge; 4]>,
+}
+
+impl Normals {
+    /// Nodal normals of `facets`; edges that turn by more than `feature_angle` (radians) stay sharp.
+    pub fn new(facets: &Facets, feature_angle: f64) -> Self {
+        let (edges, junctions) = straight::classify(facets, feature_angle);
+        let fans = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth);
+        let mut normals = fans.mean(facets, |_| true);
+        let counts = straight::straight_sides(facets, &edges, &junctions, &fans, &mut normals);
+        ends::extrapolate_ends(facets, &fans, &counts, &mut normals, feature_angle);
+        let corners = (0..facets.nodes.len())
+            .map(|f| std::array::from_fn(|k| normals[fans.of(f, k % facets.count(f))]))
+            .collect();
+        Self { corners, edges }
+    }
+
+    /// Number of edges whose normals lean the same way, so that the surface meets them in part only.
+    pub fn inflected(&self, facets: &Facets) -> usize {
+        let inflected = |(f, k): &(usize, usize)| {
+            let (once, next) = (facets.across[*f][*k].is_none_or(|(g, _)| *f < g), facets.beside(*f, *k)[0]);
+            once && is_inflected(&facets.edge(*f, *k), &self.corners[*f][*k], &self.corners[*f][next])
+        };
+        facets.corners().filter(inflected).count()
+    }
+}
+
+/// Two unit vectors that make a right-handed frame with the unit vector `n`.
+pub fn tangents(n: &Vec3) -> [Vec3; 2] {
+    let a = n.cross(&Vec3::ith(n.iamin(), 1.0)).normalize();
+    [n.cross(&a), -a]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::surface::test_meshes::{cubed_sphere, grid, indenter, indenter_normal, strip};
+
+    fn normals(mesh: &Mesh) -> (Facets, Normals) {
+        let facets = Facets::new(mesh, false).unwrap();
+        let normals = Normals::new(&facets, 40f64.to_radians());
+        (facets, normals)
+    }
+
+    /// Largest error of the nodal normals against `exact`.
+    fn error(mesh: &Mesh, exact: impl Fn(&Vec3) -> Vec3) -> f64 {
+        let (facets, normals) = normals(mesh);
+        let mut worst = 0.0_f64;
+        for (f, k) in facets.corners() {
+            worst = worst.max((normals.corners[f][k] - exact(facets.point(f, k))).norm());
+        }
+        worst
+    }
+
+    #[test]
+    fn frames_are_orthonormal() {
+        for n in [Vec3::x(), Vec3::y(), -Vec3::z(), Vec3::new(1.0, -2.0, 3.0).normalize()] {
+            let [a, b] = tangents(&n);
+            assert!((a.cross(&b) - n).norm() < 1e-15 && a.dot(&b).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_indenter_has_exact_normals_everywhere() {
+        for across in [1, 2, 3] {
+            for triangles in [false, true] {
+                let mesh = indenter(across, triangles);
+                assert!(error(&mesh, indenter_normal) < 1e-12, "{across} across, triangles: {triangles}");
+                let (facets, normals) = normals(&mesh);
+                assert_eq!(normals.inflected(&facets), 0);
+                assert!(normals.edges.iter().flatten().all(|e| *e != Edge::Sharp));
+            }
+        }
+    }
+
+    /// A half circle alone: the ends are extrapolated.
+    #[test]
+    fn arcs_are_exact_up_to_their_open_ends() {
+        for (across, triangles) in [(1, false), (2, false), (1, true), (2, true), (3, true)] {
+            let mesh = grid(6, across, triangles, |s, t| {
+                let a = std::f64::consts::PI * s;
+                [-a.cos(), a.sin(), -2.0 * t]
+            });
+            let exact = |x: &Vec3| Vec3::new(x.x, x.y, 0.0);
+            assert!(error(&mesh, exact) < 1e-12, "{across} across, triangles: {triangles}");
+        }
+    }
+
+    #[test]
+    fn balls_are_exact_and_the_ends_of_caps_nearly_so() {
+        for triangles in [false, true] {
+            assert!(error(&cubed_sphere(5, triangles, 6), |x| x.normalize()) < 1e-14);
+            let [coarse, fine] = [6, 12].map(|n| error(&cubed_sphere(n, triangles, 1), |x| x.normalize()));
+            assert!(coarse < 0.04 && fine < coarse / 3.5, "triangles: {triangles}, {coarse} {fine}");
+        }
+    }
+
+    /// Facets whose sizes vary by 1 to 3.
+    #[test]
+    fn unequal_facets_do_not_tilt_the_normals_of_an_arc() {
+        for (across, triangles) in [(1, false), (2, false), (1, true), (2, true)] {
+            let mesh = grid(8, across, triangles, |s, t| {
+                let a = 2.0 * (s + 0.5 * s * s);
+                [-a.cos(), a.sin(), -2.0 * (t + t * t)]
+            });
+            assert!(error(&mesh, |x| Vec3::new(x.x, x.y, 0.0)) < 1e-12, "{across} across, triangles: {triangles}");
+        }
+    }
+
+    /// Two flats and an arc of one facet only: each flat keeps its normal.
+    #[test]
+    fn one_facet_turns_between_two_flats() {
+        let profile: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 1.0], [3.0, 2.0], [3.0, 3.0]];
+        for triangles in [false, true] {
+            let facets = Facets::new(&strip(&profile, 2, triangles), false).unwrap();
+            let normals = Normals::new(&facets, 50f64.to_radians());
+            for (f, k) in facets.corners() {
+                let exact = if facets.point(f, k).x > 2.5 { Vec3::x() } else { -Vec3::y() };
+                assert!((normals.corners[f][k] - exact).norm() < 1e-14);
+            }
+        }
+    }
+
+    /// Two equal arcs that meet without a straight part: the two coplanar facets in the middle are not flat, and only
+    /// the node between them has no good mean (with triangles it spoils the ends next to it).
+    #[test]
+    fn an_s_bend_is_not_flat() {
+        for (across, triangles) in [(1, false), (2, false), (2, true)] {
+            let (steps, turn) = (6, 0.2_f64);
+            let mut profile = vec![[0.0, 0.0]];
+            for k in 0..2 * steps {
+                let slope = if k < steps { k as f64 + 0.5 } else { (2 * steps - k) as f64 - 0.5 };
+                let [x, y] = profile[profile.len() - 1];
+                profile.push([x + f64::cos(turn * slope), y + f64::sin(turn * slope)]);
+            }
+            let (facets, normals) = normals(&strip(&profile, across, triangles));
+            for (f, k) in facets.corners() {
+                let node = profile.iter().position(|p| (p[0] - facets.point(f, k).x).abs() < 1e-9).unwrap();
+                let slope = turn * node.min(2 * steps - node) as f64;
+                let exact = Vec3::new(slope.sin(), -slope.cos(), 0.0);
+                assert!(
+                    node.abs_diff(steps) <= triangles as usize || (normals.corners[f][k] - exact).norm() < 1e-12,
+                    "{node}: {across}, {triangles}"
+                );
+            }
+        }
+    }
+
+    /// A cylinder that runs into the fillet of a torus, all quadrilaterals: the wall keeps radial normals.
+    #[test]
+    fn a_cylinder_is_the_straight_side_of_a_torus() {
+        let mesh = grid(8, 8, false, |s, t| {
+            let (turn, up) = (std::f64::consts::FRAC_PI_2 * s, 8.0 * t);
+            let (radius, height) = if up <= 4.0 {
+                (10.0, up)
+            } else {
+                let a = (up - 4.0) / 4.0 * std::f64::consts::FRAC_PI_2;
+                (5.0 + 5.0 * a.cos(), 4.0 + 5.0 * a.sin())
+            };
+            [radius * turn.cos(), radius * turn.sin(), height]
+        });
+        let (facets, normals) = normals(&mesh);
+        let mut seen = 0;
+        for (f, k) in facets.corners() {
+            let x = facets.point(f, k);
+            if x.z < 4.0 + 1e-9 {
+                let exact = Vec3::new(x.x, x.y, 0.0) / 10.0;
+                assert!((normals.corners[f][k] - exact).norm() < 1e-12, "{x}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 100);
+    }
+
+    /// A half round bar: the sharp edges between its flat and its arc leave both exact.
+    #[test]
+    fn sharp_edges_are_ends() {
+        let mut profile: Vec<[f64; 2]> =
+            (0..=8).map(|k| std::f64::consts::PI * k as f64 / 8.0).map(|a| [-a.cos(), -a.sin()]).collect();
+        profile.extend([[0.5, 0.0], [0.0, 0.0], [-0.5, 0.0], [-1.0, 0.0]]);
+        let (facets, normals) = normals(&strip(&profile, 1, false));
+        assert_eq!(normals.edges.iter().flatten().filter(|e| **e == Edge::Sharp).count(), 2);
+        for (f, k) in facets.corners() {
+            let x = facets.point(f, k);
+            let exact = if f < 8 { Vec3::new(x.x, x.y, 0.0) } else { Vec3::y() };
+            assert!((normals.corners[f][k] - exact).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn two_flats_at_a_small_angle_are_a_crease() {
+        let profile = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.2], [4.0, 0.4]];
+        for triangles in [false, true] {
+            let (_, normals) = normals(&strip(&profile, 2, triangles));
+            assert_eq!(normals.edges.iter().flatten().filter(|e| **e == Edge::Sharp).count(), 4);
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Junctions of straight and curved parts, and the normals that they take from the straight side.
+
+use super::super::facets::{Facets, angle};
+use super::super::patch::Edge;
+use super::groups::Groups;
+use crate::Vec3;
+
+/// Angle of two facets below which the surface does not turn between them, radians.
+const NO_TURN: f64 = 1e-4;
+/// A turn that is this small beside the one at the junction counts as none.
+const COPLANAR: f64 = 0.02;
+
+/// Kinds of all edges, and the junctions as (facet, edge) on the straight side.
+pub fn classify(facets: &Facets, feature_angle: f64) -> (Vec<[Edge; 4]>, Vec<(usize, usize)>) {
+    let kind = |f: usize, k: usize| match facets.turn(f, k) {
+        None => Edge::Boundary,
+        Some(turn) if turn > feature_angle => Edge::Sharp,
+        Some(_) => Edge::Smooth,
+    };
+    let mut edges: Vec<[Edge; 4]> = (0..facets.nodes.len()).map(|f| std::array::from_fn(|k| kind(f, k))).collect();
+    let around = corners_of_nodes(facets);
+    let (mut junctions, mut creases) = (Vec::new(), Vec::new());
+    for (f, k) in facets.corners() {
+        let Some((g, j)) = facets.across[f][k].filter(|(g, _)| f < *g) else { continue };
+        let turn = angle(&facets.normals[f], &facets.normals[g]);
+        if edges[f][k] != Edge::Smooth || turn < NO_TURN {
+            continue;
+        }
+        match (is_straight(facets, &around, f, k, turn), is_straight(facets, &around, g, j, turn)) {
+            (true, true) => creases.extend([(f, k), (g, j)]),
+            (true, false) => junctions.push((f, k)),
+            (false, true) => junctions.push((g, j)),
+            (false, false) => {}
+        }
+    }
+    for (f, k) in creases {
+        edges[f][k] = Edge::Sharp;
+    }
+    (edges, junctions)
+}
+
+/// Whether facet `f` goes on in its plane behind its edge `k`, across which the surface turns by `turn`.
+fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usize, turn: f64) -> bool {
+    let coplanar = |g: usize| angle(&facets.normals[f], &facets.normals[g]) <= COPLANAR * turn;
+    if facets.count(f) == 4 {
+        return facets.across[f][(k + 2) % 4].is_some_and(|(g, _)| coplanar(g));
+    }
+    let normal = &facets.normals[f];
+    let behind = normal.cross(&facets.edge(f, k));
+    around[facets.node(f, k + 2)].iter().any(|&(g, j)| {
+        let (next, last) = (facets.edge(g, j), -facets.edge(g, j + facets.count(g) - 1));
+        let beyond = |a: &Vec3, b: &Vec3| a.cross(b).dot(normal) > -1e-6 * a.norm() * b.norm();
+        g != f && coplanar(g) && beyond(&next, &behind) && beyond(&behind, &last)
+    })
+}
+
+/// The corners (facet, number) at each node.
+fn corners_of_nodes(facets: &Facets) -> Vec<Vec<(usize, usize)>> {
+    let mut around = vec![Vec::new(); facets.points.len()];
+    facets.corners().for_each(|(f, k)| around[facets.node(f, k)].push((f, k)));
+    around
+}
+
+/// Gives the fans on junctions the normal of their straight side; returns the corners that count in their fans.
+pub fn straight_sides(
+    facets: &Facets,
+    edges: &[[Edge; 4]],
+    junctions: &[(usize, usize)],
+    fans: &Groups,
+    normals: &mut [Vec3],
+) -> Vec<[bool; 4]> {
+    let mut is_junction = vec![[false; 4]; facets.nodes.len()];
+    let mut other_side = Vec::with_capacity(junctions.len());
+    for &(f, k) in junctions {
+        if let Some((g, j)) = facets.across[f][k] {
+            (is_junction[f][k], is_junction[g][j]) = (true, true);
+            other_side.push((g, j));
+        }
+    }
+    let sectors = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth && !is_junction[f][k]);
+    let (mut straight, mut curved) = (vec![false; sectors.count], vec![false; sectors.count]);
+    for (sides, flags) in [(junctions, &mut straight), (&other_side, &mut curved)] {
+        for &(f, k) in sides {
+            flags[sectors.of(f, k)] = true;
+            flags[sectors.of(f, (k + 1) % facets.count(f))] = true;
+        }
+    }
+    let decides = |(f, k): (usize, usize)| {
+        let sector = sectors.of(f, k);
+        straight[sector] && !curved[sector]
+    };
+    let side = fans.mean(facets, decides);
+
+    // (*) for the edges from each fan into its curved sectors, with the normal of the straight side and with the mean.
+    let mut misfit = vec![[0.0; 2]; fans.count];
+    for (f, k) in facets.corners().filter(|(f, k)| curved[sectors.of(*f, *k)]) {
+        let [next, last] = facets.beside(f, k);
+        for (edge, other) in [(k, next), (last, last)] {
+            let (here, there) = (fans.of(f, k), fans.of(f, other));
+            if !is_junction[f][edge] && side[there] == Vec3::zeros() {
+                let d = (facets.point(f, other) - facets.point(f, k)).normalize();
+                misfit[here][0] += (side[here] + normals[there]).dot(&d).abs();
+                misfit[here][1] += (normals[here] + normals[there]).dot(&d).abs();
+            }
+        }
+    }
+    let kept: Vec<bool> =
+        side.iter().zip(&misfit).map(|(side, m)| *side != Vec3::zeros() && m[1] >= 0.2 * m[0]).collect();
+    for fan in (0..fans.count).filter(|fan| kept[*fan]) {
+        normals[fan] = side[fan];
+    }
+    let counts = |f: usize, k: usize| k < facets.count(f) && (!kept[fans.of(f, k)] || decides((f, k)));
+    (0..facets.nodes.len()).map(|f| std::array::from_fn(|k| counts(f, k))).collect()
+}

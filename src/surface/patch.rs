@@ -1,0 +1,298 @@
+//! One patch: a triangle or a quadrilateral with quadratic edges.
+//!
+//! Edge k runs from node k to the next one around, with the coefficient c_k of [`super::nagata`]. On the square
+//! `[0,1]^2`, nodes 0 to 3 at (0,0), (1,0), (1,1), (0,1), a quadrilateral is
+//!
+//! ```text
+//!     P = sum w_i x_i - [ c_0 e(1-e)(1-z) + c_2 e(1-e) z + c_3 z(1-z)(1-e) + c_1 z(1-z) e ],   w bilinear
+//! ```
+//!
+//! and on 0 <= z <= e <= 1, nodes 0 to 2 at (0,0), (1,0), (1,1), a triangle is
+//!
+//! ```text
+//!     P = sum b_i x_i - [ c_0 b_0 b_1 + c_1 b_1 b_2 + c_2 b_2 b_0 ],   b = (1-e, e-z, z)
+//! ```
+//!
+//! Both interpolate the edge curves, so patches that share two nodes and their normals meet without a gap. With c = 0
+//! they are the flat or bilinear facet.
+
+use crate::Vec3;
+
+/// How far beyond its edges a patch may be used, in its own parameters.
+pub const EXTENSION: f64 = 0.05;
+
+/// What lies beyond an edge of a patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Edge {
+    /// Nothing: the surface ends here.
+    Boundary,
+    /// A patch with (nearly) the same normals along the edge.
+    Smooth,
+    /// A patch with other normals.
+    Sharp,
+}
+
+/// A triangle, or a quadrilateral when `count` is 4. Its normal points out of the tool, nodes counter-clockwise around
+/// it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    /// The same on all ranks.
+    pub id: u32,
+    /// 3 or 4.
+    pub count: u8,
+    /// The first `count` hold.
+    pub nodes: [Vec3; 4],
+    /// Coefficients of the edges; zero for a facet.
+    pub coefficients: [Vec3; 4],
+    pub edges: [Edge; 4],
+    /// Nodes where the surface ends, though perhaps in an edge of another patch.
+    pub on_boundary: [bool; 4],
+}
+
+/// A point of a patch with its first and second derivatives in the parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    pub point: Vec3,
+    pub tangents: [Vec3; 2],
+    /// P,11, P,12 and P,22.
+    pub second: [Vec3; 3],
+}
+
+impl Local {
+    /// tau_1 x tau_2, not normalised.
+    pub fn area_vector(&self) -> Vec3 {
+        self.tangents[0].cross(&self.tangents[1])
+    }
+}
+
+impl Patch {
+    /// Length of [`Self::to_array`].
+    pub const LEN: usize = 27;
+
+    /// The patch at parameters `xi`, which may lie outside the domain.
+    pub fn local(&self, [e, z]: [f64; 2]) -> Local {
+        let [x0, x1, x2, x3] = &self.nodes;
+        let [c0, c1, c2, c3] = &self.coefficients;
+        if self.count == 3 {
+            let [b0, b1, b2] = [1.0 - e, e - z, z];
+            // Derivatives by the barycentric coordinates as if they were independent.
+            let d0 = x0 - c0 * b1 - c2 * b2;
+            let d1 = x1 - c0 * b0 - c1 * b2;
+            let d2 = x2 - c1 * b1 - c2 * b0;
+            return Local {
+                point: x0 * b0 + x1 * b1 + x2 * b2 - c0 * (b0 * b1) - c1 * (b1 * b2) - c2 * (b2 * b0),
+                tangents: [d1 - d0, d2 - d1],
+                second: [c0 * 2.0, c2 - c0 - c1, c1 * 2.0],
+            };
+        }
+        let (f, y) = (1.0 - e, 1.0 - z);
+        let (be, bz) = (e * f, z * y);
+        let (de, dz) = (1.0 - 2.0 * e, 1.0 - 2.0 * z);
+        let along_e = c0 * y + c2 * z;
+        let along_z = c3 * f + c1 * e;
+        let (slope_e, slope_z) = (c2 - c0, c1 - c3);
+        Local {
+            point: (x0 * f + x1 * e) * y + (x3 * f + x2 * e) * z - along_e * be - along_z * bz,
+            tangents: [
+                (x1 - x0) * y + (x2 - x3) * z - along_e * de - slope_z * bz,
+                (x3 - x0) * f + (x2 - x1) * e - along_z * dz - slope_e * be,
+            ],
+            second: [along_e * 2.0, x0 - x1 + x2 - x3 - slope_e * de - slope_z * dz, along_z * 2.0],
+        }
+    }
+
+    /// The point at `xi`.
+    pub fn point(&self, xi: [f64; 2]) -> Vec3 {
+        self.local(xi).point
+    }
+
+    /// The outward unit normal at `xi`.
+    pub fn normal(&self, xi: [f64; 2]) -> Vec3 {
+        self.local(xi).area_vector().normalize()
+    }
+
+    /// True when all edges are straight.
+    pub fn is_facet(&self) -> bool {
+        self.coefficients[..self.count as usize].iter().all(|c| *c == Vec3::zeros())
+    }
+
+    /// Parameters of the middle.
+    pub fn center(&self) -> [f64; 2] {
+        if self.count == 3 { [2.0 / 3.0, 1.0 / 3.0] } else { [0.5, 0.5] }
+    }
+
+    /// Distances, in the parameters, of `xi` inside each edge; negative beyond it.
+    pub fn sides(&self, [e, z]: [f64; 2]) -> [f64; 4] {
+        if self.count == 3 { [z, 1.0 - e, e - z, f64::INFINITY] } else { [z, 1.0 - e, 1.0 - z, e] }
+    }
+
+    /// How far beyond the domain `xi` lies; 0 inside.
+    pub fn overshoot(&self, xi: [f64; 2]) -> f64 {
+        self.sides(xi).iter().fold(0.0, |worst, side| f64::max(worst, -side))
+    }
+
+    /// Corners of the domain extended beyond each edge, in the order of the nodes.
+    pub fn corners(&self, by: &[f64; 4]) -> [[f64; 2]; 4] {
+        if self.count == 3 {
+            let last = [1.0 + by[1], 1.0 + by[1] + by[2]];
+            [[-by[0] - by[2], -by[0]], [1.0 + by[1], -by[0]], last, last]
+        } else {
+            [[-by[3], -by[0]], [1.0 + by[1], -by[0]], [1.0 + by[1], 1.0 + by[2]], [-by[3], 1.0 + by[2]]]
+        }
+    }
+
+    /// The parameters in the domain next to `xi`.
+    pub fn clamp(&self, [e, z]: [f64; 2]) -> [f64; 2] {
+        let e = e.clamp(0.0, 1.0);
+        [e, z.clamp(0.0, if self.count == 3 { e } else { 1.0 })]
+    }
+
+    /// Lower and upper corner of a box that holds the patch and its extension beyond all edges.
+    ///
+    /// The straight part lies in the hull of its extended corners. In a quadrilateral |e(1-e)| <= 1/4 and the
+    /// coefficients of opposite edges are interpolated with weights whose sizes add up to 1 + 2 ext at most; in a
+    /// triangle |b_i b_j| <= ((1+ext)/2)^2.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let count = self.count as usize;
+        let straight = Patch { coefficients: [Vec3::zeros(); 4], ..*self };
+        let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
+        for corner in &self.corners(&[EXTENSION; 4])[..count] {
+            let point = straight.point(*corner);
+            low = low.inf(&point);
+            high = high.sup(&point);
+        }
+        let [c0, c1, c2, c3] = self.coefficients.map(|c| c.abs());
+        let bulge = if count == 3 {
+            (c0 + c1 + c2) * (0.5 * (1.0 + 2.0 * EXTENSION)).powi(2)
+        } else {
+            (c0.sup(&c2) + c1.sup(&c3)) * (0.25 * (1.0 + 2.0 * EXTENSION))
+        };
+        (low - bulge, high + bulge)
+    }
+
+    /// The patch as numbers, to be sent to another rank.
+    pub fn to_array(&self) -> [f64; Self::LEN] {
+        let mut array = [0.0; Self::LEN];
+        for (k, v) in self.nodes.iter().chain(&self.coefficients).enumerate() {
+            array[3 * k..3 * k + 3].copy_from_slice(v.as_slice());
+        }
+        let flags = (0..4)
+            .fold(0, |flags, k| flags | (self.edges[k] as u32) << (2 * k) | (self.on_boundary[k] as u32) << (8 + k));
+        array[24] = self.id as f64;
+        array[25] = self.count as f64;
+        array[26] = flags as f64;
+        array
+    }
+
+    /// The patch of [`Self::to_array`].
+    pub fn from_array(array: &[f64; Self::LEN]) -> Self {
+        let vector = |k: usize| Vec3::new(array[3 * k], array[3 * k + 1], array[3 * k + 2]);
+        let flags = array[26] as u32;
+        Self {
+            id: array[24] as u32,
+            count: array[25] as u8,
+            nodes: std::array::from_fn(vector),
+            coefficients: std::array::from_fn(|k| vector(4 + k)),
+            edges: std::array::from_fn(|k| match flags >> (2 * k) & 3 {
+                0 => Edge::Boundary,
+                1 => Edge::Smooth,
+                _ => Edge::Sharp,
+            }),
+            on_boundary: std::array::from_fn(|k| flags >> (8 + k) & 1 == 1),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::nagata::edge_coefficient;
+    use crate::surface::test_meshes::{sphere_quad, sphere_triangle, wavy_quad, wavy_triangle};
+
+    #[test]
+    fn edges_are_the_curves_and_tangents_are_orthogonal_to_the_nodal_normals() {
+        for (patch, normals) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
+            let count = patch.count as usize;
+            let corners = patch.corners(&[0.0; 4]);
+            for k in 0..count {
+                let j = (k + 1) % count;
+                let d = patch.nodes[j] - patch.nodes[k];
+                let c = edge_coefficient(&d, &normals[k], &normals[j]);
+                for t in [0.0, 0.3, 0.5, 1.0] {
+                    let xi: [f64; 2] = std::array::from_fn(|a| corners[k][a] * (1.0 - t) + corners[j][a] * t);
+                    let curve = patch.nodes[k] + (d - c) * t + c * (t * t);
+                    assert!((patch.point(xi) - curve).norm() < 1e-15);
+                }
+                for tangent in patch.local(corners[k]).tangents {
+                    assert!(tangent.dot(&normals[k]).abs() < 1e-14, "{}", tangent.dot(&normals[k]));
+                }
+                assert!((patch.normal(corners[k]) - normals[k]).norm() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn the_triangle_is_nagatas_polynomial() {
+        let (p, _) = wavy_triangle();
+        let [x0, x1, x2, _] = p.nodes;
+        let [c1, c2, c3, _] = p.coefficients;
+        for [e, z] in [[0.2, 0.1], [0.9, 0.4], [1.0, 1.0], [0.5, 0.5]] {
+            let printed = x0
+                + (x1 - x0 - c1) * e
+                + (x2 - x1 + c1 - c3) * z
+                + (c3 - c1 - c2) * (e * z)
+                + c1 * (e * e)
+                + c2 * (z * z);
+            assert!((p.point([e, z]) - printed).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn derivatives_match_differences() {
+        for (patch, _) in [wavy_quad(), wavy_triangle()] {
+            let xi = [0.63, 0.27];
+            let h = 1e-5;
+            let here = patch.local(xi);
+            for a in 0..2 {
+                let step = |s: f64| std::array::from_fn(|b| xi[b] + if a == b { s * h } else { 0.0 });
+                let (up, down) = (patch.local(step(1.0)), patch.local(step(-1.0)));
+                assert!(((up.point - down.point) / (2.0 * h) - here.tangents[a]).norm() < 1e-9);
+                for b in 0..2 {
+                    let difference = (up.tangents[b] - down.tangents[b]) / (2.0 * h);
+                    assert!((difference - here.second[a + b]).norm() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bounds_hold_the_extended_patch() {
+        for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
+            let (low, high) = patch.bounds();
+            let corners = patch.corners(&[EXTENSION; 4]);
+            for i in 0..=20 {
+                for j in 0..=20 {
+                    let (s, t) = (i as f64 / 20.0, j as f64 / 20.0);
+                    let xi = std::array::from_fn(|a| {
+                        (corners[0][a] * (1.0 - s) + corners[1][a] * s) * (1.0 - t)
+                            + (corners[3][a] * (1.0 - s) + corners[2][a] * s) * t
+                    });
+                    let point = patch.point(xi);
+                    assert!(point >= low && point <= high);
+                }
+            }
+            assert!((high - low).norm() < 3.0 * (patch.nodes[2] - patch.nodes[0]).norm());
+        }
+    }
+
+    #[test]
+    fn survives_the_trip_through_numbers() {
+        let (mut patch, _) = wavy_quad();
+        patch.id = u32::MAX;
+        patch.edges = [Edge::Sharp, Edge::Boundary, Edge::Smooth, Edge::Sharp];
+        patch.on_boundary = [true, false, false, true];
+        assert_eq!(Patch::from_array(&patch.to_array()), patch);
+        let (triangle, _) = wavy_triangle();
+        assert_eq!(Patch::from_array(&triangle.to_array()), triangle);
+    }
+}

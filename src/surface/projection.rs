@@ -1,0 +1,374 @@
+//! The closest point of one patch to a point x.
+//!
+//! f = |r|^2/2 with r = x - P is minimised over the polygon of the parameters. Each step minimises the quadratic model
+//! with gradient -tau_a.r and Hessian H = a - r.P,ab over the whole polygon, which takes one edge after the other in
+//! two dimensions and so finds edges and corners by itself; H = a, the metric, where H is not safely positive
+//! (Gauss-Newton). Steps are shortened until f falls (Armijo). At an interior minimum r = g n, and with b_ab = n.P,ab
+//! and A = a - g b
+//!
+//! ```text
+//!     dn/dx = -T a^-1 b A^-1 T^T,     T = [tau_1 tau_2]
+//! ```
+//!
+//! On an edge curve C, n = r/|r| and dn/dx = (I - nn - C'C'/(C'.C' - r.C''))/|r|; at a corner dn/dx = (I - nn)/|r|.
+
+use super::patch::{Local, Patch};
+use crate::{Mat3, Vec3};
+use nalgebra::{Matrix2, Matrix3x2};
+
+/// The closest point of a surface to a point x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projection {
+    /// Distance, positive outside the tool.
+    pub gap: f64,
+    pub point: Vec3,
+    /// Unit vector out of the tool; x = point + gap normal.
+    pub normal: Vec3,
+    /// dn/dx, symmetric.
+    pub normal_gradient: Mat3,
+    /// Id of the patch; 0 for analytic shapes.
+    pub patch: u32,
+    /// Parameters of the patch, perhaps a little beyond its domain; 0 for analytic shapes.
+    pub xi: [f64; 2],
+}
+
+/// Where the distance to one patch is least.
+#[derive(Clone, Copy, Debug)]
+pub struct Foot {
+    pub xi: [f64; 2],
+    /// Bit k is set when the foot lies on the limit of the domain beyond edge k.
+    pub limits: u8,
+    pub local: Local,
+    pub distance: f64,
+}
+
+const ITERATIONS: usize = 60;
+/// A Newton step this small leaves an error of its square.
+const LAST_NEWTON_STEP: f64 = 1e-8;
+const LAST_STEP: f64 = 1e-14;
+
+/// The local minimum of the distance from `x` that descent reaches from `start`, over the domain of `patch` extended
+/// beyond each edge by `extension`. `start` must lie in it.
+pub fn descend(patch: &Patch, x: &Vec3, extension: &[f64; 4], start: [f64; 2]) -> Foot {
+    let corners = patch.corners(extension);
+    let (mut xi, mut local) = (start, patch.local(start));
+    let mut limits = 0;
+    for _ in 0..ITERATIONS {
+        let r = x - local.point;
+        let gradient = local.tangents.map(|t| -t.dot(&r));
+        let (hessian, newton) = hessian(&local, &r);
+        let target;
+        (target, limits) = model_minimum(patch, extension, &corners, xi, gradient, hessian);
+        let full = [target[0] - xi[0], target[1] - xi[1]];
+        let size = full[0].abs().max(full[1].abs());
+        let slope = gradient[0] * full[0] + gradient[1] * full[1];
+        let f = 0.5 * r.norm_squared();
+        let rounding = 16.0 * f64::EPSILON * r.amax() * (r.amax() + x.amax());
+        let mut scale = 1.0;
+        loop {
+            let next = if scale == 1.0 { target } else { [xi[0] + scale * full[0], xi[1] + scale * full[1]] };
+            let there = patch.local(next);
+            let fall = 0.5 * (x - there.point).norm_squared() - f;
+            if fall <= 1e-4 * scale * slope + rounding || scale < 1e-9 {
+                (xi, local) = (next, there);
+                break;
+            }
+            scale *= 0.5;
+        }
+        if size < LAST_STEP || scale == 1.0 && newton && size < LAST_NEWTON_STEP || scale < 1e-9 {
+            break;
+        }
+    }
+    Foot { xi, limits, local, distance: (x - local.point).norm() }
+}
+
+/// The Hessian [H11, H12, H22] of f, and true, or the metric in its place, and false.
+fn hessian(local: &Local, r: &Vec3) -> ([f64; 3], bool) {
+    let [t, u] = &local.tangents;
+    let a = [t.norm_squared(), t.dot(u), u.norm_squared()];
+    let h: [f64; 3] = std::array::from_fn(|k| a[k] - r.dot(&local.second[k]));
+    // Compared with the metric direction by direction, so that long and narrow patches count as good ones.
+    let (h11, h22, h12) = (h[0] / a[0], h[2] / a[2], h[1] * h[1] / (a[0] * a[2]));
+    let lowest = 0.5 * (h11 + h22) - (0.25 * (h11 - h22).powi(2) + h12).sqrt();
+    if lowest > 1e-6 { (h, true) } else { ([a[0] * (1.0 + 1e-12), a[1], a[2] * (1.0 + 1e-12)], false) }
+}
+
+/// Minimum over the polygon of the quadratic function with this gradient and Hessian at `xi`, and the edges it lies on.
+fn model_minimum(
+    patch: &Patch,
+    extension: &[f64; 4],
+    corners: &[[f64; 2]; 4],
+    xi: [f64; 2],
+    g: [f64; 2],
+    h: [f64; 3],
+) -> ([f64; 2], u8) {
+    let det = h[0] * h[2] - h[1] * h[1];
+    let free = [xi[0] - (h[2] * g[0] - h[1] * g[1]) / det, xi[1] - (h[0] * g[1] - h[1] * g[0]) / det];
+    let sides = patch.sides(free);
+    let count = patch.count as usize;
+    let times = |v: [f64; 2]| [h[0] * v[0] + h[1] * v[1], h[1] * v[0] + h[2] * v[1]];
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let (mut best, mut at, mut limits) = (f64::INFINITY, free, 0);
+    // When the free minimum is outside, the least value is on an edge that it is beyond of.
+    for k in (0..count).filter(|k| sides[*k] < -extension[*k]) {
+        let (p, q) = (corners[k], corners[(k + 1) % count]);
+        let along = [q[0] - p[0], q[1] - p[1]];
+        let from = [p[0] - xi[0], p[1] - xi[1]];
+        let slope = times(from);
+        let t = -dot(along, [g[0] + slope[0], g[1] + slope[1]]) / dot(along, times(along));
+        let t = t.clamp(0.0, 1.0);
+        let point = if t == 1.0 { q } else { [p[0] + t * along[0], p[1] + t * along[1]] };
+        let step = [point[0] - xi[0], point[1] - xi[1]];
+        let value = dot(g, step) + 0.5 * dot(step, times(step));
+        if value < best {
+            let before = if t == 0.0 { 1 << ((k + count - 1) % count) } else { 0 };
+            let after = if t == 1.0 { 1 << ((k + 1) % count) } else { 0 };
+            (best, at, limits) = (value, point, 1 << k | before | after);
+        }
+    }
+    (at, limits)
+}
+
+/// The five starts for points from which the distance may have several minima.
+pub fn starts(patch: &Patch) -> [[f64; 2]; 5] {
+    let center = patch.center();
+    let corners = patch.corners(&[0.0; 4]);
+    std::array::from_fn(|k| match k {
+        0 => center,
+        _ => std::array::from_fn(|a| center[a] + 0.7 * (corners[k - 1][a] - center[a])),
+    })
+}
+
+/// A ball around a patch, and bounds that tell from where the distance to it has one minimum only.
+///
+/// With y = x - center, H = G - y.P,ab where G = a + (P - center).P,ab does not depend on x. P,ab lies between its
+/// values at the corners, and G, which varies little, is sampled with a margin.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    pub center: Vec3,
+    pub radius: f64,
+    /// Least and greatest G11, G12 and G22.
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Extent {
+    /// Bounds of `patch`.
+    pub fn new(patch: &Patch) -> Self {
+        let corners = patch.corners(&[0.0; 4]);
+        let center = patch.point(patch.center());
+        let (box_low, box_high) = patch.bounds();
+        let radius = (center - box_low).sup(&(box_high - center)).norm();
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for k in 0..9 {
+            let (s, t) = ((k % 3) as f64 * 0.5, (k / 3) as f64 * 0.5);
+            let mix = |a: usize, b: usize, c: usize| corners[a][c] * (1.0 - s) + corners[b][c] * s;
+            let local = patch.local(std::array::from_fn(|c| mix(0, 1, c) * (1.0 - t) + mix(3, 2, c) * t));
+            let [u, v] = &local.tangents;
+            let metric = [u.norm_squared(), u.dot(v), v.norm_squared()];
+            for k in 0..3 {
+                let g = metric[k] + (local.point - center).dot(&local.second[k]);
+                low[k] = low[k].min(g);
+                high[k] = high[k].max(g);
+            }
+        }
+        let margin: [f64; 3] = std::array::from_fn(|k| 0.25 * (high[k] - low[k]));
+        let (low, high) = (std::array::from_fn(|k| low[k] - margin[k]), std::array::from_fn(|k| high[k] + margin[k]));
+        Self { center, radius, low, high }
+    }
+
+    /// True when f is convex for this `x` all over `patch`, so that its distance has one minimum only.
+    pub fn has_one_minimum(&self, patch: &Patch, x: &Vec3) -> bool {
+        let y = x - self.center;
+        let [c0, c1, c2, c3] = patch.coefficients.map(|c| c.dot(&y));
+        let (s11, s12, s22, spread) = if patch.count == 3 {
+            (2.0 * c0, c2 - c0 - c1, 2.0 * c1, 0.0)
+        } else {
+            let [x0, x1, x2, x3] = &patch.nodes;
+            let twist = (x0 - x1 + x2 - x3).dot(&y);
+            (2.0 * c0.max(c2), twist, 2.0 * c1.max(c3), (c2 - c0).abs() + (c1 - c3).abs())
+        };
+        let (h11, h22) = (self.low[0] - s11, self.low[2] - s22);
+        let h12 = (self.high[1] - s12 + spread).abs().max((self.low[1] - s12 - spread).abs());
+        h11 > 0.0 && h22 > 0.0 && h11 * h22 > h12 * h12
+    }
+}
+
+/// Normal, gap and gradient at an interior foot.
+pub fn on_surface(x: &Vec3, local: &Local) -> (f64, Vec3, Mat3) {
+    let normal = local.area_vector().normalize();
+    let gap = (x - local.point).dot(&normal);
+    let [t, u] = &local.tangents;
+    let metric = Matrix2::new(t.norm_squared(), t.dot(u), t.dot(u), u.norm_squared());
+    let [b11, b12, b22] = local.second.map(|s| s.dot(&normal));
+    let curvature = Matrix2::new(b11, b12, b12, b22);
+    // Singular at a focal point, where all normals are equally right.
+    let gradient = match (metric.try_inverse(), (metric - curvature * gap).try_inverse()) {
+        (Some(a), Some(b)) => {
+            let frame = Matrix3x2::from_columns(&[*t, *u]);
+            let gradient = -frame * (a * curvature * b) * frame.transpose();
+            (gradient + gradient.transpose()) * 0.5
+        }
+        _ => Mat3::zeros(),
+    };
+    (gap, normal, gradient)
+}
+
+/// Normal, gap and gradient at a foot on an edge or corner; `inside` when x is inside the tool. Needs a distance that
+/// is not 0.
+pub fn on_edge(x: &Vec3, patch: &Patch, foot: &Foot, inside: bool) -> (f64, Vec3, Mat3) {
+    let sign = if inside { -1.0 } else { 1.0 };
+    let r = x - foot.local.point;
+    let direction = r / foot.distance;
+    let mut tangential = Mat3::identity() - direction * direction.transpose();
+    if foot.limits.count_ones() == 1 {
+        let corners = patch.corners(&[0.0; 4]);
+        let k = foot.limits.trailing_zeros() as usize;
+        let (p, q) = (corners[k], corners[(k + 1) % patch.count as usize]);
+        let [e, z] = [q[0] - p[0], q[1] - p[1]];
+        let along = foot.local.tangents[0] * e + foot.local.tangents[1] * z;
+        let bend =
+            foot.local.second[0] * (e * e) + foot.local.second[1] * (2.0 * e * z) + foot.local.second[2] * (z * z);
+        let stiffness = along.norm_squared() - r.dot(&bend);
+        if stiffness > 1e-12 * along.norm_squared() {
+            tangential -= along * along.transpose() / stiffness;
+        }
+    }
+    (sign * foot.distance, direction * sign, tangential * (sign / foot.distance))
+}
+
+/// Normal of the patch at a foot times the angle that it fills around the foot.
+pub fn angle_normal(patch: &Patch, foot: &Foot) -> Vec3 {
+    let normal = foot.local.area_vector().normalize();
+    let angle = match foot.limits.count_ones() {
+        0 => 2.0 * std::f64::consts::PI,
+        1 => std::f64::consts::PI,
+        _ => {
+            let corners = patch.corners(&[0.0; 4]);
+            let count = patch.count as usize;
+            // The corner between edges k-1 and k.
+            let k = (0..count).find(|k| foot.limits >> k & 1 == 1 && foot.limits >> ((k + count - 1) % count) & 1 == 1);
+            let k = k.unwrap_or(0);
+            let to = |j: usize| {
+                let [e, z] = [corners[j][0] - corners[k][0], corners[j][1] - corners[k][1]];
+                foot.local.tangents[0] * e + foot.local.tangents[1] * z
+            };
+            super::facets::angle(&to((k + 1) % count), &to((k + count - 1) % count))
+        }
+    };
+    normal * angle
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use crate::surface::test_meshes::{sphere_quad, sphere_triangle, wavy_quad, wavy_triangle};
+
+    /// The gap has the normal as its gradient, and the normal has its own, by differences through new projections.
+    pub fn check_derivatives(x: &Vec3, project: impl Fn(&Vec3) -> Option<Projection>) {
+        let here = project(x).unwrap();
+        assert!((here.point + here.normal * here.gap - x).norm() < 1e-12 * (1.0 + x.norm()));
+        assert!(
+            (here.normal_gradient - here.normal_gradient.transpose()).norm()
+                < 1e-14 * (1.0 + here.normal_gradient.norm())
+        );
+        assert!((here.normal_gradient * here.normal).norm() < 1e-11 * (1.0 + here.normal_gradient.norm()));
+        let h = 1e-4 * here.gap.abs().clamp(0.01, 1.0);
+        for axis in 0..3 {
+            let at = |s: f64| project(&(x + Vec3::ith(axis, s * h))).unwrap();
+            let difference = |value: &dyn Fn(Projection) -> Vec3| {
+                (value(at(1.0)) - value(at(-1.0))) * (2.0 / (3.0 * h)) - (value(at(2.0)) - value(at(-2.0))) / (12.0 * h)
+            };
+            let gap = difference(&|p| Vec3::repeat(p.gap)).x;
+            assert!((gap - here.normal[axis]).abs() < 1e-9, "gap along {axis}");
+            let error = (difference(&|p| p.normal) - here.normal_gradient.column(axis)).norm();
+            assert!(error < 1e-8 * (1.0 + here.normal_gradient.norm()), "normal along {axis}: {error:e}");
+        }
+    }
+
+    fn best_of_samples(patch: &Patch, x: &Vec3) -> f64 {
+        let n = 100;
+        let mut best = f64::INFINITY;
+        for i in 0..=n {
+            for j in 0..=n {
+                let (s, t) = (i as f64 / n as f64, j as f64 / n as f64);
+                let xi = if patch.count == 3 { [s, s * t] } else { [s, t] };
+                best = best.min((x - patch.point(xi)).norm());
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn five_starts_find_the_closest_point_of_all() {
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 * 4.0 - 2.0
+        };
+        let mut certain = 0;
+        for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
+            let extent = Extent::new(&patch);
+            for k in 0..40 {
+                let x = Vec3::new(random(), random(), random()) * if k % 2 == 0 { 1.0 } else { 0.3 };
+                let feet = starts(&patch).map(|start| descend(&patch, &x, &[0.0; 4], start));
+                let best = feet.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min);
+                assert!(best <= best_of_samples(&patch, &x) + 1e-12);
+                if extent.has_one_minimum(&patch, &x) {
+                    certain += 1;
+                    assert!(feet.iter().all(|f| f.distance < best + 1e-12));
+                }
+            }
+        }
+        assert!(certain > 60, "{certain}");
+    }
+
+    #[test]
+    fn limits_tell_where_the_foot_is() {
+        let (patch, _) = wavy_quad();
+        let foot = |x: [f64; 3], extension: f64| descend(&patch, &Vec3::from(x), &[extension; 4], [0.5, 0.5]);
+        assert_eq!(foot([0.5, 0.5, 0.5], 0.0).limits, 0);
+        assert_eq!(foot([0.5, -0.5, 0.2], 0.0).limits, 0b0001);
+        assert_eq!(foot([2.0, 0.5, 0.2], 0.0).limits, 0b0010);
+        assert_eq!(foot([2.0, 2.0, 0.2], 0.0).limits, 0b0110);
+        assert_eq!(foot([-1.0, -1.0, 0.2], 0.0).limits, 0b1001);
+        assert_eq!(foot([-1.0, -1.0, 0.2], 0.05).xi, [-0.05, -0.05]);
+        let (triangle, _) = wavy_triangle();
+        let foot = |x: [f64; 3]| descend(&triangle, &Vec3::from(x), &[0.0; 4], [0.6, 0.3]);
+        assert_eq!(foot([0.2, 0.8, 0.3]).limits, 0b100);
+        assert_eq!(foot([-1.0, -0.5, 0.3]).limits, 0b101);
+        assert_eq!(foot([3.0, 3.0, 0.3]).limits, 0b110);
+    }
+
+    #[test]
+    fn derivatives_inside_on_edges_and_at_corners() {
+        for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
+            let project = |x: &Vec3| {
+                let foot = descend(&patch, x, &[0.0; 4], patch.center());
+                let inside = foot.local.area_vector().dot(&(x - foot.local.point)) < 0.0;
+                let (gap, normal, normal_gradient) =
+                    if foot.limits == 0 { on_surface(x, &foot.local) } else { on_edge(x, &patch, &foot, inside) };
+                Some(Projection { gap, point: foot.local.point, normal, normal_gradient, patch: 0, xi: foot.xi })
+            };
+            for side in [1.0, -1.0] {
+                for distance in [0.05, 0.3] {
+                    let xi = [0.6, 0.35];
+                    check_derivatives(&(patch.point(xi) + patch.normal(xi) * (side * distance)), project);
+                    let (edge, corner) = ([0.45, 0.0], [1.0, 0.0]);
+                    let local = patch.local(edge);
+                    let out = local.tangents[0].cross(&local.area_vector()).normalize();
+                    check_derivatives(
+                        &(local.point + (out * 1.5 + patch.normal(edge) * side).normalize() * distance),
+                        project,
+                    );
+                    let local = patch.local(corner);
+                    let out = (local.tangents[0].normalize() * 1.5
+                        + local.tangents[0].cross(&local.area_vector()).normalize() * 2.0
+                        + local.area_vector().normalize() * side)
+                        .normalize();
+                    check_derivatives(&(local.point + out * distance), project);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The shapes of rigid tools behind one type.
+
+use super::analytic::{Cylinder, Plane, Sphere};
+use super::facets::{Facets, angle};
+use super::nagata::{crease_coefficient, edge_coefficient};
+use super::normals::Normals;
+use super::patch::{Edge, Patch};
+use super::patch_set::PatchSet;
+use super::projection::Projection;
+use super::tessellation::Tessellation;
+use crate::Vec3;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::Smoothing;
+
+/// The geometry of a tool.
+pub enum Shape {
+    Patches(PatchSet),
+    Plane(Plane),
+    Cylinder(Cylinder),
+    Sphere(Sphere),
+}
+
+impl Shape {
+    /// Closest point to `x` within the distance `reach`; `warm` is the patch and parameters of the last projection.
+    pub fn closest(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+        let projection = match self {
+            Self::Patches(patches) => return patches.closest(x, reach, warm),
+            Self::Plane(plane) => plane.closest(x),
+            Self::Cylinder(cylinder) => cylinder.closest(x),
+            Self::Sphere(sphere) => sphere.closest(x),
+        };
+        (projection.gap.abs() <= reach).then_some(projection)
+    }
+
+    /// What the solver sees, for display: each curved patch in `n` by `n` cells; of analytic shapes what is near the
+    /// box from `low` to `high`, round ones in 16 `n` segments.
+    pub fn tessellate(&self, n: usize, low: &Vec3, high: &Vec3) -> Tessellation {
+        match self {
+            Self::Patches(patches) => Tessellation::of_patches(patches.patches(), n),
+            Self::Plane(plane) => Tessellation::of_plane(plane, low, high),
+            Self::Cylinder(cylinder) => Tessellation::of_cylinder(cylinder, 16 * n, low, high),
+            Self::Sphere(sphere) => Tessellation::of_sphere(sphere, 16 * n),
+        }
+    }
+}
+
+/// The patches of a surface mesh, one for each facet, numbered like [`Mesh::facets`].
+///
+/// With [`Smoothing::Nagata`], edges whose facets' normals differ by more than `feature_angle_deg` stay sharp. `flip`
+/// turns the surface over. Fails when the facets do not make a surface, see [`Facets::new`].
+pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, feature_angle_deg: f64, flip: bool) -> Result<Vec<Patch>> {
+    let facets = Facets::new(mesh, flip)?;
+    let (edges, coefficients) = match smoothing {
+        Smoothing::Facet => (facet_edges(&facets), vec![[Vec3::zeros(); 4]; facets.nodes.len()]),
+        Smoothing::Nagata => {
+            let normals = Normals::new(&facets, feature_angle_deg.to_radians());
+            let coefficients = coefficients(&facets, &normals);
+            (normals.edges, coefficients)
+        }
+    };
+    let mut on_boundary = vec![false; facets.points.len()];
+    for (f, k) in facets.corners().filter(|(f, k)| facets.across[*f][*k].is_none()) {
+        on_boundary[facets.node(f, k)] = true;
+        on_boundary[facets.node(f, k + 1)] = true;
+    }
+    let patch = |f: usize| Patch {
+        id: f as u32,
+        count: facets.counts[f],
+        nodes: std::array::from_fn(|k| *facets.point(f, k)),
+        coefficients: coefficients[f],
+        edges: edges[f],
+        on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
+    };
+    Ok((0..facets.nodes.len()).map(patch).collect())
+}
+
+/// Number of edges of the Nagata surface of `mesh` whose normals it meets in part only.
+pub fn count_inflected(mesh: &Mesh, feature_angle_deg: f64, flip: bool) -> Result<usize> {
+    let facets = Facets::new(mesh, flip)?;
+    Ok(Normals::new(&facets, feature_angle_deg.to_radians()).inflected(&facets))
+}
+
+/// Between facets an edge is smooth only when they lie in one plane there.
+fn facet_edges(facets: &Facets) -> Vec<[Edge; 4]> {
+    let flat = |f: usize, k: usize, g: usize, j: usize| angle(&facets.corner(f, k).0, &facets.corner(g, j).0) < 1e-6;
+    let kind = |f: usize, k: usize| match facets.across[f][k] {
+        None => Edge::Boundary,
+        Some((g, j)) if flat(f, k, g, j + 1) && flat(f, k + 1, g, j) => Edge::Smooth,
+        Some(_) => Edge::Sharp,
+    };
+    (0..facets.nodes.len()).map(|f| std::array::from_fn(|k| kind(f, k))).collect()
+}
+
+/// Coefficients of all edges, the same from both sides.
+fn coefficients(facets: &Facets, normals: &Normals) -> Vec<[Vec3; 4]> {
+    let ends = |f: usize, k: usize| (&normals.corners[f][k], &normals.corners[f][(k + 1) % facets.count(f)]);
+    let coefficient = |f: usize, k: usize| {
+        let (d, (n0, n1)) = (facets.edge(f, k), ends(f, k));
+        match facets.across[f][k].filter(|_| normals.edges[f][k] == Edge::Sharp) {
+            None => edge_coefficient(&d, n0, n1),
+            Some((g, j)) => {
+                let (m1, m0) = ends(g, j);
+                crease_coefficient(&d, [n0, n1], [m0, m1])
+            }
+        }
+    };
+    let of_facet =
+        |f: usize| std::array::from_fn(|k| if k < facets.count(f) { coefficient(f, k) } else { Vec3::zeros() });
+    (0..facets.nodes.len()).map(of_facet).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::test_meshes::{grid, indenter, sphere_patches};
+
+    /// Largest errors of shape and normal (radians) over patches of the unit sphere, or cylinder about z when `flat`.
+    fn errors(patches: &[Patch], flat: bool) -> [f64; 2] {
+        let mut worst = [0.0_f64; 2];
+        for patch in patches {
+            for k in 0..169 {
+                let (s, t) = ((k % 13) as f64 / 12.0, (k / 13) as f64 / 12.0);
+                let xi = if patch.count == 3 { [s, s * t] } else { [s, t] };
+                let mut x = patch.point(xi);
+                x.z *= if flat { 0.0 } else { 1.0 };
+                worst[0] = worst[0].max((x.norm() - 1.0).abs());
+                worst[1] = worst[1].max(angle(&patch.normal(xi), &x));
+            }
+        }
+        worst
+    }
+
+    fn orders(coarse: [f64; 2], fine: [f64; 2]) -> [f64; 2] {
+        [(coarse[0] / fine[0]).log2(), (coarse[1] / fine[1]).log2()]
+    }
+
+    fn arc(n: usize, triangles: bool, smoothing: Smoothing) -> Vec<Patch> {
+        let mesh = grid(n, 1, triangles, |s, t| {
+            let a = std::f64::consts::FRAC_PI_2 * s;
+            [a.cos(), a.sin(), t]
+        });
+        patches_from_mesh(&mesh, smoothing, 60.0, false).unwrap()
+    }
+
+    #[test]
+    fn arcs_have_the_exact_errors_of_their_theory() {
+        for n in [2, 4, 5, 6, 10] {
+            let half = std::f64::consts::FRAC_PI_4 / n as f64;
+            let patch = arc(n, false, Smoothing::Nagata);
+            let [shape, normal] = errors(&patch, true);
+            let sagitta = 1.0 - half.cos();
+            assert!((shape - sagitta * sagitta / (2.0 * half.cos())).abs() < 1e-15);
+            assert!(normal < 0.19245 * half.powi(3) * 1.1 && normal > 0.19245 * half.powi(3) * 0.9);
+            let [shape, normal] = errors(&arc(n, false, Smoothing::Facet), true);
+            assert!((shape - sagitta).abs() < 1e-14 && (normal - half).abs() < 1e-14);
+        }
+        assert!((errors(&arc(4, false, Smoothing::Nagata), true)[0] - 1.8822e-4).abs() < 1e-8);
+        for triangles in [false, true] {
+            let order = orders(
+                errors(&arc(8, triangles, Smoothing::Nagata), true),
+                errors(&arc(16, triangles, Smoothing::Nagata), true),
+            );
+            assert!((order[0] - 4.0).abs() < 0.1 && order[1] > 2.9, "{triangles}: {order:?}");
+        }
+    }
+
+    #[test]
+    fn spheres_converge_with_orders_4_and_3_or_2_and_1() {
+        for triangles in [false, true] {
+            for (smoothing, expected) in [(Smoothing::Nagata, [4.0, 3.0]), (Smoothing::Facet, [2.0, 1.0])] {
+                let at = |n| {
+                    let patches = sphere_patches(n, triangles, 1, smoothing);
+                    let area = |p: &Patch| 0.5 * (p.nodes[2] - p.nodes[0]).cross(&(p.nodes[3] - p.nodes[1])).norm();
+                    (patches.iter().map(area).fold(0.0, f64::max).sqrt(), errors(&patches, false))
+                };
+                let ((h, coarse), (half, fine)) = (at(16), at(32));
+                let order = orders(coarse, fine).map(|order| order / (h / half).log2());
+                assert!((order[0] - expected[0]).abs() < 0.1 && (order[1] - expected[1]).abs() < 0.1, "{order:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_share_their_edges() {
+        for triangles in [false, true] {
+            let mesh = crate::surface::test_meshes::cubed_sphere(3, triangles, 5);
+            for feature in [5.0, 40.0, 180.0] {
+                let facets = Facets::new(&mesh, false).unwrap();
+                let patches = patches_from_mesh(&mesh, Smoothing::Nagata, feature, false).unwrap();
+                for (f, patch) in patches.iter().enumerate() {
+                    for k in 0..facets.count(f) {
+                        match facets.across[f][k] {
+                            None => assert_eq!(patch.edges[k], Edge::Boundary),
+                            Some((g, j)) => {
+                                assert!((patch.coefficients[k] - patches[g].coefficients[j]).norm() < 1e-15);
+                                assert_eq!(patch.edges[k], patches[g].edges[j]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn flat_parts_stay_facets() {
+        for triangles in [false, true] {
+            let patches = patches_from_mesh(&indenter(2, triangles), Smoothing::Nagata, 40.0, false).unwrap();
+            let curved = patches.iter().filter(|p| p.coefficients.iter().any(|c| c.norm() > 1e-12)).count();
+            assert_eq!(curved, if triangles { 32 } else { 16 });
+        }
+        assert_eq!(count_inflected(&indenter(1, false), 40.0, false).unwrap(), 0);
+    }
+}
