@@ -8,12 +8,14 @@
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, Nagata patches, analytic shapes, normals, closest points
+//! - [`solid`]: elements and materials as pure functions on fixed-size arrays
 
 pub mod error;
 pub mod mesh;
 pub mod parallel;
 pub mod partition;
 pub mod scene;
+pub mod solid;
 pub mod surface;
 
 /// A vector in space.

@@ -1,0 +1,283 @@
+//! Elements: internal forces and tangent of one element from its nodes, its displacements and a material.
+//!
+//! With reference coordinates X, displacements u, x = X + u and shape functions N_a, at every integration point
+//!
+//! ```text
+//! F    = 1 + sum_a u_a (dN_a/dX)^T,     g_a = dN_a/dx = F^-T dN_a/dX
+//! R_a  = int tau g_a dV                                                           internal force on node a
+//! K_ab = int B_a^T c B_b dV + int (g_a . tau g_b) 1 dV = dR_a/du_b
+//! ```
+//!
+//! V is the reference volume, tau and c are of [`super::material`]. In components, with the spatial tangent and the
+//! initial stress in one fourth-order tensor, K_aibk = int g_aj (c_ijkl + delta_ik tau_jl) g_bl dV. (Bonet and Wood,
+//! Nonlinear Continuum Mechanics for Finite Element Analysis; de Souza Neto, Peric and Owen, Computational Methods
+//! for Plasticity.)
+//!
+//! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
+//! reference state; [`hex8::min_jacobian`] and [`tet4::volume`] tell.
+
+pub mod hex8;
+pub mod hex8_fbar;
+pub mod plane4;
+pub mod tet4;
+
+use super::material::Material;
+use super::voigt::{INDEX, Voigt};
+use crate::Mat3;
+
+/// Internal forces of an element with D degrees of freedom, and their derivative.
+#[derive(Clone, Debug)]
+pub struct ElementMatrices<const D: usize> {
+    /// R, force.
+    pub residual: [f64; D],
+    /// K\[row\]\[column\], full, force per length.
+    pub tangent: [[f64; D]; D],
+}
+
+impl<const D: usize> Default for ElementMatrices<D> {
+    fn default() -> Self {
+        Self { residual: [0.0; D], tangent: [[0.0; D]; D] }
+    }
+}
+
+/// An element is turned inside out at an integration point, or its displacements are not finite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inverted {
+    /// The smallest det F of the element; NaN when displacements are not finite.
+    pub det_f: f64,
+}
+
+/// Derivatives of N shape functions: `[j][a]` is dN_a by coordinate j.
+type Gradients<const N: usize> = [[f64; N]; 3];
+
+/// An integration point of a deformed element.
+struct Point<const N: usize> {
+    /// g\[j\]\[a\] = dN_a/dx_j.
+    gradients: Gradients<N>,
+    /// The deformation gradient that the material sees.
+    f: Mat3,
+    /// Its determinant, positive.
+    det_f: f64,
+    /// What multiplies tau: the reference volume of the point, in standard elements.
+    weight: f64,
+}
+
+/// 1/sqrt(3): the points of the Gauss rule of two points, both of weight 1, stand at plus and minus it.
+pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
+
+/// The integration points of the element; `gradients` are those by the parameters, `weight` is the quadrature weight of
+/// each. An element without a third parameter has the thickness `depth` along z; others give 0.
+#[inline(always)]
+fn deform<const N: usize, const Q: usize>(
+    x0: &[[f64; 3]; N],
+    u: &[[f64; 3]; N],
+    gradients: &[Gradients<N>; Q],
+    weight: f64,
+    depth: f64,
+) -> Result<[Point<N>; Q], Inverted> {
+    let mut worst = f64::INFINITY;
+    let points = std::array::from_fn(|q| {
+        let (mut reference, moved) = (jacobian(x0, &gradients[q]), jacobian(u, &gradients[q]));
+        reference[(2, 2)] += depth;
+        let (inverse0, det0) = inverse(&reference);
+        let (inverse, det) = inverse(&(reference + moved));
+        let mut g = [[0.0; N]; 3];
+        for j in 0..3 {
+            for m in 0..3 {
+                add_scaled(&mut g[j], inverse[(m, j)], &gradients[q][m]);
+            }
+        }
+        let det_f = det / det0;
+        if det_f < worst || det_f.is_nan() {
+            worst = det_f;
+        }
+        Point { gradients: g, f: Mat3::identity() + moved * inverse0, det_f, weight: weight * det0 }
+    });
+    if worst > 0.0 { Ok(points) } else { Err(Inverted { det_f: worst }) }
+}
+
+/// F-bar: gives the points the volume change of `centre`, and weights dV J/J0 (see [`hex8_fbar`]).
+#[inline(always)]
+fn use_volume_of<const N: usize>(centre: &Point<N>, points: &mut [Point<N>]) {
+    for point in points {
+        let ratio = centre.det_f / point.det_f;
+        point.f *= ratio.cbrt();
+        point.det_f = centre.det_f;
+        point.weight /= ratio;
+    }
+}
+
+/// Derivative of the position by the parameters, `(i, m)` = dx_i/dxi_m, where nodes are at `x`.
+#[inline(always)]
+fn jacobian<const N: usize>(x: &[[f64; 3]; N], gradients: &Gradients<N>) -> Mat3 {
+    let mut sum = Mat3::zeros();
+    for a in 0..N {
+        for m in 0..3 {
+            (0..3).for_each(|i| sum[(i, m)] += x[a][i] * gradients[m][a]);
+        }
+    }
+    sum
+}
+
+/// Inverse and determinant.
+#[inline(always)]
+fn inverse(m: &Mat3) -> (Mat3, f64) {
+    let (a, b, c) = (m.column(0), m.column(1), m.column(2));
+    let bc = b.cross(&c);
+    let det = a.dot(&bc);
+    (Mat3::from_columns(&[bc / det, c.cross(&a) / det, a.cross(&b) / det]).transpose(), det)
+}
+
+/// Internal forces and, when wanted, the tangent. `centre` are the gradients at the element's centre for F-bar.
+#[inline(always)]
+fn integrate<const N: usize, const Q: usize, const D: usize>(
+    points: &[Point<N>; Q],
+    centre: Option<&Gradients<N>>,
+    material: &Material,
+    want_tangent: bool,
+    out: &mut ElementMatrices<D>,
+) -> Result<(), Inverted> {
+    const { assert!(D == 3 * N) };
+    let mut force = [[0.0; N]; 3];
+    if want_tangent {
+        let mut rates = [[[[[0.0; N]; 3]; Q]; 3]; 3];
+        for (q, point) in points.iter().enumerate() {
+            let response = material.response(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+            add_force(point, &response.kirchhoff, &mut force);
+            for i in 0..3 {
+                for k in if centre.is_some() { 0 } else { i }..3 {
+                    stress_rate(point, &response.kirchhoff, &response.tangent, i, k, &mut rates[i][k][q]);
+                }
+            }
+            if let Some(centre) = centre {
+                add_volume_rate(point, centre, &response.kirchhoff, &response.tangent, q, &mut rates);
+            }
+        }
+        contract(points, &rates, centre.is_none(), &mut out.tangent);
+    } else {
+        for point in points {
+            let kirchhoff = material.kirchhoff(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+            add_force(point, &kirchhoff, &mut force);
+        }
+    }
+    for a in 0..N {
+        (0..3).for_each(|i| out.residual[3 * a + i] = force[i][a]);
+    }
+    Ok(())
+}
+
+/// y = y + a x. All sums over nodes go through here: a loop of known length over arrays, which becomes vector instructions.
+#[inline(always)]
+fn add_scaled<const N: usize>(y: &mut [f64; N], a: f64, x: &[f64; N]) {
+    for (y, x) in y.iter_mut().zip(x) {
+        *y += a * x;
+    }
+}
+
+/// Adds weight tau_ij g_aj.
+#[inline(always)]
+fn add_force<const N: usize>(point: &Point<N>, kirchhoff: &Voigt, force: &mut [[f64; N]; 3]) {
+    for i in 0..3 {
+        for j in 0..3 {
+            let stress = point.weight * kirchhoff[INDEX[i][j]];
+            add_scaled(&mut force[i], stress, &point.gradients[j]);
+        }
+    }
+}
+
+/// `rate[j][b]` = weight (c_ijkl + delta_ik tau_jl) g_bl: how the stress on the nodes moves with node b in direction k.
+#[inline(always)]
+fn stress_rate<const N: usize>(
+    point: &Point<N>,
+    kirchhoff: &Voigt,
+    tangent: &[Voigt; 6],
+    i: usize,
+    k: usize,
+    rate: &mut Gradients<N>,
+) {
+    for j in 0..3 {
+        for l in 0..3 {
+            let initial = if i == k { kirchhoff[INDEX[j][l]] } else { 0.0 };
+            let factor = point.weight * (tangent[INDEX[i][j]][INDEX[k][l]] + initial);
+            add_scaled(&mut rate[j], factor, &point.gradients[l]);
+        }
+    }
+}
+
+/// The F-bar term of [`hex8_fbar`]: adds weight q_ij (g0_bk - g_bk).
+#[inline(always)]
+fn add_volume_rate<const N: usize, const Q: usize>(
+    point: &Point<N>,
+    centre: &Gradients<N>,
+    kirchhoff: &Voigt,
+    tangent: &[Voigt; 6],
+    q: usize,
+    rates: &mut [[[Gradients<N>; Q]; 3]; 3],
+) {
+    for i in 0..3 {
+        for j in 0..3 {
+            let v = INDEX[i][j];
+            let factor = point.weight * (tangent[v][0] + tangent[v][1] + tangent[v][2] - kirchhoff[v]) / 3.0;
+            for k in 0..3 {
+                add_scaled(&mut rates[i][k][q][j], factor, &centre[k]);
+                add_scaled(&mut rates[i][k][q][j], -factor, &point.gradients[k]);
+            }
+        }
+    }
+}
+
+/// K_aibk = sum over points and j of g_aj rates_ikj_b: one product of an N x 3Q with a 3Q x N matrix for each pair of
+/// directions; with symmetry for pairs i <= k alone.
+#[inline(always)]
+fn contract<const N: usize, const Q: usize, const D: usize>(
+    points: &[Point<N>; Q],
+    rates: &[[[Gradients<N>; Q]; 3]; 3],
+    symmetric: bool,
+    tangent: &mut [[f64; D]; D],
+) {
+    for i in 0..3 {
+        for k in if symmetric { i } else { 0 }..3 {
+            for a in 0..N {
+                let mut row = [0.0; N];
+                for (point, rate) in points.iter().zip(&rates[i][k]) {
+                    for j in 0..3 {
+                        add_scaled(&mut row, point.gradients[j][a], &rate[j]);
+                    }
+                }
+                for b in 0..N {
+                    tangent[3 * a + i][3 * b + k] = row[b];
+                    if symmetric {
+                        tangent[3 * b + k][3 * a + i] = row[b];
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Cauchy stress averaged over the current volume.
+#[inline(always)]
+fn average_stress<const N: usize, const Q: usize>(
+    points: &[Point<N>; Q],
+    material: &Material,
+) -> Result<Voigt, Inverted> {
+    let (mut sum, mut volume) = ([0.0; 6], 0.0);
+    for point in points {
+        let kirchhoff = material.kirchhoff(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+        (0..6).for_each(|v| sum[v] += point.weight * kirchhoff[v]);
+        volume += point.weight * point.det_f;
+    }
+    Ok(sum.map(|s| s / volume))
+}
+
+/// Stored energy.
+#[inline(always)]
+fn stored_energy<const N: usize, const Q: usize>(points: &[Point<N>; Q], material: &Material) -> Result<f64, Inverted> {
+    points.iter().try_fold(0.0, |sum, point| {
+        let energy = material.energy(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+        Ok(sum + point.weight * energy)
+    })
+}
+
+#[cfg(test)]
+mod tests;

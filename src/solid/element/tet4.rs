@@ -1,0 +1,52 @@
+//! 4-node tetrahedron: constant strain, one integration point.
+//!
+//! Node 3 lies on the side of the face 0-1-2 from which it is seen counter-clockwise.
+
+use super::{ElementMatrices, Gradients, Inverted, Point, average_stress, deform, integrate, jacobian, stored_energy};
+use crate::Vec3;
+use crate::solid::material::Material;
+use crate::solid::voigt::Voigt;
+
+/// Derivatives of 1 - xi - eta - zeta, xi, eta, zeta.
+const GRADIENTS: Gradients<4> = [[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 1.0]];
+
+/// Volume of the parent tetrahedron.
+const WEIGHT: f64 = 1.0 / 6.0;
+
+/// Internal forces and, if `want_tangent`, the symmetric tangent of the element with reference nodes `x0` displaced by
+/// `u`. `out.tangent` keeps its old entries otherwise; after an error `out` is undefined.
+pub fn evaluate(
+    x0: &[[f64; 3]; 4],
+    u: &[[f64; 3]; 4],
+    material: &Material,
+    want_tangent: bool,
+    out: &mut ElementMatrices<12>,
+) -> Result<(), Inverted> {
+    integrate(&points(x0, u)?, None, material, want_tangent, out)
+}
+
+/// Cauchy stress.
+pub fn stress(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], material: &Material) -> Result<Voigt, Inverted> {
+    average_stress(&points(x0, u)?, material)
+}
+
+/// Stored energy.
+pub fn energy(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], material: &Material) -> Result<f64, Inverted> {
+    stored_energy(&points(x0, u)?, material)
+}
+
+/// Volume with nodes at `x`, reference or current; negative when inside out.
+pub fn volume(x: &[[f64; 3]; 4]) -> f64 {
+    WEIGHT * jacobian(x, &GRADIENTS).determinant()
+}
+
+/// Consistent nodal forces of a force per reference volume.
+pub fn body_force(x0: &[[f64; 3]; 4], per_volume: Vec3) -> [f64; 12] {
+    let share = 0.25 * volume(x0);
+    std::array::from_fn(|k| share * per_volume[k % 3])
+}
+
+#[inline(always)]
+fn points(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4]) -> Result<[Point<4>; 1], Inverted> {
+    deform(x0, u, &[GRADIENTS], WEIGHT, 0.0)
+}

@@ -1,0 +1,205 @@
+//! Loads on the faces of solids: follower pressure, areas.
+//!
+//! Faces are numbered counter-clockwise seen from outside. With x = sum_a N_a x_a, the parameters s and t, and commas
+//! for derivatives by them, n da = x,s x x,t ds dt points outwards, and
+//!
+//! ```text
+//! f_a       = -p int N_a n da
+//! df_a/dx_b = -p int N_a (N_b,t [x,s] - N_b,s [x,t]) ds dt,     [v] w = v x w
+//! ```
+//!
+//! A positive pressure pushes into the body. (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element
+//! Analysis.) The 2x2 Gauss rule of the quadrilateral is exact for forces and tangent, not for the area of a
+//! warped face.
+
+use super::element::GAUSS;
+use crate::Vec3;
+
+/// External nodal forces, node-major, and their derivative by the nodes' positions, `tangent[row][column]`, not
+/// symmetric. Both enter an equilibrium residual R = internal - external with a minus.
+#[derive(Clone, Debug)]
+pub struct FaceLoad<const D: usize> {
+    pub force: [f64; D],
+    pub tangent: [[f64; D]; D],
+}
+
+/// An integration point of a face.
+struct FacePoint<const N: usize> {
+    weight: f64,
+    values: [f64; N],
+    /// Derivatives by s and by t.
+    gradients: [[f64; N]; 2],
+}
+
+const TRI3: [FacePoint<3>; 1] =
+    [FacePoint { weight: 0.5, values: [1.0 / 3.0; 3], gradients: [[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]] }];
+
+const QUAD4: [FacePoint<4>; 4] =
+    [quad4(-GAUSS, -GAUSS), quad4(GAUSS, -GAUSS), quad4(GAUSS, GAUSS), quad4(-GAUSS, GAUSS)];
+
+const fn quad4(s: f64, t: f64) -> FacePoint<4> {
+    let (s0, s1, t0, t1) = (0.5 * (1.0 - s), 0.5 * (1.0 + s), 0.5 * (1.0 - t), 0.5 * (1.0 + t));
+    FacePoint {
+        weight: 1.0,
+        values: [s0 * t0, s1 * t0, s1 * t1, s0 * t1],
+        gradients: [[-0.5 * t0, 0.5 * t0, 0.5 * t1, -0.5 * t1], [-0.5 * s0, -0.5 * s1, 0.5 * s1, 0.5 * s0]],
+    }
+}
+
+/// Pressure on a triangle with current nodes `x`.
+pub fn tri3_pressure(x: &[[f64; 3]; 3], pressure: f64) -> FaceLoad<9> {
+    follower_pressure(&TRI3, x, pressure)
+}
+
+/// Pressure on a quadrilateral with current nodes `x`.
+pub fn quad4_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
+    follower_pressure(&QUAD4, x, pressure)
+}
+
+/// The areas int N_a da that belong to the nodes of a triangle; their sum is its area.
+pub fn tri3_nodal_areas(x: &[[f64; 3]; 3]) -> [f64; 3] {
+    nodal_areas(&TRI3, x)
+}
+
+/// The areas int N_a da that belong to the nodes of a quadrilateral; their sum is its area.
+pub fn quad4_nodal_areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
+    nodal_areas(&QUAD4, x)
+}
+
+/// Area of a triangle.
+pub fn tri3_area(x: &[[f64; 3]; 3]) -> f64 {
+    tri3_nodal_areas(x).iter().sum()
+}
+
+/// Area of a quadrilateral.
+pub fn quad4_area(x: &[[f64; 3]; 4]) -> f64 {
+    quad4_nodal_areas(x).iter().sum()
+}
+
+impl<const N: usize> FacePoint<N> {
+    /// x,s and x,t.
+    fn tangents(&self, x: &[[f64; 3]; N]) -> [Vec3; 2] {
+        self.gradients.map(|by| x.iter().zip(by).map(|(x, g)| g * Vec3::from(*x)).sum())
+    }
+}
+
+fn follower_pressure<const N: usize, const Q: usize, const D: usize>(
+    rule: &[FacePoint<N>; Q],
+    x: &[[f64; 3]; N],
+    pressure: f64,
+) -> FaceLoad<D> {
+    const { assert!(D == 3 * N) };
+    let mut load = FaceLoad { force: [0.0; D], tangent: [[0.0; D]; D] };
+    for point in rule {
+        let [by_s, by_t] = point.tangents(x);
+        let area = by_s.cross(&by_t);
+        for a in 0..N {
+            let factor = -pressure * point.weight * point.values[a];
+            (0..3).for_each(|i| load.force[3 * a + i] += factor * area[i]);
+            for b in 0..N {
+                let v = factor * (point.gradients[1][b] * by_s - point.gradients[0][b] * by_t);
+                let skew = v.cross_matrix();
+                for (i, k) in (0..9).map(|n| (n / 3, n % 3)) {
+                    load.tangent[3 * a + i][3 * b + k] += skew[(i, k)];
+                }
+            }
+        }
+    }
+    load
+}
+
+fn nodal_areas<const N: usize, const Q: usize>(rule: &[FacePoint<N>; Q], x: &[[f64; 3]; N]) -> [f64; N] {
+    let mut areas = [0.0; N];
+    for point in rule {
+        let [by_s, by_t] = point.tangents(x);
+        let area = point.weight * by_s.cross(&by_t).norm();
+        (0..N).for_each(|a| areas[a] += area * point.values[a]);
+    }
+    areas
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{Random, add, derivative, relative_error, rotation};
+    use super::*;
+
+    const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 2.0], [3.0, 0.0, 2.0], [3.0, 1.0, 2.0], [0.0, 1.0, 2.0]];
+
+    /// The tangent against differences of the force.
+    fn check_tangent<const N: usize, const D: usize>(x: [[f64; 3]; N], load: impl Fn(&[[f64; 3]; N]) -> FaceLoad<D>) {
+        let exact = load(&x).tangent;
+        let differences: [[f64; D]; D] = std::array::from_fn(|column| {
+            derivative(1e-2, |t| {
+                let mut moved = x;
+                moved[column / 3][column % 3] += t;
+                load(&moved).force
+            })
+        });
+        let transposed: [[f64; D]; D] = std::array::from_fn(|i| std::array::from_fn(|j| differences[j][i]));
+        let error = relative_error(exact.as_flattened(), transposed.as_flattened());
+        assert!(error < 2e-13, "{error}");
+    }
+
+    #[test]
+    fn tangents_are_exact() {
+        let mut random = Random::new(11);
+        for _ in 0..10 {
+            let triangle = add(&[SQUARE[0], SQUARE[1], SQUARE[3]], &random.points(0.4));
+            check_tangent(triangle, |x| tri3_pressure(x, 1.7));
+            check_tangent(add(&SQUARE, &random.points(0.4)), |x| quad4_pressure(x, -0.8));
+        }
+    }
+
+    #[test]
+    fn pushes_into_the_body_with_its_area() {
+        let force = quad4_pressure(&SQUARE, 2.0).force;
+        let triangle = tri3_pressure(&[SQUARE[0], SQUARE[1], SQUARE[3]], 2.0).force;
+        // The faces look along +z: outwards is up, the push is down.
+        for a in 0..4 {
+            (0..3).for_each(|i| assert!((force[3 * a + i] - [0.0, 0.0, -1.5][i]).abs() < 1e-15));
+        }
+        for a in 0..3 {
+            (0..3).for_each(|i| assert!((triangle[3 * a + i] - [0.0, 0.0, -1.0][i]).abs() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn a_closed_surface_feels_no_net_force_or_moment() {
+        const FACES: [[usize; 4]; 6] =
+            [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+        let cube: [[f64; 3]; 8] = std::array::from_fn(|n| {
+            let corner = [[0, 0], [1, 0], [1, 1], [0, 1]][n % 4];
+            [corner[0] as f64, corner[1] as f64, (n / 4) as f64]
+        });
+        let x = add(&cube, &Random::new(12).points(0.2));
+        let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
+        for face in FACES {
+            let nodes = face.map(|n| x[n]);
+            let load = quad4_pressure(&nodes, 3.0).force;
+            for a in 0..4 {
+                let f = Vec3::from_column_slice(&load[3 * a..3 * a + 3]);
+                force += f;
+                moment += Vec3::from(nodes[a]).cross(&f);
+            }
+        }
+        assert!(force.norm() < 1e-14 && moment.norm() < 1e-14);
+    }
+
+    #[test]
+    fn nodal_areas_sum_to_the_area() {
+        let mut random = Random::new(13);
+        assert!((quad4_area(&SQUARE) - 3.0).abs() < 1e-15);
+        assert!(quad4_nodal_areas(&SQUARE).iter().all(|a| (a - 0.75).abs() < 1e-15));
+        // A plane trapezoid, turned: area 1/2 (3 + 1) 2; int N_a da in closed form, parallel sides along x.
+        let r = rotation(random.vector(2.0));
+        let trapezoid = [[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [1.5, 2.0, 0.0], [0.5, 2.0, 0.0]];
+        let turned = trapezoid.map(|x| (r * Vec3::from(x)).into());
+        let areas = quad4_nodal_areas(&turned);
+        let exact = [7.0 / 6.0, 7.0 / 6.0, 5.0 / 6.0, 5.0 / 6.0];
+        (0..4).for_each(|a| assert!((areas[a] - exact[a]).abs() < 1e-14));
+        assert!((quad4_area(&turned) - 4.0).abs() < 1e-14);
+        let triangle = [turned[0], turned[1], turned[3]];
+        assert!((tri3_area(&triangle) - 3.0).abs() < 1e-14);
+        assert!(tri3_nodal_areas(&triangle).iter().all(|a| (a - 1.0).abs() < 1e-14));
+    }
+}

@@ -1,0 +1,60 @@
+//! Symmetric second-order tensors as six components in the order xx, yy, zz, xy, yz, zx.
+//!
+//! Stresses hold the tensor's components. Strains that a 6x6 tangent multiplies have engineering shear, 2 d_xy, so that
+//! the tangent's entries are the components c_ijkl themselves.
+
+use crate::Mat3;
+
+/// Six components: xx, yy, zz, xy, yz, zx.
+pub type Voigt = [f64; 6];
+
+/// Position of component ij.
+pub const INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
+
+/// The unit tensor.
+pub const IDENTITY: Voigt = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+
+/// The symmetric tensor as a matrix.
+pub fn to_matrix(t: &Voigt) -> Mat3 {
+    Mat3::from_fn(|i, j| t[INDEX[i][j]])
+}
+
+/// sym(a b^T) as components.
+pub fn symmetric_product(a: &[f64; 3], b: &[f64; 3]) -> Voigt {
+    let entry = |i: usize, j: usize| 0.5 * (a[i] * b[j] + a[j] * b[i]);
+    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)]
+}
+
+/// The left Cauchy-Green tensor b = F F^T.
+pub fn left_cauchy_green(f: &Mat3) -> Voigt {
+    let entry = |i: usize, j: usize| f[(i, 0)] * f[(j, 0)] + f[(i, 1)] * f[(j, 1)] + f[(i, 2)] * f[(j, 2)];
+    [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)]
+}
+
+/// Von Mises stress of a Cauchy stress.
+pub fn von_mises(s: &Voigt) -> f64 {
+    let normal = (s[0] - s[1]).powi(2) + (s[1] - s[2]).powi(2) + (s[2] - s[0]).powi(2);
+    let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+    (0.5 * normal + 3.0 * shear).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn von_mises_of_simple_states() {
+        assert_eq!(von_mises(&[-3.0, 0.0, 0.0, 0.0, 0.0, 0.0]), 3.0);
+        assert_eq!(von_mises(&[7.0, 7.0, 7.0, 0.0, 0.0, 0.0]), 0.0);
+        assert!((von_mises(&[0.0, 0.0, 0.0, 0.0, -2.0, 0.0]) - 12f64.sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn products_agree_with_matrices() {
+        let f = Mat3::new(1.1, 0.2, -0.3, 0.4, 0.9, 0.1, -0.2, 0.5, 1.3);
+        assert!((to_matrix(&left_cauchy_green(&f)) - f * f.transpose()).norm() < 1e-15);
+        let (a, b) = ([1.0, 2.0, 3.0], [-0.5, 0.25, 4.0]);
+        let ab = crate::Vec3::from(a) * crate::Vec3::from(b).transpose();
+        assert_eq!(to_matrix(&symmetric_product(&a, &b)), 0.5 * (ab + ab.transpose()));
+    }
+}
