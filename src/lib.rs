@@ -9,7 +9,9 @@
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, Nagata patches, analytic shapes, normals, closest points
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays
+//! - [`contact`]: tools, contact pairs, search, and the augmented-Lagrangian contact element
 
+pub mod contact;
 pub mod error;
 pub mod mesh;
 pub mod parallel;
