@@ -10,10 +10,12 @@
 //! - [`surface`]: geometry without mechanics: facets, Nagata patches, analytic shapes, normals, closest points
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays
 //! - [`contact`]: tools, contact pairs, search, and the augmented-Lagrangian contact element
+//! - [`output`]: HDF5/XDMF, history, summary, log, phases
 
 pub mod contact;
 pub mod error;
 pub mod mesh;
+pub mod output;
 pub mod parallel;
 pub mod partition;
 pub mod scene;

@@ -1,0 +1,110 @@
+//! `history.csv`: one row an increment, each on disk before the next increment starts.
+
+use super::{OutputFolder, cannot_write};
+use crate::error::Result;
+use crate::parallel::agree;
+use mpi::traits::*;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// The force and contact history of a run; rank 0 writes it.
+#[derive(Debug)]
+pub struct History {
+    path: PathBuf,
+    /// On rank 0 alone.
+    file: Option<File>,
+}
+
+impl History {
+    /// Writes the header `step,increment,time,iterations,` and `columns`. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
+    pub fn create(folder: &OutputFolder, comm: &impl Communicator, columns: &[String]) -> Result<Self> {
+        let path = folder.file("history.csv");
+        let file = if comm.rank() == 0 { File::create(&path).map(Some) } else { Ok(None) };
+        let file = agree(comm, file.map_err(|error| cannot_write(&path, error)))?;
+        let mut history = Self { path, file };
+        history.append(comm, || header(columns))?;
+        Ok(history)
+    }
+
+    /// Writes one increment: name of the step, number of the increment, time, Newton iterations, and the values of the
+    /// columns, which count on rank 0 only. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
+    pub fn row(
+        &mut self,
+        comm: &impl Communicator,
+        step: &str,
+        increment: usize,
+        time: f64,
+        iterations: usize,
+        values: &[f64],
+    ) -> Result<()> {
+        self.append(comm, || row(step, increment, time, iterations, values))
+    }
+
+    /// One write call a line: a kill leaves no half row behind a whole one.
+    fn append(&mut self, comm: &impl Communicator, line: impl FnOnce() -> String) -> Result<()> {
+        let written = self.file.as_mut().map_or(Ok(()), |file| file.write_all(line().as_bytes()));
+        agree(comm, written.map_err(|error| cannot_write(&self.path, error)))
+    }
+}
+
+fn header(columns: &[String]) -> String {
+    let mut line = "step,increment,time,iterations".to_string();
+    for column in columns {
+        line.push(',');
+        line.push_str(&quoted(column));
+    }
+    line.push('\n');
+    line
+}
+
+fn row(step: &str, increment: usize, time: f64, iterations: usize, values: &[f64]) -> String {
+    let mut line = format!("{},{increment},{},{iterations}", quoted(step), shortest(time));
+    for &value in values {
+        let _ = write!(line, ",{}", shortest(value));
+    }
+    line.push('\n');
+    line
+}
+
+/// The fewest digits that read back as the same number; whole numbers without a point.
+fn shortest(value: f64) -> String {
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map(str::to_string).unwrap_or(text)
+}
+
+/// A text cell; quoted as RFC 4180 has it when it must be.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_back_as_they_were() {
+        for value in [0.1, 1.0 / 3.0, -1e-300, 1.7976931348623157e308, 5e-324, 12.0, -0.0, 2.5e7, 123456789.125] {
+            let back: f64 = shortest(value).parse().unwrap();
+            assert_eq!(back.to_bits(), value.to_bits(), "{}", shortest(value));
+        }
+        assert_eq!(shortest(3.0), "3");
+        assert_eq!(shortest(0.1), "0.1");
+        assert!(shortest(f64::NAN).parse::<f64>().unwrap().is_nan());
+    }
+
+    #[test]
+    fn a_row_has_the_cells_of_the_header() {
+        let head = header(&["indenter.fx".into(), "top, left.gap".into()]);
+        assert_eq!(head, "step,increment,time,iterations,indenter.fx,\"top, left.gap\"\n");
+        assert_eq!(row("press", 3, 0.25, 5, &[-12.5, 0.0]), "press,3,0.25,5,-12.5,0\n");
+        assert_eq!(row("a \"b\"", 1, 1e-9, 0, &[]), "\"a \"\"b\"\"\",1,1e-9,0\n");
+    }
+}

@@ -1,0 +1,125 @@
+//! `summary.json`: what ran, how it ended, what it cost.
+
+use super::phases::{PHASES, Phases};
+use super::{OutputFolder, replace};
+use crate::error::Result;
+use crate::parallel::agree;
+use mpi::collective::SystemOperation;
+use mpi::traits::*;
+use serde_json::{Map, Value, json};
+
+/// The outcome of a run. Counts are of the whole model, over all ranks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Summary {
+    pub converged: bool,
+    /// Name of the scene.
+    pub scene: String,
+    /// Unknowns in the system, multipliers and free tool directions included.
+    pub dofs: u64,
+    /// Multiplier unknowns among them.
+    pub multipliers: u64,
+    pub elements: u64,
+    /// Converged increments.
+    pub increments: usize,
+    /// Increments that failed and were tried again in smaller ones.
+    pub cutbacks: usize,
+    /// Newton iterations, those of failed increments included.
+    pub iterations: usize,
+    /// Wall time, s.
+    pub wall_s: f64,
+    /// Kind of the matrix, as in "symmetric indefinite".
+    pub matrix: String,
+    /// As in "MUMPS LDL^T, SCOTCH ordering".
+    pub linear_solver: String,
+}
+
+impl Summary {
+    /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank) and the
+    /// peak memory (sum over the ranks, MB of 10^6 bytes) added. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
+    pub fn write(&self, folder: &OutputFolder, comm: &impl Communicator, phases: &Phases) -> Result<()> {
+        let seconds = phases.slowest(comm);
+        let own = peak_memory_mb();
+        let mut memory = 0.0;
+        comm.all_reduce_into(&own, &mut memory, SystemOperation::sum());
+        let written = if comm.rank() == 0 {
+            replace(&folder.file("summary.json"), &self.render(comm.size(), &seconds, memory))
+        } else {
+            Ok(())
+        };
+        agree(comm, written)
+    }
+
+    fn render(&self, ranks: i32, seconds: &[f64], memory: f64) -> String {
+        let milli = |value: f64| (value * 1e3).round() / 1e3;
+        let phases: Map<String, Value> =
+            PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
+        let value = json!({
+            "converged": self.converged,
+            "scene": self.scene,
+            "version": env!("CARGO_PKG_VERSION"),
+            "ranks": ranks,
+            "dofs": self.dofs,
+            "multipliers": self.multipliers,
+            "elements": self.elements,
+            "increments": self.increments,
+            "cutbacks": self.cutbacks,
+            "iterations": self.iterations,
+            "wall_s": milli(self.wall_s),
+            "phases_s": phases,
+            "peak_memory_mb": milli(memory),
+            "matrix": self.matrix,
+            "linear_solver": self.linear_solver,
+        });
+        format!("{value:#}\n")
+    }
+}
+
+/// The most memory this process has held, MB of 10^6 bytes; 0 where the system does not say.
+pub fn peak_memory_mb() -> f64 {
+    std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_kib(&status)).unwrap_or(0.0)
+        * 1.024e-3
+}
+
+fn high_water_kib(status: &str) -> Option<f64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_file_has_exactly_the_promised_keys() {
+        let summary =
+            Summary { converged: true, scene: "a \"b\"".into(), dofs: 12, wall_s: 1.25, ..Summary::default() };
+        let text = summary.render(3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], 123.4567);
+        let value: Value = serde_json::from_str(&text).unwrap();
+        let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
+        let mut promised: Vec<_> =
+            "converged scene version ranks dofs multipliers elements increments cutbacks iterations \
+             wall_s phases_s peak_memory_mb matrix linear_solver"
+                .split_whitespace()
+                .collect();
+        promised.sort();
+        let mut found = keys(&value);
+        found.sort();
+        assert_eq!(found, promised);
+        assert_eq!(value["phases_s"]["read"], 1.0);
+        assert_eq!(value["phases_s"]["factor"], 5.0);
+        assert_eq!(value["phases_s"]["output"], 7.0);
+        assert_eq!(value["phases_s"].as_object().unwrap().len(), 7);
+        assert_eq!((&value["scene"], &value["ranks"], &value["dofs"]), (&json!("a \"b\""), &json!(3), &json!(12)));
+        assert_eq!((&value["wall_s"], &value["peak_memory_mb"]), (&json!(1.25), &json!(123.457)));
+    }
+
+    #[test]
+    fn memory_is_the_high_water_mark() {
+        assert_eq!(high_water_kib("Name:\tx\nVmPeak:\t 9 kB\nVmHWM:\t    2048 kB\n"), Some(2048.0));
+        assert_eq!(high_water_kib("Name:\tx\n"), None);
+        assert!(peak_memory_mb() > 1.0);
+    }
+}

@@ -1,0 +1,157 @@
+//! The text of `fields.xdmf`: a collection in time of collections in space of grids, all data by reference to `fields.h5`.
+//!
+//! See <https://www.xdmf.org/index.php/XDMF_Model_and_Format>. Only what ParaView's Xdmf3 readers take is used.
+
+use super::fields::CellShape;
+use std::fmt::Write as _;
+
+/// A grid whose geometry stands in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct XdmfGrid {
+    pub name: String,
+    pub points: Reference,
+    pub cells: Reference,
+    pub cell_count: u64,
+    /// `None` when the cells differ: then each stands behind the code of its shape.
+    pub shape: Option<CellShape>,
+}
+
+/// A field on the nodes or cells of a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct XdmfField {
+    pub name: String,
+    /// "Node" or "Cell".
+    pub center: &'static str,
+    pub data: Reference,
+}
+
+/// A dataset in `fields.h5`: `rows` x `width` numbers, or a plain vector when `width` is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Reference {
+    pub path: String,
+    pub rows: u64,
+    pub width: usize,
+    pub integer: bool,
+}
+
+impl CellShape {
+    fn xdmf_name(self) -> &'static str {
+        match self {
+            Self::Triangle => "Triangle",
+            Self::Quadrilateral => "Quadrilateral",
+            Self::Tetrahedron => "Tetrahedron",
+            Self::Hexahedron => "Hexahedron",
+        }
+    }
+
+    /// The code of the shape in a mixed topology.
+    pub(super) fn xdmf_code(self) -> i64 {
+        match self {
+            Self::Triangle => 4,
+            Self::Quadrilateral => 5,
+            Self::Tetrahedron => 6,
+            Self::Hexahedron => 9,
+        }
+    }
+}
+
+/// One written increment: its grids, each with its fields.
+pub(super) fn increment(time: f64, grids: &[(&XdmfGrid, Vec<XdmfField>)]) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, r#"<Grid Name="increment" GridType="Collection" CollectionType="Spatial">"#);
+    let _ = writeln!(text, r#"<Time Value="{time:?}"/>"#);
+    for (grid, fields) in grids {
+        let shape = grid.shape.map_or("Mixed", CellShape::xdmf_name);
+        let _ = writeln!(text, r#"<Grid Name="{}" GridType="Uniform">"#, escaped(&grid.name));
+        let _ = writeln!(text, r#"<Topology TopologyType="{shape}" NumberOfElements="{}">"#, grid.cell_count);
+        let _ = writeln!(text, "{}</Topology>", item(&grid.cells));
+        let _ = writeln!(text, r#"<Geometry GeometryType="XYZ">{}</Geometry>"#, item(&grid.points));
+        for field in fields {
+            let kind = attribute_type(field.data.width);
+            let (name, center) = (escaped(&field.name), field.center);
+            let _ = write!(text, r#"<Attribute Name="{name}" AttributeType="{kind}" Center="{center}">"#);
+            let _ = writeln!(text, "{}</Attribute>", item(&field.data));
+        }
+        text.push_str("</Grid>\n");
+    }
+    text.push_str("</Grid>\n");
+    text
+}
+
+/// The whole file around its increments.
+pub(super) fn document(increments: &str) -> String {
+    format!(
+        r#"<?xml version="1.0" encoding="utf-8"?>
+<Xdmf Version="3.0">
+<Domain>
+<Grid Name="fields" GridType="Collection" CollectionType="Temporal">
+{increments}</Grid>
+</Domain>
+</Xdmf>
+"#
+    )
+}
+
+/// Symmetric tensors go as 6-component "Matrix": "Tensor6" has the order xx xy xz yy yz zz, but ParaView labels six
+/// components xx yy zz xy yz xz whatever their type, so its order is used under a type that promises none.
+fn attribute_type(width: usize) -> &'static str {
+    match width {
+        1 => "Scalar",
+        3 => "Vector",
+        _ => "Matrix",
+    }
+}
+
+fn item(data: &Reference) -> String {
+    let kind = if data.integer { "Int" } else { "Float" };
+    let columns = if data.width == 1 { String::new() } else { format!(" {}", data.width) };
+    format!(
+        r#"<DataItem Format="HDF" NumberType="{kind}" Precision="8" Dimensions="{}{columns}">fields.h5:/{}</DataItem>"#,
+        data.rows, data.path
+    )
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_increment_refers_to_its_data() {
+        let reference = |path: &str, rows, width, integer| Reference { path: path.into(), rows, width, integer };
+        let grid = XdmfGrid {
+            name: "a<b>".into(),
+            points: reference("grids/a_b_/points", 4, 3, false),
+            cells: reference("grids/a_b_/cells", 2, 3, true),
+            cell_count: 2,
+            shape: Some(CellShape::Triangle),
+        };
+        let mixed =
+            XdmfGrid { name: "m".into(), shape: None, cells: reference("grids/m/cells", 9, 1, true), ..grid.clone() };
+        let field = |name: &str, center, width| XdmfField {
+            name: name.into(),
+            center,
+            data: reference(&format!("increments/1/{name}"), 4, width, false),
+        };
+        let fields = vec![field("gap", "Node", 1), field("displacement", "Node", 3), field("stress", "Cell", 6)];
+        let text = document(&increment(0.1, &[(&grid, fields), (&mixed, vec![])]));
+        for part in [
+            r#"<Time Value="0.1"/>"#,
+            r#"<Grid Name="a&lt;b&gt;" GridType="Uniform">"#,
+            r#"<Topology TopologyType="Triangle" NumberOfElements="2">"#,
+            r#"NumberType="Int" Precision="8" Dimensions="2 3">fields.h5:/grids/a_b_/cells</DataItem>"#,
+            r#"<Topology TopologyType="Mixed" NumberOfElements="2">"#,
+            r#"Dimensions="9">fields.h5:/grids/m/cells<"#,
+            r#"<Attribute Name="gap" AttributeType="Scalar" Center="Node">"#,
+            r#"<Attribute Name="displacement" AttributeType="Vector" Center="Node">"#,
+            r#"<Attribute Name="stress" AttributeType="Matrix" Center="Cell">"#,
+            r#"NumberType="Float" Precision="8" Dimensions="4 6">fields.h5:/increments/1/stress<"#,
+        ] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert_eq!(text.matches("<Grid ").count(), text.matches("</Grid>").count());
+    }
+}
