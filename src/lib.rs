@@ -11,16 +11,20 @@
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays
 //! - [`contact`]: tools, contact pairs, search, and the augmented-Lagrangian contact element
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
+//! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
+//! - [`system`]: equation numbers, sparsity pattern, assembly
 
 pub mod contact;
 pub mod error;
 pub mod mesh;
+pub mod model;
 pub mod output;
 pub mod parallel;
 pub mod partition;
 pub mod scene;
 pub mod solid;
 pub mod surface;
+pub mod system;
 
 /// A vector in space.
 pub type Vec3 = nalgebra::Vector3<f64>;

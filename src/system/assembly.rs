@@ -1,0 +1,260 @@
+//! Structural forces and tangents of this rank's rows, from the elements that touch its nodes.
+
+use super::dofs::{DofMap, NONE};
+use super::pattern::Pattern;
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::mesh::SolidShape;
+use crate::model::Model;
+use crate::partition::{PartFacet, PartSolid};
+use crate::scene::Element;
+use crate::solid::element::{ElementMatrices, Inverted, hex8, hex8_fbar, plane4, tet4};
+use crate::solid::load;
+use crate::solid::voigt::Voigt;
+
+/// Matrices of one element, made once for a sweep over all.
+#[derive(Default)]
+struct Scratch {
+    of_eight: ElementMatrices<24>,
+    of_four: ElementMatrices<12>,
+}
+
+/// Nodes of an element that carry it: all, but in plane strain the lower four.
+pub fn carrying<'a>(model: &Model, solid: &'a PartSolid) -> &'a [u32] {
+    let four = solid.shape == SolidShape::Tet4 || model.bodies[solid.body as usize].plane_strain;
+    if four { &solid.nodes[..4] } else { &solid.nodes }
+}
+
+impl Scratch {
+    /// Evaluates an element of the part at displacements `u`.
+    fn evaluate(&mut self, model: &Model, solid: &PartSolid, u: &[Vec3], want_tangent: bool) -> Outcome {
+        let body = &model.bodies[solid.body as usize];
+        let (points, material) = (&model.part.points, &body.material);
+        let f_bar = body.element == Element::Hex8Fbar;
+        if body.plane_strain {
+            let thickness = points[solid.nodes[4] as usize].z - points[solid.nodes[0] as usize].z;
+            let (x, u) = (gather(points, solid), gather(u, solid));
+            return plane4::evaluate((&x, &u), thickness, material, (want_tangent, f_bar), &mut self.of_four);
+        }
+        match solid.shape {
+            SolidShape::Tet4 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                tet4::evaluate(&x, &u, material, want_tangent, &mut self.of_four)
+            }
+            SolidShape::Hex8 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate = if f_bar { hex8_fbar::evaluate } else { hex8::evaluate };
+                evaluate(&x, &u, material, want_tangent, &mut self.of_eight)
+            }
+        }
+    }
+
+    /// Internal forces of the last element, which so many nodes carry.
+    fn forces(&self, nodes: usize) -> &[[f64; 3]] {
+        let flat: &[f64] = if nodes == 4 { &self.of_four.residual } else { &self.of_eight.residual };
+        flat.as_chunks().0
+    }
+
+    /// A row of its tangent.
+    fn row(&self, nodes: usize, row: usize) -> &[f64] {
+        if nodes == 4 { &self.of_four.tangent[row] } else { &self.of_eight.tangent[row] }
+    }
+}
+
+/// Whether an element could be evaluated.
+type Outcome = std::result::Result<(), Inverted>;
+
+/// Node vectors of an element.
+fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
+    std::array::from_fn(|a| field[solid.nodes[a] as usize].into())
+}
+
+/// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete).
+///
+/// # Errors
+/// The first inverted element; the forces are then of no use.
+pub fn internal_forces(model: &Model, u: &[Vec3], forces: &mut [Vec3]) -> Outcome {
+    let mut scratch = Scratch::default();
+    for solid in &model.part.solids {
+        scratch.evaluate(model, solid, u, false)?;
+        let nodes = carrying(model, solid);
+        for (&n, force) in nodes.iter().zip(scratch.forces(nodes.len())) {
+            forces[n as usize] += Vec3::from(*force);
+        }
+    }
+    Ok(())
+}
+
+/// Adds tangent times `du` to `forces`, with the tangent at `u`.
+pub fn add_tangent_times(model: &Model, u: &[Vec3], du: &[Vec3], forces: &mut [Vec3]) {
+    let mut scratch = Scratch::default();
+    for solid in &model.part.solids {
+        let nodes = carrying(model, solid);
+        let still = nodes.iter().all(|&n| du[n as usize] == Vec3::zeros());
+        if still || scratch.evaluate(model, solid, u, true).is_err() {
+            continue;
+        }
+        for (a, &n) in nodes.iter().enumerate() {
+            for i in 0..3 {
+                let row = scratch.row(nodes.len(), 3 * a + i);
+                let moved = nodes.iter().zip(row.as_chunks::<3>().0).map(|(&b, k)| Vec3::from(*k).dot(&du[b as usize]));
+                forces[n as usize][i] += moved.sum::<f64>();
+            }
+        }
+    }
+}
+
+/// Adds the tangents of all elements to the matrix values of this rank's rows. Inverted elements add nothing.
+pub fn add_tangent(model: &Model, pattern: &Pattern, u: &[Vec3], values: &mut [f64]) {
+    let mut scratch = Scratch::default();
+    for (e, solid) in model.part.solids.iter().enumerate() {
+        if scratch.evaluate(model, solid, u, true).is_err() {
+            continue;
+        }
+        match carrying(model, solid) {
+            four @ [_, _, _, _] => pattern.add_element(values, four, e, &scratch.of_four.tangent),
+            eight => pattern.add_element(values, eight, e, &scratch.of_eight.tangent),
+        }
+    }
+}
+
+/// Whether an element of this rank is inverted at displacements `u`.
+pub fn any_inverted(model: &Model, u: &[Vec3]) -> bool {
+    model.part.solids.iter().any(|solid| match solid.shape {
+        SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
+        SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
+    })
+}
+
+fn moved<const N: usize>(model: &Model, solid: &PartSolid, u: &[Vec3]) -> [[f64; 3]; N] {
+    std::array::from_fn(|a| {
+        let n = solid.nodes[a] as usize;
+        (model.part.points[n] + u[n]).into()
+    })
+}
+
+/// Stiffness of each owned node before anything deforms: the smallest of its diagonal entries, force per length.
+///
+/// # Errors
+/// An element that is inverted as given, by its number.
+pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
+    let mut diagonal = vec![[0.0; 3]; model.part.points.len()];
+    let u = vec![Vec3::zeros(); model.part.points.len()];
+    let mut scratch = Scratch::default();
+    for solid in &model.part.solids {
+        if scratch.evaluate(model, solid, &u, true).is_err() {
+            let body = &model.bodies[solid.body as usize].name;
+            let what = format!("element {} of body `{body}` is inverted", solid.id);
+            return Err(Error::input_anywhere(what, "number its nodes the other way round, or mend the mesh there"));
+        }
+        let nodes = carrying(model, solid);
+        for (a, &n) in nodes.iter().enumerate() {
+            for i in 0..if model.bodies[solid.body as usize].plane_strain { 2 } else { 3 } {
+                diagonal[n as usize][i] += scratch.row(nodes.len(), 3 * a + i)[3 * a + i];
+            }
+        }
+    }
+    diagonal.truncate(model.part.owned);
+    // A direction without stiffness is one that is not modelled; a node without any is tied to another.
+    let smallest = |d: &[f64; 3]| d.iter().copied().filter(|&k| k > 0.0).reduce(f64::min).unwrap_or(0.0);
+    Ok(diagonal.iter().map(smallest).collect())
+}
+
+/// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx); zero where an element is inverted.
+pub fn stresses(model: &Model, u: &[Vec3]) -> Vec<Voigt> {
+    let of = |solid: &PartSolid| {
+        let body = &model.bodies[solid.body as usize];
+        let points = &model.part.points;
+        match (solid.shape, body.element) {
+            (SolidShape::Tet4, _) => tet4::stress(&gather(points, solid), &gather(u, solid), &body.material),
+            (_, Element::Hex8Fbar) => hex8_fbar::stress(&gather(points, solid), &gather(u, solid), &body.material),
+            _ => hex8::stress(&gather(points, solid), &gather(u, solid), &body.material),
+        }
+    };
+    model.part.solids.iter().filter(|s| s.mine).map(|s| of(s).unwrap_or_default()).collect()
+}
+
+/// Nodal forces of a force per reference volume on an element.
+pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3; 8] {
+    let mut forces = [Vec3::zeros(); 8];
+    let mut set = |flat: &[f64]| {
+        for (force, values) in forces.iter_mut().zip(flat.as_chunks::<3>().0) {
+            *force = Vec3::from(*values);
+        }
+    };
+    match solid.shape {
+        SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
+    }
+    forces
+}
+
+/// Pressure load on a facet: nodal forces and d(force)/d(position), in 3x3 blocks of rows and columns of its nodes.
+fn facet_pressure(
+    model: &Model,
+    facet: &PartFacet,
+    pressure: f64,
+    u: &[Vec3],
+    mut each: impl FnMut(usize, &[f64; 3], &[f64]),
+) {
+    let at = |a: usize| -> [f64; 3] {
+        let n = facet.nodes[a] as usize;
+        (model.part.points[n] + u[n]).into()
+    };
+    if facet.count == 3 {
+        let load = load::tri3_pressure(&std::array::from_fn(at), pressure);
+        for (row, tangent) in load.tangent.iter().enumerate() {
+            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+        }
+    } else {
+        let load = load::quad4_pressure(&std::array::from_fn(at), pressure);
+        for (row, tangent) in load.tangent.iter().enumerate() {
+            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+        }
+    }
+}
+
+/// Subtracts the load of a follower pressure on a set from `forces` (all local nodes).
+pub fn subtract_pressure(model: &Model, set: &str, pressure: f64, u: &[Vec3], forces: &mut [Vec3]) {
+    for facet in &model.set(set).facets {
+        facet_pressure(model, facet, pressure, u, |row, force, _| {
+            forces[facet.nodes[row / 3] as usize][row % 3] -= force[row % 3];
+        });
+    }
+}
+
+/// Subtracts the stiffness of a follower pressure on a set from the matrix values.
+pub fn subtract_pressure_tangent(
+    model: &Model,
+    (set, pressure): (&str, f64),
+    u: &[Vec3],
+    (dofs, pattern): (&DofMap, &Pattern),
+    values: &mut [f64],
+) {
+    for facet in &model.set(set).facets {
+        facet_pressure(model, facet, pressure, u, |row, _, tangent| {
+            let Some(local) = dofs.local(dofs.node[facet.nodes[row / 3] as usize][row % 3]) else { return };
+            for (column, value) in tangent.iter().enumerate() {
+                let equation = dofs.node[facet.nodes[column / 3] as usize][column % 3];
+                if equation != NONE {
+                    pattern.add(values, local, equation, -value);
+                }
+            }
+        });
+    }
+}
+
+/// Adds to each local node its share of the areas of the facets, with nodes at reference position plus `u`.
+pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add: impl FnMut(u32, f64)) {
+    for facet in facets {
+        let at = |a: usize| -> [f64; 3] {
+            let n = facet.nodes[a] as usize;
+            (model.part.points[n] + u[n]).into()
+        };
+        let quad = |k: usize| load::quad4_nodal_areas(&std::array::from_fn(at))[k];
+        let triangle = |k: usize| load::tri3_nodal_areas(&std::array::from_fn(at))[k];
+        for k in 0..facet.count as usize {
+            add(facet.nodes[k], if facet.count == 3 { triangle(k) } else { quad(k) });
+        }
+    }
+}

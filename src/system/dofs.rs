@@ -1,0 +1,186 @@
+//! Equation numbers.
+//!
+//! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
+//! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
+
+use crate::Vec3;
+use crate::contact::Pair;
+use crate::model::Model;
+use crate::parallel::number;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+
+/// No equation.
+pub const NONE: i64 = -1;
+
+/// How a displacement component is prescribed over a step: at its start, and by how much it moves.
+pub type Prescribed = Option<(f64, f64)>;
+
+/// The equations of one step on this rank.
+#[derive(Clone, Debug)]
+pub struct DofMap {
+    /// Equations of the displacements of every local node.
+    pub node: Vec<[i64; 3]>,
+    /// For each pair and slave node its multiplier equations; without friction only the first.
+    pub multiplier: Vec<Vec<[i64; 3]>>,
+    /// For each tool the equations of its free translations.
+    pub tool: Vec<[i64; 3]>,
+    /// Global number of this rank's first equation.
+    pub first: i64,
+    /// Equations of this rank.
+    pub count: usize,
+    /// Equations, and multipliers among them, of all ranks.
+    pub total: u64,
+    pub total_multipliers: u64,
+}
+
+/// What a step says about the motion of a tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolFreedom {
+    /// Directions in which a force moves it.
+    pub free: [bool; 3],
+    /// How far all its points move along each direction over the step; `None` where it turns.
+    pub moves: [Option<f64>; 3],
+}
+
+impl DofMap {
+    /// Numbers what is free. `prescribed` has three entries an owned node. Collective.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, prescribed: &[Prescribed], tools: &[ToolFreedom]) -> Self {
+        let part = &model.part;
+        let mut by_node: Vec<Vec<(usize, usize)>> = vec![Vec::new(); part.owned];
+        for (p, pair) in model.pairs.iter().enumerate() {
+            for (s, slave) in pair.slaves.iter().enumerate() {
+                by_node[slave.node as usize].push((p, s));
+            }
+        }
+        let mut map = Self {
+            node: vec![[NONE; 3]; part.points.len()],
+            multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
+            tool: vec![[NONE; 3]; tools.len()],
+            first: 0,
+            count: 0,
+            total: 0,
+            total_multipliers: 0,
+        };
+        let mut multipliers = 0;
+        let mut next = 0i64;
+        let mut number = || {
+            next += 1;
+            next - 1
+        };
+        for (node, slaves) in by_node.iter().enumerate() {
+            if part.tie[node] as usize != node {
+                continue;
+            }
+            let prescribed = [0, 1, 2].map(|d| prescribed[3 * node + d]);
+            for d in (0..3).filter(|&d| prescribed[d].is_none()) {
+                map.node[node][d] = number();
+            }
+            for &(p, s) in slaves {
+                let pair = &model.pairs[p];
+                let carried = carried(pair, &prescribed, &tools[pair.tool]);
+                for d in (0..3).filter(|&d| carried[d]) {
+                    map.multiplier[p][s][d] = number();
+                    multipliers += 1;
+                }
+            }
+        }
+        if comm.rank() == 0 {
+            for (equations, tool) in map.tool.iter_mut().zip(tools) {
+                for d in (0..3).filter(|&d| tool.free[d]) {
+                    equations[d] = number();
+                }
+            }
+        }
+        map.finish(comm, model, next as usize, multipliers);
+        map
+    }
+
+    /// Makes the numbers global and fetches those of halo nodes and tools. Collective.
+    fn finish(&mut self, comm: &SimpleCommunicator, model: &Model, count: usize, multipliers: usize) {
+        let part = &model.part;
+        self.count = count;
+        let (before, all) = number(comm, count as u64);
+        (self.first, self.total) = (before as i64, all);
+        self.total_multipliers = number(comm, multipliers as u64).1;
+        let first = self.first;
+        let globalise = |equation: &mut i64| {
+            if *equation != NONE {
+                *equation += first;
+            }
+        };
+        self.node.iter_mut().flatten().for_each(globalise);
+        self.multiplier.iter_mut().flatten().flatten().for_each(globalise);
+        for node in 0..part.owned {
+            self.node[node] = self.node[part.tie[node] as usize];
+        }
+        let mut flat: Vec<i64> = self.node.iter().flatten().copied().collect();
+        part.halo.update(comm, 3, &mut flat);
+        self.node = flat.as_chunks::<3>().0.to_vec();
+        let mut tools: Vec<i64> = self.tool.iter().flatten().copied().collect();
+        comm.process_at_rank(0).broadcast_into(&mut tools[..]);
+        self.tool = tools.as_chunks::<3>().0.to_vec();
+    }
+
+    /// Index of an equation among this rank's, if it is one.
+    pub fn local(&self, equation: i64) -> Option<usize> {
+        let k = equation - self.first;
+        (equation != NONE && (0..self.count as i64).contains(&k)).then_some(k as usize)
+    }
+
+    /// The node and component, or else the slave or tool, of a local equation, for messages.
+    pub fn describe(&self, model: &Model, equation: usize) -> String {
+        let wanted = self.first + equation as i64;
+        let axis = |d: usize| ["x", "y", "z"][d];
+        for (node, equations) in self.node.iter().enumerate().take(model.part.owned) {
+            if let Some(d) = equations.iter().position(|&e| e == wanted) {
+                return format!(
+                    "{} of node {}{}",
+                    axis(d),
+                    node_name(model, node as u32),
+                    contact_status(model, node as u32)
+                );
+            }
+        }
+        for (pair, of_pair) in model.pairs.iter().zip(&self.multiplier) {
+            for (slave, equations) in pair.slaves.iter().zip(of_pair) {
+                if equations.contains(&wanted) {
+                    let (name, status) = (node_name(model, slave.node), contact_status(model, slave.node));
+                    return format!("the contact force at node {name}{status}");
+                }
+            }
+        }
+        "the motion of a force-driven tool".into()
+    }
+}
+
+/// What a slave node does in its contacts, in words; empty for other nodes.
+fn contact_status(model: &Model, node: u32) -> String {
+    let mut text = String::new();
+    for pair in &model.pairs {
+        for slave in pair.slaves.iter().filter(|s| s.node == node) {
+            text += &format!(", {} in contact `{}`", slave.trial.status.name(pair.friction), pair.name);
+        }
+    }
+    text
+}
+
+/// A node as the user knows it.
+pub fn node_name(model: &Model, node: u32) -> String {
+    let at = node as usize;
+    let x: Vec3 = model.part.points[at];
+    let body = &model.bodies[model.part.body[at] as usize].name;
+    format!("{} of body `{body}` at ({:.6}, {:.6}, {:.6})", model.part.id[at], x.x, x.y, x.z)
+}
+
+/// Components of the multiplier that a slave node needs: none when neither it nor the tool can give way in any direction;
+/// else one without friction; with friction all but those along which it stands still relative to the tool.
+fn carried(pair: &Pair, prescribed: &[Prescribed; 3], tool: &ToolFreedom) -> [bool; 3] {
+    let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !tool.free[d]);
+    let held = |d: usize| locked[d] && tool.moves[d].is_some() && prescribed[d].map(|(_, by)| by) == tool.moves[d];
+    match (locked, pair.width()) {
+        ([true, true, true], _) => [false; 3],
+        (_, 1) => [true, false, false],
+        _ => [0, 1, 2].map(|d| !held(d)),
+    }
+}

@@ -1,0 +1,165 @@
+//! The compressed-row pattern of this rank's rows, built from elements and contact.
+//!
+//! Within a row the columns ascend, so the free displacements of a node stand side by side: the place of an element's
+//! entries is found once for each (row, node) and then only looked up.
+
+use super::assembly::carrying;
+use super::dofs::{DofMap, NONE};
+use crate::model::Model;
+use crate::parallel::exchange;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+
+/// No entry.
+pub const NOWHERE: u32 = u32::MAX;
+
+/// Rows of this rank, compressed.
+#[derive(Clone, Debug, Default)]
+pub struct Pattern {
+    /// Start of each row in `columns`, and the end of the last.
+    pub offsets: Vec<i32>,
+    /// Global columns, ascending in each row.
+    pub columns: Vec<i32>,
+    /// For each element of the part, rows `3 a + i` by nodes b: the place of the first free column of node b.
+    elements: Vec<Vec<u32>>,
+    /// For each local node and direction the position among its free directions, or -1.
+    shift: Vec<[i8; 3]>,
+}
+
+impl Pattern {
+    /// Builds the pattern of a step. Collective.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap) -> Self {
+        let part = &model.part;
+        let mut rows: Vec<Vec<i32>> = vec![Vec::new(); dofs.count];
+        for solid in &part.solids {
+            let nodes = carrying(model, solid);
+            let columns: Vec<i32> = nodes.iter().flat_map(|&n| free(&dofs.node[n as usize])).collect();
+            for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
+                rows[row].extend(&columns);
+            }
+            // Long before a row is crowded with repetitions of its neighbours.
+            for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
+                if rows[row].len() > 600 {
+                    tidy(&mut rows[row]);
+                }
+            }
+        }
+        let mut of_tools: Vec<Vec<i32>> = vec![Vec::new(); model.tools.len()];
+        for (pair, multipliers) in model.pairs.iter().zip(&dofs.multiplier) {
+            for (slave, equations) in pair.slaves.iter().zip(multipliers) {
+                let of_node: Vec<i32> = free(&dofs.node[slave.node as usize]).chain(free(equations)).collect();
+                let tool: Vec<i32> = free(&dofs.tool[pair.tool]).collect();
+                for &row in &of_node {
+                    let row = &mut rows[(i64::from(row) - dofs.first) as usize];
+                    row.extend(of_node.iter().chain(&tool));
+                }
+                of_tools[pair.tool].extend(&of_node);
+            }
+        }
+        tool_rows(comm, dofs, &of_tools, &mut rows);
+        rows.iter_mut().for_each(tidy);
+        let mut pattern = Self { offsets: vec![0], ..Self::default() };
+        for row in &rows {
+            pattern.columns.extend(row);
+            pattern.offsets.push(pattern.columns.len() as i32);
+        }
+        pattern.find_places(model, dofs);
+        pattern
+    }
+
+    fn find_places(&mut self, model: &Model, dofs: &DofMap) {
+        self.shift = dofs
+            .node
+            .iter()
+            .map(|e| {
+                let mut next = 0;
+                e.map(|equation| {
+                    if equation == NONE {
+                        return -1;
+                    }
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect();
+        self.elements =
+            model.part.solids.iter().map(|solid| self.element_places(carrying(model, solid), dofs)).collect();
+    }
+
+    fn element_places(&self, nodes: &[u32], dofs: &DofMap) -> Vec<u32> {
+        let mut places = Vec::with_capacity(3 * nodes.len() * nodes.len());
+        for row in nodes.iter().flat_map(|&a| dofs.node[a as usize]).map(|e| dofs.local(e)) {
+            for &b in nodes {
+                places.push(match (row, free(&dofs.node[b as usize]).next()) {
+                    (Some(row), Some(column)) => self.place(row, column),
+                    _ => NOWHERE,
+                });
+            }
+        }
+        places
+    }
+
+    /// Place of an entry of a local row; [`NOWHERE`] if it is not in the pattern.
+    pub fn place(&self, row: usize, column: i32) -> u32 {
+        let start = self.offsets[row] as usize;
+        let columns = &self.columns[start..self.offsets[row + 1] as usize];
+        columns.binary_search(&column).map_or(NOWHERE, |k| (start + k) as u32)
+    }
+
+    /// Adds the tangent of element `element`, rows and columns 3 a node, to the values.
+    pub fn add_element<const N: usize>(
+        &self,
+        values: &mut [f64],
+        nodes: &[u32],
+        element: usize,
+        tangent: &[[f64; N]; N],
+    ) {
+        let places = self.elements[element].chunks_exact(nodes.len());
+        for (row, places) in tangent.iter().zip(places) {
+            for ((&place, &node), k) in places.iter().zip(nodes).zip(row.as_chunks::<3>().0) {
+                let place = place as usize;
+                match (self.shift[node as usize], values.get_mut(place..place.wrapping_add(3))) {
+                    // Most nodes are free in all directions.
+                    ([0, 1, 2], Some(entries)) => entries.iter_mut().zip(k).for_each(|(entry, k)| *entry += k),
+                    (shift, _) if place != NOWHERE as usize => {
+                        for (&shift, k) in shift.iter().zip(k).filter(|(s, _)| **s >= 0) {
+                            values[place + shift as usize] += k;
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+
+    /// Adds one entry of a local row. An entry outside the pattern is a defect of the pattern.
+    pub fn add(&self, values: &mut [f64], row: usize, column: i64, value: f64) {
+        let place = self.place(row, column as i32);
+        debug_assert_ne!(place, NOWHERE, "({row}, {column}) is not in the pattern");
+        values[place as usize] += value;
+    }
+}
+
+fn free(equations: &[i64; 3]) -> impl Iterator<Item = i32> + '_ {
+    equations.iter().filter(|&&e| e != NONE).map(|&e| e as i32)
+}
+
+fn tidy(row: &mut Vec<i32>) {
+    row.sort_unstable();
+    row.dedup();
+}
+
+/// Rows of force-driven tools, on rank 0: they see every slave node that may touch them. Collective.
+fn tool_rows(comm: &SimpleCommunicator, dofs: &DofMap, of_tools: &[Vec<i32>], rows: &mut [Vec<i32>]) {
+    for (equations, columns) in dofs.tool.iter().zip(of_tools) {
+        if free(equations).next().is_none() {
+            continue;
+        }
+        let mut parcels = vec![Vec::new(); comm.size() as usize];
+        parcels[0] = columns.clone();
+        let all = exchange(comm, &parcels).concat();
+        for row in equations.iter().filter_map(|&e| dofs.local(e)) {
+            rows[row].extend(all.iter().copied().chain(free(equations)));
+        }
+    }
+}
