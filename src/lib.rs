@@ -13,7 +13,11 @@
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
 //! - [`system`]: equation numbers, sparsity pattern, assembly
+//! - [`analysis`]: steps, increments, the nonlinear problem for SNES, commit and rollback
+//! - [`cli`]: the commands
 
+pub mod analysis;
+pub mod cli;
 pub mod contact;
 pub mod error;
 pub mod mesh;

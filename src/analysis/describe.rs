@@ -1,0 +1,164 @@
+//! What a run says: what will be modelled, how it went, and why it failed.
+
+use super::conditions::Conditions;
+use crate::error::Result;
+use crate::model::Model;
+use crate::output::summary::Summary;
+use crate::parallel::{agree, sum};
+use crate::scene::{MaterialModel, Scene};
+use crate::system::{DofMap, Pattern};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Bytes of a factor entry with its share of indices and workspace.
+const BYTES_PER_ENTRY: f64 = 16.0;
+
+/// The first lines of a log.
+pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> String {
+    let some = |count: u64, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    format!(
+        "{}\n{}, {}, {}, {} on {}",
+        scene.title,
+        some(model.part.total_solids, "element"),
+        some(model.part.total_nodes, "node"),
+        some(model.tools.len() as u64, "tool"),
+        some(model.pairs.len() as u64, "contact"),
+        some(comm.size() as u64, "rank"),
+    )
+}
+
+/// The last lines of a log: how much was done, and where to look next.
+pub fn farewell(summary: &Summary, out: &Path) -> String {
+    let mean = summary.iterations as f64 / summary.increments.max(1) as f64;
+    let mut text = format!(
+        "{} increments, {} cutbacks, {} iterations ({mean:.2} an increment), {:.1} s\nforce curve: {}",
+        summary.increments,
+        summary.cutbacks,
+        summary.iterations,
+        summary.wall_s,
+        out.join("history.csv").display(),
+    );
+    if summary.increments > 0 {
+        let _ = write!(text, "\nParaView:    {}", out.join("fields.xdmf").display());
+    }
+    text
+}
+
+/// The residuals of an increment and the status changes, for the log file.
+pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
+    let steps: Vec<String> = residuals
+        .iter()
+        .zip(changes)
+        .map(|(r, c)| if *c == 0 { format!("{r:.1e}") } else { format!("{r:.1e} ({c})") })
+        .collect();
+    format!("    residual/force (status changes): {}", steps.join(" "))
+}
+
+/// A failed increment at the smallest size.
+pub struct Failure<'a> {
+    pub step: &'a str,
+    pub time: f64,
+    pub reason: &'a str,
+    /// The matrix was singular from the start.
+    pub singular: bool,
+    /// The worst equation, in words.
+    pub place: &'a str,
+    pub residual: f64,
+    pub changes: usize,
+    pub size: f64,
+}
+
+/// Says where and how far from equilibrium, and what to try.
+pub fn failure(f: &Failure) -> String {
+    let mut text = format!("step `{}`, after time {:.6}: {}", f.step, f.time, f.reason);
+    if f.singular {
+        text += ": something can move freely";
+    } else {
+        let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
+    }
+    let _ = write!(text, "\n  worst: {}, residual {:.1e} of the largest force", f.place, f.residual);
+    if f.changes > 0 {
+        let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
+    }
+    text += match (f.singular, f.changes) {
+        (true, _) => "\n  help: `fix` what nothing holds, or `move` it into contact before a force drives it",
+        (_, 0) => {
+            "\n  help: load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
+        }
+        _ => "\n  help: load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
+    };
+    text
+}
+
+/// Warns of slave nodes that start deep in a tool.
+pub fn inside(contact: &str, tool: &str, nodes: usize, depth: f64) -> String {
+    format!(
+        "  warning: contact `{contact}`: {nodes} nodes start inside the tool `{tool}`, up to {depth:.3e} deep; if its mesh \
+         is inside out, set `flip`"
+    )
+}
+
+/// Warns of equations that MUMPS replaced.
+pub fn null_pivots(step: &str, count: usize) -> String {
+    format!(
+        "  {step}: warning: {count} equations determine nothing (null pivots): a motion that nothing holds or drives, \
+         or redundant conditions"
+    )
+}
+
+/// What `nagata check` prints: what will be modelled and what will not. Collective.
+///
+/// # Errors
+/// Conditions that contradict each other.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<String> {
+    let mut text = format!("{}\n", heading(comm, scene, model));
+    for body in &scene.bodies {
+        let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
+            MaterialModel::NeoHookean { .. } => "neo-hookean",
+            MaterialModel::Hooke { .. } => "hooke (logarithmic strain)",
+        });
+        let model = model.bodies.iter().find(|b| b.name == body.name.value);
+        let strain =
+            if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
+        let element = model.map_or(String::new(), |m| m.element.key().to_string());
+        let _ = writeln!(text, "body `{}`: {element}, {}{strain}; no plasticity", body.name.value, kind.unwrap_or("?"));
+    }
+    for (tool, given) in model.tools.iter().zip(&scene.tools) {
+        let surface = if tool.patches > 0 { format!("{} patches", tool.patches) } else { "analytic".into() };
+        let _ = writeln!(text, "tool `{}`: rigid, {surface}, no nodes in the system", given.name.value);
+    }
+    let slaves = model.slave_counts(comm);
+    for (pair, count) in model.pairs.iter().zip(slaves) {
+        let friction = if pair.friction > 0.0 {
+            format!("friction {}, at most 3 multipliers a node", pair.friction)
+        } else {
+            "frictionless, 1 multiplier a node, no slip history".into()
+        };
+        let _ = writeln!(text, "contact `{}`: {count} slave nodes, augmented Lagrangian, {friction}", pair.name);
+    }
+    let mut last = Conditions::none(model);
+    let still = vec![crate::Vec3::zeros(); model.part.points.len()];
+    for step in &scene.steps {
+        let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
+        let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
+        let pattern = Pattern::new(comm, model, &dofs);
+        let mut entries = [pattern.columns.len() as f64];
+        sum(comm, &mut entries);
+        let symmetric = conditions.is_symmetric(model);
+        let (matrix, solver) =
+            if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
+        // Factors of 3D meshes grow with n^(4/3); the constant is measured on hexahedra with SCOTCH.
+        let unknowns = dofs.total as f64;
+        let factor = 18.0 * unknowns.powf(4.0 / 3.0) * if symmetric { 1.0 } else { 2.0 };
+        let memory = (BYTES_PER_ENTRY * (factor + 2.0 * entries[0]) / 1e6).ceil();
+        let _ = writeln!(
+            text,
+            "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",
+            step.name.value, dofs.total, dofs.total_multipliers, matrix, entries[0]
+        );
+        last = conditions;
+    }
+    Ok(text)
+}

@@ -1,0 +1,108 @@
+//! How long the next increment is.
+//!
+//! Increments of the largest size make a grid of times, and no increment steps over one of these: after a cut the analysis
+//! comes back to the grid, so that a run with cuts reports at the same times as one without.
+
+use crate::scene::Increment;
+
+/// Chooses increments of a step; all in fractions of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Increments {
+    /// Fraction done.
+    pub done: f64,
+    size: f64,
+    min: f64,
+    max: f64,
+}
+
+/// Newton iterations up to which the next increment may grow, and beyond which it shrinks.
+const EASY: usize = 6;
+const HARD: usize = 10;
+
+impl Increments {
+    pub fn new(bounds: &Increment, duration: f64) -> Self {
+        Self { done: 0.0, size: bounds.initial / duration, min: bounds.min / duration, max: bounds.max / duration }
+    }
+
+    /// The fraction of the step at the end of the next increment; `None` at the end of the step.
+    pub fn next(&self) -> Option<f64> {
+        let rounding = 1e-9 * self.max;
+        if self.done >= 1.0 - rounding {
+            return None;
+        }
+        let grid = (((self.done + rounding) / self.max).floor() + 1.0) * self.max;
+        // What would leave less than a sliver to the grid, or to the end, goes all the way.
+        let sliver = 0.25 * self.size.min(self.min);
+        let stop = if grid > 1.0 - sliver.max(rounding) { 1.0 } else { grid };
+        Some(if self.done + self.size > stop - sliver { stop } else { self.done + self.size })
+    }
+
+    /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed.
+    pub fn accept(&mut self, end: f64, iterations: usize, busy: bool) {
+        self.done = end;
+        if iterations <= EASY && !busy {
+            self.size = (1.5 * self.size).min(self.max);
+        } else if iterations > HARD {
+            self.size = (0.5 * self.size).max(self.min);
+        }
+    }
+
+    /// The increment to `end` has failed: halves it. `false` when it would be shorter than the minimum.
+    pub fn cut(&mut self, end: f64) -> bool {
+        self.size = 0.5 * (end - self.done);
+        self.size >= self.min * (1.0 - 1e-9)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times(mut increments: Increments, fails: impl Fn(f64, f64) -> bool) -> Vec<f64> {
+        let mut times = Vec::new();
+        while let Some(end) = increments.next() {
+            if fails(increments.done, end) {
+                assert!(increments.cut(end));
+            } else {
+                increments.accept(end, 3, false);
+                times.push(end);
+            }
+        }
+        times
+    }
+
+    #[test]
+    fn uniform_increments_hit_the_end_exactly() {
+        let bounds = Increment { initial: 0.1, min: 1e-3, max: 0.1 };
+        let all = times(Increments::new(&bounds, 1.0), |_, _| false);
+        assert_eq!(all.len(), 10);
+        assert_eq!(all[9], 1.0);
+        let bounds = Increment { initial: 0.00125, min: 1e-6, max: 0.00125 };
+        assert_eq!(times(Increments::new(&bounds, 1.0), |_, _| false).len(), 800);
+    }
+
+    #[test]
+    fn after_a_cut_the_grid_is_met_again() {
+        let bounds = Increment { initial: 0.1, min: 1e-3, max: 0.1 };
+        let cut = times(Increments::new(&bounds, 1.0), |from, to| to > 0.35 && to - from > 0.06 && from < 0.35);
+        for k in 1..=10 {
+            assert!(cut.iter().any(|t| (t - 0.1 * k as f64).abs() < 1e-12), "{k} in {cut:?}");
+        }
+        assert!(cut.len() < 13, "{cut:?}");
+    }
+
+    #[test]
+    fn a_grid_that_almost_meets_the_end_ends_there() {
+        let bounds = Increment { initial: 0.3333, min: 1e-3, max: 0.3333 };
+        let all = times(Increments::new(&bounds, 1.0), |_, _| false);
+        assert_eq!((all.len(), all[2]), (3, 1.0));
+    }
+
+    #[test]
+    fn the_minimum_is_the_end() {
+        let bounds = Increment { initial: 0.1, min: 0.04, max: 0.1 };
+        let mut increments = Increments::new(&bounds, 1.0);
+        assert!(increments.cut(0.1));
+        assert!(!increments.cut(0.05));
+    }
+}

@@ -1,0 +1,395 @@
+//! One increment as a nonlinear problem: residual, Jacobian, convergence and step length for SNES.
+//!
+//! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
+//! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
+//! the last converged increment. [`contact`] has the part of the contact elements.
+
+mod contact;
+
+use super::conditions::Conditions;
+use crate::Vec3;
+use crate::contact::{Pose, Slave};
+use crate::model::Model;
+use crate::output::phases::{Phase, Phases};
+use crate::parallel::{any, max, sum};
+use crate::system::assembly;
+use crate::system::dofs::{NONE, Prescribed};
+use crate::system::{DofMap, Pattern};
+use contact::Element;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+use petsc::{Evaluation, Iterate, Jacobian, Problem, Verdict};
+use std::time::Instant;
+
+/// Rounding of a nodal force over the largest nodal stiffness times the element size, or times the largest displacement
+/// where that is more: no residual gets below it.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// An increment from the last converged state to the fraction `s` of the step.
+pub struct Newton<'a> {
+    pub comm: &'a SimpleCommunicator,
+    pub model: &'a mut Model,
+    pub dofs: &'a DofMap,
+    pub pattern: &'a Pattern,
+    pub conditions: &'a Conditions,
+    pub phases: &'a Phases,
+    /// Poses of the tools at the start of the step.
+    pub start_poses: &'a [Pose],
+    /// Converged displacements of the last increment, all local nodes.
+    pub committed: &'a [Vec3],
+    /// Fraction of the step at the end of the increment.
+    pub s: f64,
+    pub tolerance: f64,
+    pub max_iterations: usize,
+    watcher: &'a dyn Fn(usize),
+    /// Largest force of the analysis so far.
+    seen: f64,
+
+    /// Largest force so far, or of this iterate: residuals are compared with it. Those of other iterates do not count, for
+    /// some are far from any equilibrium.
+    pub scale: f64,
+    /// Displacements of the iterate, all local nodes.
+    pub u: Vec<Vec3>,
+    /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
+    pub forces: Vec<Vec3>,
+    /// Translations of the tools along their free directions since the start of the step.
+    pub offsets: Vec<Vec3>,
+    /// Largest residual over `scale` at each iteration so far.
+    pub trace: Vec<f64>,
+    /// Status changes at each iteration so far, over all ranks.
+    pub changes: Vec<usize>,
+    /// Equation of this rank's largest residual, and that residual.
+    pub worst: (usize, f64),
+    /// Nodes of this rank whose friction penalty was reduced because they kept flipping.
+    pub calmed: Vec<u32>,
+    elements: Vec<Vec<Option<Element>>>,
+    /// Contact force on each tool.
+    pub tool_forces: Vec<Vec3>,
+    /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
+    clearances: Vec<f64>,
+    /// The prescribed displacements enter the first iteration linearly, from the last converged state.
+    predicting: bool,
+    /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
+    moves: bool,
+    residual_max: f64,
+    /// What rounding may leave of it.
+    rounding: f64,
+    evaluated_at: Vec<f64>,
+    values: Vec<f64>,
+}
+
+/// State that outlives an increment, handed to [`Newton::new`].
+pub struct Start<'a> {
+    pub start_poses: &'a [Pose],
+    pub committed: &'a [Vec3],
+    pub offsets: &'a [Vec3],
+    pub s: f64,
+    pub tolerance: f64,
+    pub max_iterations: usize,
+    pub scale: f64,
+    /// Told the number of each iteration.
+    pub watcher: &'a dyn Fn(usize),
+}
+
+impl<'a> Newton<'a> {
+    pub fn new(
+        comm: &'a SimpleCommunicator,
+        model: &'a mut Model,
+        dofs: &'a DofMap,
+        pattern: &'a Pattern,
+        conditions: &'a Conditions,
+        phases: &'a Phases,
+        start: &Start<'a>,
+    ) -> Self {
+        let elements = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
+        let tools = model.tools.len();
+        let owned = model.part.owned;
+        for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
+            slave.trial = Default::default();
+            slave.trial.status = slave.committed.status;
+            slave.law.tangential = slave.law.normal;
+        }
+        let away = |(k, p): (usize, &Prescribed)| {
+            p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
+        };
+        let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
+        Self {
+            comm,
+            model,
+            dofs,
+            pattern,
+            conditions,
+            phases,
+            start_poses: start.start_poses,
+            committed: start.committed,
+            s: start.s,
+            tolerance: start.tolerance,
+            max_iterations: start.max_iterations,
+            watcher: start.watcher,
+            seen: start.scale,
+            scale: start.scale,
+            u: start.committed.to_vec(),
+            forces: vec![Vec3::zeros(); owned],
+            offsets: start.offsets.to_vec(),
+            trace: Vec::new(),
+            changes: Vec::new(),
+            worst: (0, 0.0),
+            calmed: Vec::new(),
+            elements,
+            tool_forces: vec![Vec3::zeros(); tools],
+            clearances: vec![0.0; tools],
+            predicting: true,
+            moves,
+            residual_max: f64::INFINITY,
+            rounding: 0.0,
+            evaluated_at: Vec::new(),
+            values: vec![0.0; pattern.columns.len()],
+        }
+    }
+
+    /// Starts from given unknowns, with the prescribed displacements of the end of the increment.
+    pub fn start_ahead(&mut self, trial: &[f64], x: &mut [f64]) {
+        x.copy_from_slice(trial);
+        self.predicting = false;
+    }
+
+    /// Starts from the unknowns of the last converged state; the prescribed displacements enter the first iteration linearly.
+    pub fn start_behind(&self, x: &mut [f64]) {
+        for n in 0..self.model.part.owned {
+            for d in 0..3 {
+                if let Some(k) = self.dofs.local(self.dofs.node[n][d]) {
+                    x[k] = self.committed[n][d];
+                }
+            }
+        }
+        for (pair, equations) in self.model.pairs.iter().zip(&self.dofs.multiplier) {
+            for (slave, equations) in pair.slaves.iter().zip(equations) {
+                for d in 0..3 {
+                    if let Some(k) = self.dofs.local(equations[d]) {
+                        x[k] = slave.committed.multiplier[d] / slave.law.normal;
+                    }
+                }
+            }
+        }
+        for (equations, offset) in self.dofs.tool.iter().zip(&self.offsets) {
+            for d in 0..3 {
+                if let Some(k) = self.dofs.local(equations[d]) {
+                    x[k] = offset[d];
+                }
+            }
+        }
+    }
+
+    /// The value that a prescribed displacement has in this evaluation, or its linear part that is still to come.
+    fn prescribed(&self, node: usize, d: usize) -> Option<f64> {
+        self.conditions.prescribed[3 * node + d]
+            .map(|(start, by)| if self.predicting { self.committed[node][d] } else { start + by * self.s })
+    }
+
+    /// Sets displacements and tool poses from the unknowns. Collective.
+    fn unpack(&mut self, x: &[f64]) {
+        let part = &self.model.part;
+        for n in 0..part.owned {
+            for d in 0..3 {
+                self.u[n][d] = match self.dofs.local(self.dofs.node[n][d]) {
+                    Some(k) => x[k],
+                    None => self.prescribed(n, d).unwrap_or(self.committed[n][d]),
+                };
+            }
+        }
+        for n in 0..part.owned {
+            self.u[n] = self.u[part.tie[n] as usize];
+        }
+        update_halo(self.model, self.comm, &mut self.u);
+        let free: Vec<(usize, usize)> = (0..self.dofs.tool.len())
+            .flat_map(|t| (0..3).map(move |d| (t, d)))
+            .filter(|&(t, d)| self.dofs.tool[t][d] != NONE)
+            .collect();
+        if !free.is_empty() {
+            let mut offsets: Vec<f64> =
+                free.iter().map(|&(t, d)| self.dofs.local(self.dofs.tool[t][d]).map_or(0.0, |k| x[k])).collect();
+            self.comm.process_at_rank(0).broadcast_into(&mut offsets[..]);
+            for (&(t, d), q) in free.iter().zip(offsets) {
+                self.offsets[t][d] = q;
+            }
+        }
+        for (t, tool) in self.model.tools.iter_mut().enumerate() {
+            let motion = &self.conditions.motions[t];
+            tool.trial = self.start_poses[t].moved(&motion.by, motion.rotation.as_ref(), self.s);
+            tool.trial.translation += self.offsets[t];
+        }
+    }
+
+    /// Evaluates everything at `x`: forces, contact, residual. `false` if an element of this rank is inverted. Collective.
+    fn evaluate(&mut self, x: &[f64], r: &mut [f64]) -> bool {
+        let begun = Instant::now();
+        self.unpack(x);
+        let mut forces = vec![Vec3::zeros(); self.model.part.points.len()];
+        let sound = assembly::internal_forces(self.model, &self.u, &mut forces).is_ok();
+        let mut largest = forces[..self.model.part.owned].iter().map(|f| f.amax()).fold(0.0, f64::max);
+        let ahead = (self.predicting && self.moves).then(|| self.prescribed_increments());
+        if let Some(ahead) = &ahead {
+            assembly::add_tangent_times(self.model, &self.u, ahead, &mut forces);
+        }
+        self.add_loads(&mut forces, &mut largest);
+        forces.truncate(self.model.part.owned);
+        self.forces = forces;
+        self.phases.add(Phase::Assembly, begun.elapsed());
+        r.fill(0.0);
+        let begun = Instant::now();
+        self.add_contact(x, ahead.as_deref(), r, &mut largest);
+        self.phases.add(Phase::Search, begun.elapsed());
+        for n in 0..self.model.part.owned {
+            for d in 0..3 {
+                if let Some(k) = self.dofs.local(self.dofs.node[n][d]) {
+                    r[k] += self.forces[n][d];
+                }
+            }
+        }
+        self.worst = r.iter().enumerate().fold((0, 0.0), |w, (k, v)| if v.abs() > w.1 { (k, v.abs()) } else { w });
+        let farthest = self.u.iter().map(|u| u.amax()).fold(self.model.size, f64::max);
+        let mut reduced = [self.worst.1, largest, farthest];
+        max(self.comm, &mut reduced);
+        self.residual_max = reduced[0];
+        self.scale = self.seen.max(reduced[1]);
+        self.rounding = ROUNDING * self.model.stiffness * reduced[2];
+        self.evaluated_at.clear();
+        self.evaluated_at.extend(x);
+        sound
+    }
+
+    /// How far each prescribed displacement still is from its value at the end of the increment; zero elsewhere. Collective.
+    fn prescribed_increments(&self) -> Vec<Vec3> {
+        let mut ahead = vec![Vec3::zeros(); self.model.part.points.len()];
+        for n in 0..self.model.part.owned {
+            for d in 0..3 {
+                if let Some((start, by)) = self.conditions.prescribed[3 * n + d] {
+                    ahead[n][d] = start + by * self.s - self.committed[n][d];
+                }
+            }
+        }
+        update_halo(self.model, self.comm, &mut ahead);
+        ahead
+    }
+
+    fn add_loads(&self, forces: &mut [Vec3], largest: &mut f64) {
+        for (force, load) in forces.iter_mut().zip(&self.conditions.loads) {
+            let load = load.at(self.s);
+            *force -= load;
+            *largest = largest.max(load.amax());
+        }
+        for (set, ramp) in &self.conditions.pressures {
+            assembly::subtract_pressure(self.model, set, ramp.at(self.s), &self.u, forces);
+        }
+    }
+}
+
+impl Newton<'_> {
+    /// The Jacobian at the last evaluated point, in `self.values`.
+    fn tangent(&mut self) {
+        self.values.fill(0.0);
+        assembly::add_tangent(self.model, self.pattern, &self.u, &mut self.values);
+        for (set, ramp) in &self.conditions.pressures {
+            let system = (self.dofs, self.pattern);
+            assembly::subtract_pressure_tangent(self.model, (set, ramp.at(self.s)), &self.u, system, &mut self.values);
+        }
+        self.add_contact_tangent();
+    }
+}
+
+impl Problem for Newton<'_> {
+    fn residual(&mut self, x: &[f64], r: &mut [f64]) -> std::result::Result<Evaluation, String> {
+        Ok(if self.evaluate(x, r) { Evaluation::Done } else { Evaluation::OutOfDomain })
+    }
+
+    fn jacobian(&mut self, x: &[f64]) -> std::result::Result<Jacobian<'_>, String> {
+        if any(self.comm, self.evaluated_at != x) {
+            let mut r = vec![0.0; x.len()];
+            self.evaluate(x, &mut r);
+        }
+        let begun = Instant::now();
+        self.tangent();
+        self.phases.add(Phase::Assembly, begun.elapsed());
+        Ok(Jacobian::Values(&self.values))
+    }
+
+    fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
+        let iteration = iterate.iteration;
+        (self.watcher)(iteration);
+        let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
+        let mut changes = [trials().filter(|t| t.changed).count() as f64];
+        sum(self.comm, &mut changes);
+        self.trace.push(self.residual_max / self.scale);
+        self.changes.push(changes[0] as usize);
+        let small = self.residual_max <= (self.tolerance * self.scale).max(self.rounding);
+        if !self.residual_max.is_finite() {
+            return Ok(Verdict::Diverged);
+        }
+        if small && !(self.predicting && self.moves) {
+            return Ok(Verdict::Converged);
+        }
+        if iteration >= self.max_iterations {
+            return Ok(Verdict::Diverged);
+        }
+        if iteration >= 2 {
+            self.calm();
+        }
+        Ok(Verdict::Iterate)
+    }
+
+    /// Shortens a step that would move a slave node by more than a facet or turn an element inside out.
+    fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
+        self.predicting = false;
+        let mut longest = [0.0f64; 1];
+        let mut cap = f64::INFINITY;
+        for pair in &self.model.pairs {
+            cap = cap.min(1.5 * pair.facet_size);
+            for slave in &pair.slaves {
+                for d in 0..3 {
+                    if let Some(k) = self.dofs.local(self.dofs.node[slave.node as usize][d]) {
+                        longest[0] = longest[0].max(step[k].abs());
+                    }
+                }
+            }
+        }
+        max(self.comm, &mut longest);
+        let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
+        for _ in 0..6 {
+            if !self.would_invert(x, step, factor) {
+                break;
+            }
+            factor *= 0.5;
+        }
+        if factor < 1.0 {
+            step.iter_mut().for_each(|v| *v *= factor);
+        }
+        Ok(factor < 1.0)
+    }
+}
+
+impl Newton<'_> {
+    /// The multipliers at the unknowns `x`, N.
+    pub fn multipliers(&self, x: &[f64]) -> Vec<Vec<Vec3>> {
+        let of = |slave: &Slave, equations: &[i64; 3]| {
+            Vec3::from_fn(|d, _| self.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal))
+        };
+        let pairs = self.model.pairs.iter().zip(&self.dofs.multiplier);
+        pairs.map(|(pair, all)| pair.slaves.iter().zip(all).map(|(s, e)| of(s, e)).collect()).collect()
+    }
+
+    /// Whether an element is inverted at x - factor step, on any rank. Collective.
+    fn would_invert(&mut self, x: &[f64], step: &[f64], factor: f64) -> bool {
+        let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - factor * s).collect();
+        self.unpack(&there);
+        any(self.comm, assembly::any_inverted(self.model, &self.u))
+    }
+}
+
+/// Gives halo nodes the displacements of their owners. Collective.
+pub fn update_halo(model: &Model, comm: &SimpleCommunicator, u: &mut [Vec3]) {
+    let mut flat: Vec<f64> = u.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+    model.part.halo.update(comm, 3, &mut flat);
+    for (v, value) in u.iter_mut().zip(flat.as_chunks::<3>().0) {
+        *v = Vec3::from(*value);
+    }
+}

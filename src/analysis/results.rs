@@ -1,0 +1,306 @@
+//! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
+
+use crate::Vec3;
+use crate::contact::Status;
+use crate::error::Result;
+use crate::mesh::SolidShape;
+use crate::model::Model;
+use crate::output::OutputFolder;
+use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
+use crate::output::history::History;
+use crate::parallel::{max, number, sum};
+use crate::partition::PartFacet;
+use crate::scene::Scene;
+use crate::system::assembly;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+
+/// A row of the history: a converged increment.
+pub struct Row<'a> {
+    pub step: &'a str,
+    pub number: usize,
+    pub time: f64,
+    pub iterations: usize,
+    /// Displacements of all local nodes.
+    pub u: &'a [Vec3],
+    /// Reactions of the owned nodes: zero where they are free.
+    pub forces: &'a [Vec3],
+    /// Contact force on each tool.
+    pub tool_forces: &'a [Vec3],
+}
+
+/// The nodes of this rank that a grid shows, and the cells that refer to them.
+struct Shown {
+    id: GridId,
+    /// Local nodes of the part; for a tool, points in its frame.
+    nodes: Vec<u32>,
+}
+
+/// Writer of history and fields.
+pub struct Results {
+    history: History,
+    fields: Fields,
+    bodies: Vec<Shown>,
+    contacts: Vec<Shown>,
+    tools: Vec<(GridId, Vec<Vec3>)>,
+    watched: Vec<String>,
+}
+
+/// Pieces along an edge of a smoothed patch in ParaView.
+const PIECES: usize = 6;
+
+impl Results {
+    /// Opens the files and writes the grids. Collective.
+    ///
+    /// # Errors
+    /// A file that cannot be written, on all ranks.
+    pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
+        let watched: Vec<String> = scene.output.history.iter().map(|s| s.value.clone()).collect();
+        let history = History::create(folder, comm, &columns(model, &watched))?;
+        let mut fields = Fields::create(folder, comm)?;
+        let mut bodies = Vec::new();
+        for (b, body) in model.bodies.iter().enumerate() {
+            let nodes: Vec<u32> =
+                (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
+            let cells: Vec<(CellShape, &[u32])> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
+                .map(|s| match s.shape {
+                    SolidShape::Tet4 => (CellShape::Tetrahedron, &s.nodes[..4]),
+                    SolidShape::Hex8 => (CellShape::Hexahedron, &s.nodes[..]),
+                })
+                .collect();
+            bodies.push(show(comm, &mut fields, model, &format!("body.{}", body.name), nodes, &cells)?);
+        }
+        let mut contacts = Vec::new();
+        for pair in &model.pairs {
+            let set = &model.part.sets[pair.set];
+            let cells: Vec<(CellShape, &[u32])> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
+            contacts.push(show(
+                comm,
+                &mut fields,
+                model,
+                &format!("contact.{}", pair.name),
+                set.nodes.clone(),
+                &cells,
+            )?);
+        }
+        let tools = add_tools(comm, &mut fields, model)?;
+        Ok(Self { history, fields, bodies, contacts, tools, watched })
+    }
+
+    /// Adds the row of a converged increment. Collective.
+    ///
+    /// # Errors
+    /// A file that cannot be written, on all ranks.
+    pub fn add_row(&mut self, comm: &SimpleCommunicator, model: &Model, at: &Row) -> Result<()> {
+        let mut row = Vec::new();
+        for (tool, force) in model.tools.iter().zip(at.tool_forces) {
+            row.extend(tool.displacement().iter());
+            row.extend((-force).iter());
+        }
+        for set in &self.watched {
+            let nodes = &model.set(set).nodes;
+            let mut sums = [0.0; 7];
+            for &n in nodes {
+                let n = n as usize;
+                for d in 0..3 {
+                    sums[d] += at.u[n][d];
+                    sums[3 + d] += at.forces[n][d];
+                }
+                sums[6] += 1.0;
+            }
+            sum(comm, &mut sums);
+            row.extend(sums[..3].iter().map(|u| u / sums[6]));
+            row.extend(&sums[3..6]);
+        }
+        for pair in &model.pairs {
+            let areas = slave_areas(model, pair.set, at.u);
+            let mut counts = [0.0; 3];
+            let mut most = [0.0f64; 2];
+            for slave in &pair.slaves {
+                counts[0] += f64::from(slave.accepted.status != Status::Gap);
+                counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
+                counts[2] += f64::from(slave.accepted.status == Status::Slip);
+                if let Some(p) = &slave.accepted.projection {
+                    most[0] = most[0].max(-p.gap);
+                    most[1] = most[1].max(-slave.accepted.force.dot(&p.normal) / areas[slave.node as usize]);
+                }
+            }
+            sum(comm, &mut counts);
+            max(comm, &mut most);
+            row.extend(counts.iter().chain(&most));
+        }
+        self.history.row(comm, at.step, at.number, at.time, at.iterations, &row)
+    }
+
+    /// Writes the fields of the last converged increment, with displacements `u`. Collective.
+    ///
+    /// # Errors
+    /// A file that cannot be written, on all ranks.
+    pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
+        let stresses = assembly::stresses(model, u);
+        let mut grids = Vec::new();
+        for (b, shown) in self.bodies.iter().enumerate() {
+            let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
+            let of_body: Vec<_> = mine.filter(|(s, _)| s.body == b as u32).map(|(_, stress)| *stress).collect();
+            let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
+            grids.push(Columns {
+                grid: shown.id,
+                node: vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))],
+                cell: vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)],
+            });
+        }
+        for (p, shown) in self.contacts.iter().enumerate() {
+            grids.push(contact_columns(model, p, shown, u));
+        }
+        for ((grid, points), tool) in self.tools.iter().zip(&model.tools) {
+            let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
+            grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
+        }
+        let fields: Vec<(Vec<Field>, Vec<Field>)> =
+            grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
+        let data: Vec<GridData> = (grids.iter().zip(&fields))
+            .map(|(g, (node, cell))| GridData { grid: g.grid, node_fields: node, cell_fields: cell })
+            .collect();
+        self.fields.write(comm, time, &data)
+    }
+}
+
+/// A field as (name, components, values).
+type Column = (&'static str, usize, Vec<f64>);
+
+/// The fields of a grid.
+struct Columns {
+    grid: GridId,
+    node: Vec<Column>,
+    cell: Vec<Column>,
+}
+
+fn as_fields(columns: &[Column]) -> Vec<Field<'_>> {
+    columns.iter().map(|(name, components, values)| Field { name, components: *components, values }).collect()
+}
+
+fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
+    values.flat_map(|v| [v.x, v.y, v.z]).collect()
+}
+
+/// Columns of the history after `step,increment,time,iterations`.
+fn columns(model: &Model, watched: &[String]) -> Vec<String> {
+    let names = model.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
+    let mut columns: Vec<String> =
+        names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
+    for pair in &model.pairs {
+        let quantities = ["active", "stick", "slip", "max_penetration", "max_pressure"];
+        columns.extend(quantities.map(|c| format!("{}.{c}", pair.name)));
+    }
+    columns
+}
+
+/// Current area that belongs to each owned node of a slave surface; tied nodes count for the node they follow.
+fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
+    let mut areas = vec![0.0; model.part.points.len()];
+    assembly::add_nodal_areas(model, &model.part.sets[set].facets, u, |n, area| {
+        areas[model.part.tie[n as usize] as usize] += area;
+    });
+    areas.truncate(model.part.owned);
+    areas
+}
+
+/// Status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
+fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3]) -> Columns {
+    let pair = &model.pairs[pair];
+    let areas = slave_areas(model, pair.set, u);
+    let mut of_node = vec![None; model.part.owned];
+    for slave in &pair.slaves {
+        of_node[slave.node as usize] = Some(&slave.accepted);
+    }
+    let trials: Vec<_> = shown.nodes.iter().map(|&n| of_node[model.part.tie[n as usize] as usize]).collect();
+    // Nodes that share a displacement share the force that belongs to them together.
+    let mut sharing = vec![0.0; model.part.owned];
+    shown.nodes.iter().for_each(|&n| sharing[model.part.tie[n as usize] as usize] += 1.0);
+    let tie = |n: u32| model.part.tie[n as usize] as usize;
+    let projections = || trials.iter().map(|t| t.and_then(|t| t.projection));
+    let force = |k: usize| trials[k].map_or(Vec3::zeros(), |t| -t.force);
+    let traction = |k: usize| force(k) / areas[tie(shown.nodes[k])];
+    let all = 0..shown.nodes.len();
+    let normals = || projections().map(|p| p.map_or(Vec3::zeros(), |p| p.normal));
+    Columns {
+        grid: shown.id,
+        node: vec![
+            ("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize]))),
+            ("status", 1, trials.iter().map(|t| t.map_or(0.0, |t| f64::from(t.status as u8))).collect()),
+            ("gap", 1, projections().map(|p| p.map_or(f64::NAN, |p| p.gap)).collect()),
+            ("pressure", 1, all.clone().zip(normals()).map(|(k, n)| traction(k).dot(&n)).collect()),
+            ("traction", 3, vectors(all.clone().map(traction))),
+            ("force", 3, vectors(all.map(|k| force(k) / sharing[tie(shown.nodes[k])]))),
+            ("normal", 3, vectors(normals())),
+        ],
+        cell: Vec::new(),
+    }
+}
+
+fn facet_cell(facet: &PartFacet) -> (CellShape, &[u32]) {
+    match facet.count {
+        3 => (CellShape::Triangle, &facet.nodes[..3]),
+        _ => (CellShape::Quadrilateral, &facet.nodes[..]),
+    }
+}
+
+/// Writes the grid of some owned nodes and of cells whose nodes may be other ranks'. Collective.
+fn show(
+    comm: &SimpleCommunicator,
+    fields: &mut Fields,
+    model: &Model,
+    name: &str,
+    nodes: Vec<u32>,
+    cells: &[(CellShape, &[u32])],
+) -> Result<Shown> {
+    let (first, _) = number(comm, nodes.len() as u64);
+    let mut numbers = vec![0u64; model.part.points.len()];
+    for (k, &n) in nodes.iter().enumerate() {
+        numbers[n as usize] = first + k as u64;
+    }
+    model.part.halo.update(comm, 1, &mut numbers);
+    let points: Vec<[f64; 3]> = nodes.iter().map(|&n| model.part.points[n as usize].into()).collect();
+    let cells: Vec<Cell> = cells
+        .iter()
+        .map(|(shape, local)| {
+            let mut of_cell = [0; 8];
+            local.iter().zip(&mut of_cell).for_each(|(&n, global)| *global = numbers[n as usize]);
+            Cell { shape: *shape, nodes: of_cell }
+        })
+        .collect();
+    let id = fields.add_grid(comm, &Grid { name, points: &points, cells: &cells })?;
+    Ok(Shown { id, nodes })
+}
+
+/// Writes the tools as the solver sees them. Collective.
+fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
+    let mut clip = [f64::NEG_INFINITY; 6];
+    for x in &model.part.points[..model.part.owned] {
+        for d in 0..3 {
+            clip[d] = clip[d].max(-x[d]);
+            clip[3 + d] = clip[3 + d].max(x[d]);
+        }
+    }
+    max(comm, &mut clip);
+    let (lo, hi) = (-Vec3::from_column_slice(&clip[..3]), Vec3::from_column_slice(&clip[3..]));
+    let margin = 0.25 * (hi - lo).norm();
+    let clip = (lo.add_scalar(-margin), hi.add_scalar(margin));
+    let mut tools = Vec::new();
+    for tool in &model.tools {
+        let surface = tool.tessellate(comm.rank(), PIECES, &clip);
+        let (first, _) = number(comm, surface.points.len() as u64);
+        let cell = |shape: CellShape, corners: &[u32]| {
+            let mut nodes = [0; 8];
+            corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = first + u64::from(n));
+            Cell { shape, nodes }
+        };
+        let triangles = surface.triangles.iter().map(|t| cell(CellShape::Triangle, t));
+        let quads = surface.quads.iter().map(|q| cell(CellShape::Quadrilateral, q));
+        let cells: Vec<Cell> = triangles.chain(quads).collect();
+        let points = surface.points.iter().map(|x| Vec3::from(*x)).collect();
+        let name = format!("tool.{}", tool.name);
+        tools.push((fields.add_grid(comm, &Grid { name: &name, points: &surface.points, cells: &cells })?, points));
+    }
+    Ok(tools)
+}

@@ -1,0 +1,179 @@
+//! The command line: `run` and `check`.
+
+use crate::analysis::{self, Options, describe};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::output::phases::Phases;
+use crate::parallel::agree;
+use crate::scene::{self, Scene};
+use clap::{Args, ColorChoice, Parser, Subcommand};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+use petsc::Petsc;
+use std::io::Write;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+/// Implicit, parallel finite elements for frictional contact on Nagata-smoothed surfaces.
+///
+/// Start it on several ranks with `mpirun -n RANKS nagata ...`. Exit codes: 0 converged, 1 did not converge, 2 the input
+/// is wrong, 3 a library or the system failed.
+#[derive(Debug, Parser)]
+// No colours: Open MPI gives every rank a terminal, also when its output goes to a file.
+#[command(name = "nagata", version = version(), color = ColorChoice::Never)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a scene and write its results into a folder.
+    #[command(override_usage = "nagata run [OPTIONS] <SCENE> [-- PETSC OPTIONS]")]
+    Run {
+        #[command(flatten)]
+        scene: SceneArguments,
+        /// Folder for the results; those of an earlier run in it are replaced [default: out/<name of the scene file>]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        /// Run only the first N steps of the scene.
+        #[arg(long, value_name = "N")]
+        steps: Option<NonZeroUsize>,
+        /// Print nothing but warnings and errors.
+        #[arg(long)]
+        quiet: bool,
+        /// Options of PETSc, such as `-snes_monitor -mat_mumps_icntl_14 200`; one that nothing asks for is warned about.
+        #[arg(last = true, value_name = "PETSC OPTIONS")]
+        petsc: Vec<String>,
+    },
+    /// Check a scene and print what would be modelled, and how large it is, without running it.
+    Check {
+        #[command(flatten)]
+        scene: SceneArguments,
+    },
+}
+
+#[derive(Args, Debug)]
+struct SceneArguments {
+    /// The scene file (TOML).
+    scene: PathBuf,
+    /// Override an entry of the scene by its dotted key, as in `tool.indenter.smoothing=facet`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+}
+
+/// The versions of nagata and of the libraries it runs on.
+fn version() -> String {
+    let (major, minor, patch) = hdf5::library_version();
+    let mpi = mpi::environment::library_version().unwrap_or_default();
+    let mpi = mpi.split(',').next().unwrap_or_default().trim().to_string();
+    let loaded = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let (mumps, metis) = (series(&loaded, "/libdmumps"), series(&loaded, "/libmetis"));
+    let petsc = Petsc::version();
+    let nagata = env!("CARGO_PKG_VERSION");
+    format!("{nagata} (PETSc {petsc}, MUMPS{mumps}, METIS{metis}, HDF5 {major}.{minor}.{patch}, {mpi})")
+}
+
+/// Major and minor version of a loaded library that has no call to tell it, by the name of its file, behind a blank.
+fn series(loaded: &str, library: &str) -> String {
+    let file = loaded.split(library).nth(1).and_then(|rest| rest.lines().next()).unwrap_or_default();
+    let digits = file.trim_start_matches(|c: char| !c.is_ascii_digit()).split(|c: char| !c.is_ascii_digit());
+    let series: Vec<&str> = digits.take(2).filter(|part| !part.is_empty()).collect();
+    if series.is_empty() { String::new() } else { format!(" {}", series.join(".")) }
+}
+
+impl Cli {
+    /// The options for PETSc.
+    fn petsc_options(&self) -> &[String] {
+        match &self.command {
+            Command::Run { petsc, .. } => petsc,
+            Command::Check { .. } => &[],
+        }
+    }
+
+    fn execute(&self, comm: &SimpleCommunicator) -> Result<()> {
+        let petsc = Petsc::initialize(comm, self.petsc_options())
+            .map_err(|e| Error::input_anywhere(e.to_string(), "options after `--` go to PETSc"))?;
+        match &self.command {
+            Command::Run { scene, out, steps, quiet, .. } => {
+                let loaded = scene.load(comm)?;
+                let default = Path::new("out").join(&loaded.name);
+                let steps = steps.map(NonZeroUsize::get);
+                let out = out.as_deref().unwrap_or(&default);
+                let outcome =
+                    analysis::run(comm, &petsc, &loaded, &Options { out, steps, quiet: *quiet, source: &scene.scene });
+                if matches!(outcome, Ok(()) | Err(Error::Diverged(_))) && comm.rank() == 0 {
+                    warn_of_unused(&petsc.unused_options()?);
+                }
+                outcome
+            }
+            Command::Check { scene } => {
+                let loaded = scene.load(comm)?;
+                let model = Model::new(comm, &loaded, &Phases::default())?;
+                let text = describe::check(comm, &loaded, &model)?;
+                if comm.rank() == 0 {
+                    // Whoever reads it may have stopped.
+                    let _ = write!(std::io::stdout(), "{text}");
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl SceneArguments {
+    /// Collective.
+    fn load(&self, comm: &SimpleCommunicator) -> Result<Scene> {
+        agree(comm, scene::load(&self.scene, &self.overrides))
+    }
+}
+
+/// Names the options for PETSc that a run has not asked for: they are misspelt, or belong to what was not used. Some PETSc
+/// asks for when it ends.
+fn warn_of_unused(options: &[String]) {
+    const LATE: [&str; 5] = ["log_", "malloc_", "memory_", "objects_", "options_"];
+    for option in options.iter().filter(|option| !LATE.iter().any(|late| option.starts_with(late))) {
+        eprintln!("warning: nothing asked for the PETSc option -{option}; is it misspelt?");
+    }
+}
+
+/// Runs the program and returns its exit code. A command line that is wrong is reported by rank 0 alone; so is an error,
+/// on which all ranks have agreed.
+pub fn run() -> i32 {
+    // OMPIO guards each file name by a semaphore of the whole machine, which a killed rank leaves locked: later runs hang.
+    petsc::environment::set_default("OMPI_MCA_io", "^ompio");
+    let Some(universe) = mpi::initialize() else {
+        eprintln!("error: MPI cannot be initialized");
+        return 3;
+    };
+    let world = universe.world();
+    abort_on_panic();
+    let root = world.rank() == 0;
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            if root {
+                let _ = error.print();
+            }
+            return error.exit_code();
+        }
+    };
+    match cli.execute(&world) {
+        Ok(()) => 0,
+        Err(error) => {
+            if root {
+                eprintln!("error: {error}");
+            }
+            error.exit_code()
+        }
+    }
+}
+
+/// A panic on one rank must not leave the others waiting.
+fn abort_on_panic() {
+    let report = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        report(info);
+        SimpleCommunicator::world().abort(101);
+    }));
+}

@@ -1,0 +1,5 @@
+//! The `nagata` program.
+
+fn main() {
+    std::process::exit(nagata::cli::run());
+}
