@@ -1,0 +1,249 @@
+//! Runs the program as a user does, under mpirun, and reads what it writes.
+
+#![allow(dead_code)] // each test file uses its part
+
+pub mod msh;
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::rc::Rc;
+
+/// Scratch folder of a test with its scene and results; removed with it and its runs.
+pub struct Bench {
+    folder: Rc<tempfile::TempDir>,
+    /// Runs so far: each has its own folder.
+    runs: Cell<usize>,
+}
+
+/// How a run ended.
+pub struct Run {
+    pub code: i32,
+    pub stdout: String,
+    pub stderr: String,
+    pub out: PathBuf,
+    /// Keeps the results.
+    folder: Option<Rc<tempfile::TempDir>>,
+}
+
+/// `history.csv`: columns by name.
+pub struct History {
+    columns: BTreeMap<String, Vec<f64>>,
+    pub steps: Vec<String>,
+}
+
+impl Bench {
+    /// A folder with `scene.toml` in it.
+    pub fn new(scene: &str) -> Self {
+        let bench = Self { folder: Rc::new(tempfile::tempdir().unwrap()), runs: Cell::new(0) };
+        bench.write("scene.toml", scene);
+        bench
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).unwrap();
+    }
+
+    /// Runs `nagata run scene.toml` on so many ranks, with further arguments.
+    pub fn run(&self, ranks: usize, arguments: &[&str]) -> Run {
+        self.runs.set(self.runs.get() + 1);
+        let out = self.path(&format!("out-{}", self.runs.get()));
+        let scene = self.path("scene.toml");
+        let mut all = vec!["run", scene.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        all.extend(arguments);
+        Run { folder: Some(self.folder.clone()), ..nagata(self.folder.path(), ranks, &all, out.clone()) }
+    }
+
+    /// Runs, and fails the test when that fails.
+    pub fn solve(&self, ranks: usize, arguments: &[&str]) -> Run {
+        let run = self.run(ranks, arguments);
+        assert_eq!(run.code, 0, "{}\n{}", run.stdout, run.stderr);
+        run
+    }
+}
+
+/// Runs the program with any arguments in a folder.
+pub fn nagata(folder: &Path, ranks: usize, arguments: &[&str], out: PathBuf) -> Run {
+    let done = mpirun(ranks).args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let Output { status, stdout, stderr } = &done;
+    Run { code: status.code().unwrap_or(-1), stdout: text(stdout), stderr: text(stderr), out, folder: None }
+}
+
+/// `mpirun -n ranks nagata`, to which arguments are added. Ends by itself if it hangs.
+pub fn mpirun(ranks: usize) -> Command {
+    let mut command = Command::new("mpirun");
+    command
+        .args(["--quiet", "--bind-to", "none", "--oversubscribe", "--timeout", "240", "-n", &ranks.to_string()])
+        .arg(env!("CARGO_BIN_EXE_nagata"))
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+        .env("OMPI_MCA_pml", "ob1")
+        .env("OMPI_MCA_btl", "self,vader")
+        .env("OMPI_MCA_mpi_yield_when_idle", "1")
+        .env("OPENBLAS_NUM_THREADS", "1")
+        .env("SCOTCH_PTHREAD_NUMBER", "1");
+    command
+}
+
+impl Run {
+    pub fn history(&self) -> History {
+        History::read(&self.out.join("history.csv"))
+    }
+
+    pub fn summary(&self) -> serde_json::Value {
+        serde_json::from_str(&fs::read_to_string(self.out.join("summary.json")).unwrap()).unwrap()
+    }
+
+    pub fn log(&self) -> String {
+        fs::read_to_string(self.out.join("log.txt")).unwrap()
+    }
+
+    /// A dataset of `fields.h5`, flat. See the XDMF file for the names.
+    pub fn field(&self, name: &str) -> Vec<f64> {
+        let file = hdf5::File::open(self.out.join("fields.h5")).unwrap();
+        file.dataset(name).unwrap_or_else(|e| panic!("{name}: {e}")).read_raw::<f64>().unwrap()
+    }
+
+    /// Increments in `fields.h5`; they count from 1.
+    pub fn written(&self) -> usize {
+        let file = hdf5::File::open(self.out.join("fields.h5")).unwrap();
+        file.group("increments").unwrap().member_names().unwrap().len()
+    }
+
+    /// Reference positions of the points of a grid, as in `body.slab` or `contact.top`.
+    pub fn points(&self, grid: &str) -> Vec<[f64; 3]> {
+        vectors(&self.field(&format!("grids/{}/points", grid.replace('.', "_"))))
+    }
+
+    /// A scalar at the points of a grid in an increment of `fields.h5`.
+    pub fn scalars(&self, increment: usize, grid: &str, name: &str) -> Vec<f64> {
+        self.field(&format!("increments/{increment:06}/{}/node/{name}", grid.replace('.', "_")))
+    }
+
+    /// A vector at the points of a grid in an increment of `fields.h5`.
+    pub fn vectors(&self, increment: usize, grid: &str, name: &str) -> Vec<[f64; 3]> {
+        vectors(&self.scalars(increment, grid, name))
+    }
+}
+
+fn vectors(flat: &[f64]) -> Vec<[f64; 3]> {
+    flat.as_chunks::<3>().0.to_vec()
+}
+
+/// Fails unless `found` is `expected` within a relative error, and says so with the name of the quantity.
+#[track_caller]
+pub fn assert_close(what: &str, found: f64, expected: f64, tolerance: f64) {
+    let error = (found / expected - 1.0).abs();
+    println!("{what}: {found:.12e}, expected {expected:.12e}, error {error:.1e}, tolerance {tolerance:.0e}");
+    assert!(error < tolerance, "{what}: {found} is not {expected}: {error:e}");
+}
+
+/// Fails unless `error` is below a tolerance, and says so with the name of the quantity.
+#[track_caller]
+pub fn assert_small(what: &str, error: f64, tolerance: f64) {
+    println!("{what}: error {error:.1e}, tolerance {tolerance:.0e}");
+    assert!(error.abs() < tolerance, "{what}: {error:e}");
+}
+
+/// Root of an increasing or decreasing function between two points.
+pub fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let rising = f(high) > f(low);
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if (f(middle) > 0.0) == rising { high = middle } else { low = middle }
+    }
+    0.5 * (low + high)
+}
+
+impl History {
+    pub fn read(path: &Path) -> Self {
+        let text = fs::read_to_string(path).unwrap();
+        let mut lines = text.lines();
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let mut columns: BTreeMap<String, Vec<f64>> = names[1..].iter().map(|n| (n.to_string(), Vec::new())).collect();
+        let mut steps = Vec::new();
+        for line in lines {
+            let mut fields = line.split(',');
+            steps.push(fields.next().unwrap().to_string());
+            for (name, field) in names[1..].iter().zip(fields) {
+                columns.get_mut(*name).unwrap().push(field.parse().unwrap());
+            }
+        }
+        Self { columns, steps }
+    }
+
+    pub fn column(&self, name: &str) -> &[f64] {
+        self.columns.get(name).unwrap_or_else(|| panic!("no column {name} in {:?}", self.columns.keys()))
+    }
+
+    pub fn last(&self, name: &str) -> f64 {
+        *self.column(name).last().unwrap()
+    }
+
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Largest difference to another history over the largest value of the quantity (force, displacement, count) of a
+    /// column: columns of one quantity share a scale, so that a zero component is compared with its neighbours.
+    pub fn difference(&self, other: &History) -> f64 {
+        assert_eq!(self.len(), other.len(), "different increments");
+        let kind = |name: &str| {
+            let last = name.rsplit('.').next().unwrap().to_string();
+            if ["ux", "uy", "uz", "max_penetration"].contains(&last.as_str()) {
+                "length".to_string()
+            } else if ["fx", "fy", "fz"].contains(&last.as_str()) {
+                "force".to_string()
+            } else {
+                last
+            }
+        };
+        let mut scale: BTreeMap<String, f64> = BTreeMap::new();
+        for (name, values) in &self.columns {
+            let largest = scale.entry(kind(name)).or_default();
+            *largest = values.iter().fold(*largest, |m, v| m.max(v.abs()));
+        }
+        let mut worst = 0.0f64;
+        for (name, values) in &self.columns {
+            for (a, b) in values.iter().zip(other.column(name)) {
+                let error = if a == b { 0.0 } else { (a - b).abs() / scale[&kind(name)] };
+                if error > 1e-8 {
+                    println!("{name}: {a} and {b}");
+                }
+                worst = worst.max(error);
+            }
+        }
+        worst
+    }
+}
+
+/// An Abaqus deck of unit cubes, so many along x, y and z: elements from 101, the node set `edge` along x, the surfaces
+/// `bottom` and `top`.
+pub fn deck(cubes: [usize; 3]) -> String {
+    let node = |i: usize, j: usize, k: usize| 1 + i + (cubes[0] + 1) * (j + (cubes[1] + 1) * k);
+    let element = |i: usize, j: usize, k: usize| 101 + i + cubes[0] * (j + cubes[1] * k);
+    let all =
+        |n: [usize; 3]| (0..n[2]).flat_map(move |k| (0..n[1]).flat_map(move |j| (0..n[0]).map(move |i| (i, j, k))));
+    let lines = |name: &str, lines: Vec<String>| format!("*{name}\n{}\n", lines.join("\n"));
+    let layer = |k: usize, face: &str| {
+        all([cubes[0], cubes[1], 1]).map(|(i, j, _)| format!("{}, {face}", element(i, j, k))).collect::<Vec<_>>()
+    };
+    let corners = |(i, j, k): (usize, usize, usize)| {
+        let around = [(0, 0), (1, 0), (1, 1), (0, 1)];
+        let ids = [0, 1].iter().flat_map(|&up| around.map(|(a, b)| node(i + a, j + b, k + up).to_string()));
+        format!("{}, {}", element(i, j, k), ids.collect::<Vec<_>>().join(", "))
+    };
+    let points = all(cubes.map(|n| n + 1)).map(|(i, j, k)| format!("{}, {i}.0, {j}.0, {k}.0", node(i, j, k)));
+    lines("NODE", points.collect())
+        + &lines("ELEMENT, TYPE=C3D8", all(cubes).map(corners).collect())
+        + &lines("NSET, NSET=edge", (0..=cubes[0]).map(|i| node(i, 0, 0).to_string()).collect())
+        + &lines("SURFACE, NAME=bottom", layer(0, "S1"))
+        + &lines("SURFACE, NAME=top", layer(cubes[2] - 1, "S2"))
+}

@@ -1,0 +1,97 @@
+//! Meshes for scenes, as the text of a Gmsh 2.2 file.
+
+use std::fmt::Write;
+
+/// Ways in which a cube is cut into tetrahedra along its diagonal: the order in which a path takes the axes (Kuhn).
+const PATHS: [[usize; 3]; 6] = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]];
+
+/// A block of `n` hexahedra along each direction, or of six tetrahedra in each of them, with its sides as the groups
+/// `xmin` ... `zmax`; `place` takes the unit cube to space and keeps its handedness.
+pub fn block(n: [usize; 3], tetrahedra: bool, place: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    let node = |i: [usize; 3]| 1 + i[0] + (n[0] + 1) * (i[1] + (n[1] + 1) * i[2]);
+    let mut points = Vec::new();
+    let mut elements: Vec<(usize, usize, Vec<usize>)> = Vec::new();
+    for k in 0..=n[2] {
+        for j in 0..=n[1] {
+            for i in 0..=n[0] {
+                points.push(place([i as f64 / n[0] as f64, j as f64 / n[1] as f64, k as f64 / n[2] as f64]));
+            }
+        }
+    }
+    for axis in 0..3 {
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        for (side, at) in [0, n[axis]].into_iter().enumerate() {
+            for (i, j) in (0..n[a]).flat_map(|i| (0..n[b]).map(move |j| (i, j))) {
+                let corner = |di: usize, dj: usize| {
+                    let mut index = [at; 3];
+                    (index[a], index[b]) = (i + di, j + dj);
+                    node(index)
+                };
+                let mut faces = vec![vec![corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)]];
+                if tetrahedra {
+                    let [p, q, r, s] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                    faces = vec![vec![p, q, r], vec![p, r, s]];
+                }
+                for mut face in faces {
+                    if side == 0 {
+                        face.reverse();
+                    }
+                    elements.push((if tetrahedra { 2 } else { 3 }, 1 + 2 * axis + side, face));
+                }
+            }
+        }
+    }
+    for (k, j, i) in (0..n[2]).flat_map(|k| (0..n[1]).flat_map(move |j| (0..n[0]).map(move |i| (k, j, i)))) {
+        let corner = |d: [usize; 3]| node([i + d[0], j + d[1], k + d[2]]);
+        if tetrahedra {
+            for (p, path) in PATHS.iter().enumerate() {
+                let mut d = [0; 3];
+                let mut nodes = vec![corner(d)];
+                for &axis in path {
+                    d[axis] = 1;
+                    nodes.push(corner(d));
+                }
+                if p >= 3 {
+                    nodes.swap(1, 2);
+                }
+                elements.push((4, 7, nodes));
+            }
+        } else {
+            let bottom = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]];
+            let nodes = bottom.iter().chain(&bottom.map(|[x, y, _]| [x, y, 1])).map(|d| corner(*d)).collect();
+            elements.push((5, 7, nodes));
+        }
+    }
+    let mut names: Vec<(usize, &str)> = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"].map(|name| (2, name)).into();
+    names.push((3, "solid"));
+    render(&names, &points, &elements)
+}
+
+/// A surface of `n` by `n` quadrilaterals whose normals are the cross product of the two directions of the unit square
+/// that `place` takes to space.
+pub fn surface(n: usize, place: impl Fn(f64, f64) -> [f64; 3]) -> String {
+    let at = |k: usize| k as f64 / n as f64;
+    let points: Vec<_> = (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))).map(|(i, j)| place(at(i), at(j))).collect();
+    let node = |i: usize, j: usize| 1 + i + (n + 1) * j;
+    let facet = |(i, j)| (3, 1, vec![node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)]);
+    let elements: Vec<_> = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(facet).collect();
+    render(&[(2, "surface")], &points, &elements)
+}
+
+/// Elements are (Gmsh type, number of the group, nodes from 1).
+fn render(names: &[(usize, &str)], points: &[[f64; 3]], elements: &[(usize, usize, Vec<usize>)]) -> String {
+    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());
+    for (k, (dimension, name)) in names.iter().enumerate() {
+        let _ = writeln!(text, "{dimension} {} \"{name}\"", k + 1);
+    }
+    let _ = writeln!(text, "$EndPhysicalNames\n$Nodes\n{}", points.len());
+    for (k, [x, y, z]) in points.iter().enumerate() {
+        let _ = writeln!(text, "{} {x:?} {y:?} {z:?}", k + 1);
+    }
+    let _ = writeln!(text, "$EndNodes\n$Elements\n{}", elements.len());
+    for (k, (kind, group, nodes)) in elements.iter().enumerate() {
+        let nodes: Vec<String> = nodes.iter().map(usize::to_string).collect();
+        let _ = writeln!(text, "{} {kind} 2 {group} {group} {}", k + 1, nodes.join(" "));
+    }
+    text + "$EndElements\n"
+}

@@ -1,0 +1,196 @@
+//! Runs that fail: what is known until then is kept, the message says where and why, and nothing hangs.
+
+mod common;
+
+use common::{Bench, History, Run, mpirun};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A block under a plate that comes down.
+const SCENE: &str = r#"[body.block]
+material = "rubber"
+block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2], faces = { top = "zmax", bottom = "zmin" } }
+
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+
+[tool.plate]
+plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }
+
+[contact.top]
+slave = "block.top"
+master = "plate"
+friction = 0.2
+
+[[step]]
+name = "press"
+increment = { initial = 0.1, min = 0.1 }
+fix = [{ set = "block.bottom" }]
+move = [{ target = "plate", by = [0.0, 0.0, -2.5] }]
+"#;
+
+/// What is said of a run that did not converge: once on the terminal, and in the log.
+#[track_caller]
+fn failure(run: &Run) -> String {
+    assert_eq!(run.code, 1, "{}\n{}", run.stdout, run.stderr);
+    assert!(run.stderr.starts_with("error: ") && run.stderr.matches("error:").count() == 1, "{}", run.stderr);
+    assert!(run.log().contains(&run.stderr), "{}\n{}", run.stderr, run.log());
+    let first = run.stderr.lines().next().unwrap();
+    assert!(!run.stdout.contains(first), "{}", run.stdout);
+    assert_eq!(run.summary()["converged"], false);
+    run.stderr.clone()
+}
+
+/// The times in `fields.xdmf`, whose tags must close and whose data must stand in `fields.h5` in the size it promises.
+fn shown_times(folder: &Path) -> Vec<f64> {
+    let text = std::fs::read_to_string(folder.join("fields.xdmf")).unwrap();
+    let file = hdf5::File::open(folder.join("fields.h5")).unwrap();
+    let (mut open, mut times): (Vec<&str>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (prologue, tags) = text.split_at(text.find("<Xdmf").unwrap());
+    assert!(prologue.starts_with("<?xml ") && prologue.trim_end().ends_with("?>"));
+    for piece in tags.split('<').skip(1) {
+        let (tag, content) = piece.split_once('>').unwrap();
+        let name = tag.split([' ', '/']).next().unwrap();
+        let value = |key: &str| tag.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap();
+        match tag.strip_prefix('/') {
+            Some(end) => assert_eq!(open.pop(), Some(end)),
+            None if tag.ends_with('/') => {}
+            None => open.push(name),
+        }
+        match name {
+            "Time" => times.push(value("Value").parse().unwrap()),
+            "DataItem" => {
+                let path = content.strip_prefix("fields.h5:").unwrap();
+                let shape: Vec<usize> = value("Dimensions").split(' ').map(|n| n.parse().unwrap()).collect();
+                assert_eq!(file.dataset(path).unwrap_or_else(|e| panic!("{path}: {e}")).shape(), shape, "{path}");
+            }
+            _ => {}
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    times
+}
+
+#[test]
+fn a_crushed_block_keeps_what_converged() {
+    let bench = Bench::new(SCENE);
+    let run = bench.run(2, &["--set", "output.every=100"]);
+    let text = failure(&run);
+    for words in [
+        "error: step `press`, after time 0.",
+        "no convergence in 15 iterations with the smallest increment, 1.000e-1\n",
+        " of body `block` at (",
+        "), sticking in contact `top`, residual ",
+        " of the largest force\n",
+        "help: load in smaller increments, allow a smaller `increment.min`",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    let (history, summary) = (run.history(), run.summary());
+    assert!((3..10).contains(&history.len()), "{}", run.stdout);
+    assert_eq!((&summary["increments"], &summary["cutbacks"]), (&history.len().into(), &1.into()));
+    assert_eq!(shown_times(&run.out), [history.last("time")]);
+    let moved = run.field("increments/000001/tool_plate/node/displacement");
+    assert_eq!(moved[2], history.last("plate.uz"));
+    // The last state is an equilibrium: the plate's force is what the nodes under it bear.
+    let forces = run.field("increments/000001/contact_top/node/force");
+    let borne: f64 = forces.iter().skip(2).step_by(3).sum();
+    let driving = history.last("plate.fz");
+    assert!(driving < -100.0 && (borne - driving).abs() < 1e-8 * driving.abs(), "{borne} {driving}");
+}
+
+#[test]
+fn without_iterations_nothing_converges_and_contact_is_blamed() {
+    let bench = Bench::new(SCENE);
+    let run = bench.run(2, &["--set", "solver.max_iterations=1", "--quiet"]);
+    assert_eq!(run.stdout, "");
+    let text = failure(&run);
+    for words in [
+        "error: step `press`, after time 0.000000: no convergence in 1 iterations with the smallest increment",
+        " of body `block` at (",
+        " contact nodes still change their status\n",
+        "lower the contact's `penalty`",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    assert_eq!(run.history().len(), 0);
+    assert_eq!(run.summary()["increments"], 0);
+    hdf5::File::open(run.out.join("fields.h5")).unwrap().group("grids/body_block").unwrap();
+}
+
+#[test]
+fn a_body_that_nothing_holds_is_singular() {
+    let step = SCENE.find("[tool.plate]").unwrap();
+    let pull = "[[step]]\nincrement = { initial = 0.5, min = 0.25 }\nforce = [{ target = \"block.top\", total = [0.0, 0.0, 1.0] }]\n";
+    let bench = Bench::new(&format!("{}{pull}", &SCENE[..step]));
+    let text = failure(&bench.run(2, &[]));
+    for words in ["singular", "of body `block`", "something can move freely"] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+}
+
+/// The processes that `parent` has started, lowest first.
+fn children(parent: u32) -> Vec<u32> {
+    let parent_of = |pid: u32| {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        stat.rsplit(')').next()?.split_whitespace().nth(1)?.parse::<u32>().ok()
+    };
+    let all = std::fs::read_dir("/proc").unwrap().filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+    let mut found: Vec<u32> = all.filter(|&pid| parent_of(pid) == Some(parent)).collect();
+    found.sort_unstable();
+    found
+}
+
+/// Polls until `done` gives something; the job is ended when it does not in time.
+fn wait_for<T>(job: &mut Child, seconds: u64, what: &str, mut done: impl FnMut(&mut Child) -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(value) = done(job) {
+            return value;
+        }
+        if begun.elapsed() > Duration::from_secs(seconds) {
+            job.kill().unwrap();
+            panic!("{what} not within {seconds} s");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Kills a rank once the history has `rows` rows; returns how many there are in the end.
+fn kill_one(victim: usize, rows: usize) -> usize {
+    let bench = Bench::new(SCENE);
+    let out = bench.path("out");
+    let mut job = mpirun(2)
+        .args(["run", "scene.toml", "--out", "out", "--set", "step.press.increment={ initial = 1e-4 }"])
+        .current_dir(bench.path(""))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = || std::fs::read_to_string(out.join("history.csv")).map_or(0, |text| text.lines().count());
+    wait_for(&mut job, 60, "rows", |_| (lines() > rows).then_some(()));
+    let ranks = children(job.id());
+    assert_eq!(ranks.len(), 2);
+    assert!(Command::new("kill").args(["-9", &ranks[victim].to_string()]).status().unwrap().success());
+    let status = wait_for(&mut job, 30, "the end of the job", |job| job.try_wait().unwrap());
+    assert!(status.code().is_some_and(|code| code != 0), "{status}");
+    let gone = || ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
+    wait_for(&mut job, 30, "the end of the ranks", |_| gone().then_some(()));
+
+    let history = History::read(&out.join("history.csv"));
+    let (times, all) = (shown_times(&out), history.column("time"));
+    // A kill between the two files may leave the fields one increment behind.
+    assert!(all.starts_with(&times) && times.len() + 1 >= all.len(), "{times:?}\n{all:?}");
+    assert!(!out.join("summary.json").exists());
+    history.len()
+}
+
+#[test]
+fn a_killed_rank_ends_the_job_and_leaves_readable_files() {
+    for (victim, rows) in [(0, 3), (1, 5)] {
+        assert!(kill_one(victim, rows) >= rows);
+    }
+}

@@ -1,0 +1,440 @@
+//! Coulomb's law against what statics says of blocks and cylinders that stick, slip and turn back.
+
+mod common;
+
+use common::{Bench, Run, assert_close, assert_small, msh};
+use nagata::Vec3;
+
+const MU: f64 = 0.3;
+
+/// A soft block of 2 x 1 x 1 on the plane z = 0.
+fn block_on_a_plane(steps: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.block]
+        block = {{ box = {{ size = [2.0, 1.0, 1.0] }}, elements = [4, 2, 2] }}
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.floor]
+        plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
+        [contact.foot]
+        slave = "block.zmin"
+        master = "floor"
+        friction = {MU:?}
+        {steps}
+        [output]
+        every = 1
+        history = ["block.zmax"]
+        "#
+    ))
+}
+
+/// Tangential over normal force of the block's top, at each increment of a step.
+fn ratios(run: &Run, step: &str) -> Vec<f64> {
+    let history = run.history();
+    let (fx, fz) = (history.column("block.zmax.fx"), history.column("block.zmax.fz"));
+    (0..history.len()).filter(|&k| history.steps[k] == step).map(|k| -fx[k] / fz[k]).collect()
+}
+
+/// ```text
+///      v v v v  pressed, then moved ->
+///     +-------+                           |T| / N grows while some of the foot sticks, then is mu: the mean of nodes that
+///     | block |                           all slip alike.
+///   --+-------+-------------- plane
+/// ```
+/// Pressed by a prescribed displacement, so that the normal force is the solver's.
+#[test]
+fn block_pulled_under_displacement() {
+    let bench = block_on_a_plane(
+        r#"
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{ set = "block.zmax", directions = "xy" }]
+        move = [{ target = "block.zmax", by = [0.0, 0.0, -0.05], directions = "z" }]
+        [[step]]
+        name = "pull"
+        increments = 8
+        fix = [{ set = "block.zmax", directions = "yz" }]
+        move = [{ target = "block.zmax", by = [0.08, 0.0, 0.0], directions = "x" }]
+        [[step]]
+        name = "drag"
+        increments = 8
+        fix = [{ set = "block.zmax", directions = "yz" }]
+        move = [{ target = "block.zmax", by = [0.8, 0.0, 0.0], directions = "x" }]
+        "#,
+    );
+    let run = bench.solve(2, &[]);
+    assert_small("no pull while pressed", ratios(&run, "press")[1], 1e-9);
+    let pull = ratios(&run, "pull");
+    let stick = run.history().column("foot.stick").to_vec();
+    assert!(pull[0] > 0.01 && pull[0] < 0.9 * MU && stick[2] > 0.0);
+    for k in 1..pull.len() {
+        assert!(pull[k] >= pull[k - 1] - 1e-9 && pull[k] <= MU + 1e-9);
+        assert!(stick[2 + k] == 0.0 || pull[k] < MU - 1e-6, "{pull:?}");
+    }
+    assert_close("full slip", *ratios(&run, "drag").last().unwrap(), MU, 1e-10);
+}
+
+/// The same under a dead load N: the pull is mu N at full slip whatever way it came there, one way and back.
+#[test]
+fn block_pulled_under_a_dead_load_and_back() {
+    let step = |name: &str, by: f64| {
+        format!(
+            r#"
+            [[step]]
+            name = "{name}"
+            increments = 10
+            fix = [{{ set = "block.zmax", directions = "y" }}]
+            force = [{{ target = "block.zmax", total = [0.0, 0.0, -6.0] }}]
+            move = [{{ target = "block.zmax", by = [{by:?}, 0.0, 0.0], directions = "x" }}]
+            "#
+        )
+    };
+    let press = r#"
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{ set = "block.zmax", directions = "xy" }]
+        force = [{ target = "block.zmax", total = [0.0, 0.0, -6.0] }]
+        "#;
+    let scene = [press.to_string(), step("forth", 1.0), step("back", -1.5), step("again", 1.0)].concat();
+    let run = block_on_a_plane(&scene).solve(2, &[]);
+    let history = run.history();
+    for (step, sign) in [("forth", 1.0), ("back", -1.0), ("again", 1.0)] {
+        let rows: Vec<usize> = (0..history.len()).filter(|&k| history.steps[k] == step).collect();
+        let pull = |k: usize| history.column("block.zmax.fx")[k] / 6.0;
+        println!("{step}: {:?}", rows.iter().map(|&k| pull(k)).collect::<Vec<_>>());
+        assert!(rows.iter().all(|&k| pull(k).abs() <= MU + 1e-9));
+        assert_close(step, pull(*rows.last().unwrap()), sign * MU, 1e-8);
+        assert_close("normal force", history.column("floor.fz")[*rows.last().unwrap()], 6.0, 1e-9);
+    }
+}
+
+/// ```text
+///               __--+         NAFEMS benchmark CGS-4: a block of weight G on a slope tan(a) = 0.1 with mu = 0.3, pushed by a
+///       F -> |block |         horizontal force F. It goes up when F / G = (tan a + mu) / (1 - mu tan a) = 0.412371, and is
+///            |__--               pulled down when -F / G = (mu - tan a) / (1 + mu tan a) = 0.194175.
+///         __--  a
+/// ```
+/// The face is moved along x and free otherwise, so that its reaction is the horizontal force.
+#[test]
+fn block_on_a_slope() {
+    let (slope, weight) = (0.1f64, 2.0);
+    let (s, c) = slope.atan().sin_cos();
+    let bench = Bench::new(&format!(
+        r#"
+        [body.block]
+        mesh = "block.msh"
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 1000.0
+        poisson = 0.3
+        [tool.slope]
+        plane = {{ point = [0.0, 0.0, 0.0], normal = [{:?}, 0.0, {c:?}] }}
+        [contact.foot]
+        slave = "block.zmin"
+        master = "slope"
+        friction = {MU:?}
+        [[step]]
+        name = "load"
+        increments = 2
+        fix = [{{ set = "block.xmin", directions = "xz" }}, {{ set = "block", directions = "y" }}]
+        body_force = [{{ body = "block", per_volume = [0.0, 0.0, {:?}] }}]
+        [[step]]
+        name = "up"
+        increments = 10
+        fix = [{{ set = "block", directions = "y" }}]
+        move = [{{ target = "block.xmin", by = [0.5, 0.0, 0.0], directions = "x" }}]
+        body_force = [{{ body = "block", per_volume = [0.0, 0.0, {:?}] }}]
+        [[step]]
+        name = "down"
+        increments = 10
+        fix = [{{ set = "block", directions = "y" }}]
+        move = [{{ target = "block.xmin", by = [-0.5, 0.0, 0.0], directions = "x" }}]
+        body_force = [{{ body = "block", per_volume = [0.0, 0.0, {:?}] }}]
+        [solver]
+        tolerance = 1e-12 # the law is exact, and so is the comparison
+        [output]
+        history = ["block.xmin"]
+        "#,
+        -s,
+        -weight / 4.0,
+        -weight / 4.0,
+        -weight / 4.0
+    ));
+    let turned = |x: [f64; 3]| [4.0 * x[0] * c - 2.0 * x[2] * s, 0.5 * x[1], 4.0 * x[0] * s + 2.0 * x[2] * c];
+    bench.write("block.msh", &msh::block([8, 1, 4], false, turned));
+    let history = bench.solve(2, &[]).history();
+    let push = history.column("block.xmin.fx");
+    let last = |step: &str| push[history.steps.iter().rposition(|s| s == step).unwrap()] / weight;
+    assert_close("up", last("up"), (slope + MU) / (1.0 - MU * slope), 1e-8);
+    assert_close("down", last("down"), (slope - MU) / (1.0 + MU * slope), 1e-8);
+    assert_close("up, as printed", last("up"), 0.412371, 1e-6);
+    let up: Vec<f64> = (0..push.len()).filter(|&k| history.steps[k] == "up").map(|k| push[k] / weight).collect();
+    assert!(up.iter().all(|&f| f < (slope + MU) / (1.0 - MU * slope) * (1.0 + 1e-8)));
+    let floor = [history.last("slope.fx"), history.last("slope.fz")];
+    assert_small("balance along x", (floor[0] + history.last("block.xmin.fx")) / weight, 1e-9);
+    assert_close("weight", floor[1], weight, 1e-9);
+}
+
+/// ```text
+///        ( O )  ->            A cylinder is pressed into a slab in plane strain, slides, and slides back.
+///     ___/   \_____
+///    |  slab       |
+///    |_____________| held
+/// ```
+fn ironing(increments: usize) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.slab]
+        block = {{ box = {{ origin = [-4.0, -3.0, 0.0], size = [10.0, 3.0, 0.5] }}, elements = [30, 6, 1] }}
+        material = "soft"
+        plane_strain = true
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.roll]
+        cylinder = {{ point = [0.0, 2.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 2.0 }}
+        [contact.top]
+        slave = "slab.ymax"
+        master = "roll"
+        friction = {MU:?}
+        [[step]]
+        name = "press"
+        increments = 4
+        fix = [{{ set = "slab.ymin" }}]
+        move = [{{ target = "roll", by = [0.0, -0.3, 0.0] }}]
+        [[step]]
+        name = "forth"
+        increments = {increments}
+        fix = [{{ set = "slab.ymin" }}]
+        move = [{{ target = "roll", by = [1.2, 0.0, 0.0] }}]
+        [[step]]
+        name = "back"
+        increments = {increments}
+        fix = [{{ set = "slab.ymin" }}]
+        move = [{{ target = "roll", by = [-1.2, 0.0, 0.0] }}]
+        [output]
+        history = ["slab.ymin"]
+        "#
+    ))
+}
+
+/// Every node obeys Signorini's and Coulomb's laws in every increment: in the gap no force and no penetration; in contact
+/// no gap and a push; sticking within the cone; slipping on it, against the way the node went over the tool.
+#[test]
+fn every_node_obeys_the_laws() {
+    let run = ironing(16).solve(2, &[]);
+    let history = run.history();
+    let (points, grid) = (run.points("contact.top"), "contact.top");
+    let largest = history.column("roll.fy").iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    let mut worst = [0.0f64; 4];
+    let mut seen = [0; 3];
+    let mut before = vec![[0.0; 3]; points.len()];
+    let mut tool_before = Vec3::zeros();
+    assert_eq!(run.written(), history.len());
+    for k in 1..=run.written() {
+        let (status, gap) = (run.scalars(k, grid, "status"), run.scalars(k, grid, "gap"));
+        let (force, normal) = (run.vectors(k, grid, "force"), run.vectors(k, grid, "normal"));
+        let moved = run.vectors(k, grid, "displacement");
+        let tool = Vec3::from(["ux", "uy", "uz"].map(|c| history.column(&format!("roll.{c}"))[k - 1]));
+        for (n, x) in points.iter().enumerate() {
+            let (f, normal) = (Vec3::from(force[n]), Vec3::from(normal[n]));
+            let push = f.dot(&normal);
+            let friction = f - normal * push;
+            seen[status[n] as usize] += 1;
+            if status[n] == 0.0 {
+                assert_eq!(f, Vec3::zeros());
+                worst[0] = worst[0].max(if gap[n].is_nan() { 0.0 } else { -gap[n] });
+                continue;
+            }
+            let center = Vec3::new(0.0, 2.0, 0.0) + tool;
+            let place = Vec3::from(*x) + Vec3::from(moved[n]);
+            let arm = Vec3::new(place.x - center.x, place.y - center.y, 0.0);
+            assert!(push > 0.0 && (arm / arm.norm() - normal).norm() < 1e-12);
+            worst[1] = worst[1].max((arm.norm() - 2.0).abs());
+            if status[n] == 1.0 {
+                assert!(friction.norm() <= MU * push * (1.0 + 1e-8), "{k} {n}: {} {}", friction.norm(), MU * push);
+                continue;
+            }
+            worst[2] = worst[2].max((friction.norm() / (MU * push) - 1.0).abs());
+            // How the node went over the tool in this increment, for small turns of the normal.
+            let went = Vec3::from(moved[n]) - Vec3::from(before[n]) - (tool - tool_before);
+            let slip = went - normal * went.dot(&normal);
+            if slip.norm() > 1e-3 {
+                worst[3] = worst[3].max((friction / friction.norm() + slip / slip.norm()).norm());
+            }
+        }
+        (before, tool_before) = (moved, tool);
+    }
+    println!("gap, stick, slip: {seen:?}");
+    assert!(seen.iter().all(|&n| n > 20), "{seen:?}");
+    assert_small("penetration in the gap", worst[0], 1e-10);
+    assert_small("distance in contact", worst[1], 1e-10);
+    assert_small("slip on the cone", worst[2], 1e-8);
+    assert_small("friction against the slip", worst[3], 1e-6);
+    assert!(largest > 1.0);
+    // The way back is the way forth turned over: what drives the tool changes its sign.
+    let last = |step: &str| history.column("roll.fx")[history.steps.iter().rposition(|s| s == step).unwrap()];
+    assert!(last("forth") > 0.2 * largest && last("back") < -0.2 * largest, "{} {}", last("forth"), last("back"));
+}
+
+/// ```text
+///       T2 <- ==___           A band around a quarter of a drum slips when T2 / T1 = exp(mu theta), with the angle theta over which
+///            ( |   \\         it lies on (Euler, Eytelwein). Its tension acts in its middle, t / 2 off the drum, so that an
+///             -+-   ||        element of it turns by dT (R + t/2) = mu T R d theta: the exponent is mu theta / (1 + t / 2R).
+///              drum |v T1
+/// ```
+/// One end is held along the drum, the other drawn: the band stretches and slips all over.
+#[test]
+fn band_around_a_drum() {
+    let thickness = 0.02;
+    let bench = Bench::new(&format!(
+        r#"
+        [body.band]
+        material = "strap"
+        plane_strain = true
+        [body.band.block]
+        sector = {{ radii = [1.0, {:?}], angles = [0.0, 90.0], length = 0.05 }}
+        elements = [2, 60, 1]
+        [material.strap]
+        model = "hooke"
+        young = 1000.0
+        poisson = 0.0
+        [tool.drum]
+        cylinder = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.0 }}
+        [contact.wrap]
+        slave = "band.rmin"
+        master = "drum"
+        friction = {MU:?}
+        [[step]]
+        increments = 5
+        fix = [{{ set = "band.amin", directions = "y" }}]
+        move = [{{ target = "band.amax", by = [-0.005, 0.0, 0.0], directions = "x" }}]
+        [output]
+        every = 100
+        history = ["band.amin", "band.amax"]
+        "#,
+        1.0 + thickness
+    ));
+    let history = bench.solve(2, &[]).history();
+    println!(
+        "{:?} {:?} {:?}",
+        history.column("band.amax.fx"),
+        history.column("wrap.slip"),
+        history.column("wrap.stick")
+    );
+    let ratio = -history.last("band.amax.fx") / -history.last("band.amin.fy");
+    let exponent = MU * std::f64::consts::FRAC_PI_2 / (1.0 + 0.5 * thickness);
+    assert_close("tension", ratio, exponent.exp(), 5e-3);
+}
+
+/// A strip under a plane that presses it and then slides along it by 2.5: either the plane moves or the strip.
+fn strip_across(steps: &str) -> Run {
+    let bench = Bench::new(&format!(
+        r#"
+        [body.strip]
+        block = {{ box = {{ origin = [-10.0, 0.0, 0.0], size = [20.0, 5.0, 2.0] }}, elements = [10, 3, 1] }}
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.plate]
+        plane = {{ point = [0.0, 5.0, 0.0], normal = [0.0, -1.0, 0.0] }}
+        [contact.top]
+        slave = "strip.ymax"
+        master = "plate"
+        friction = {MU:?}
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{{ set = "strip.ymin", directions = "xy" }}, {{ set = "strip", directions = "z" }}]
+        move = [{{ target = "plate", by = [0.0, -1.0, 0.0] }}]
+        {steps}
+        [output]
+        history = ["strip.ymin", "strip.xmax"]
+        "#
+    ));
+    bench.solve(2, &[])
+}
+
+/// Slave nodes that are led along z cannot stick, and their friction does not depend on who moves.
+#[test]
+fn nodes_drawn_along_a_tool_slip() {
+    let by_strip = strip_across(
+        r#"
+        [[step]]
+        name = "slide"
+        increments = 5
+        fix = [{ set = "strip.ymin", directions = "xy" }]
+        move = [{ target = "strip", by = [0.0, 0.0, 2.5], directions = "z" }]
+        "#,
+    )
+    .history();
+    let by_plate = strip_across(
+        r#"
+        [[step]]
+        name = "slide"
+        increments = 5
+        fix = [{ set = "strip.ymin", directions = "xy" }, { set = "strip", directions = "z" }]
+        move = [{ target = "plate", by = [0.0, 0.0, -2.5] }]
+        "#,
+    )
+    .history();
+    let all = ["plate.fy", "plate.fz", "strip.ymin.fx", "strip.xmax.fx", "strip.xmax.ux", "strip.xmax.uy"];
+    for name in all {
+        let scale = if name.contains(".f") { by_plate.last("plate.fy") } else { 1.0 };
+        assert_small(name, (by_strip.last(name) - by_plate.last(name)) / scale, 1e-9);
+    }
+    let ratio = by_strip.last("plate.fz") / by_strip.last("plate.fy");
+    assert!((0.995 * MU..MU).contains(&ratio), "{ratio}");
+    assert_eq!(by_strip.last("top.slip"), 22.0);
+}
+
+/// A sphere on a block, or on a part of it with planes of symmetry.
+fn sphere_on_a_block(origin: f64, center: [f64; 2], elements: usize, fix: &str) -> Run {
+    let bench = Bench::new(&format!(
+        r#"
+        [body.block]
+        block = {{ box = {{ origin = [{origin:?}, {origin:?}, 0.0], size = [{0:?}, {0:?}, 10.0] }}, elements = [{elements}, {elements}, 5] }}
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.ball]
+        sphere = {{ center = [{1:?}, {2:?}, 30.0], radius = 20.0 }}
+        [contact.top]
+        slave = "block.zmax"
+        master = "ball"
+        friction = 0.8
+        [[step]]
+        increments = 4
+        fix = [{{ set = "block.zmin" }}, {fix}]
+        move = [{{ target = "ball", by = [0.0, 0.0, -1.0] }}]
+        "#,
+        10.0 - origin,
+        center[0],
+        center[1]
+    ));
+    bench.solve(2, &[])
+}
+
+/// Nodes on a plane of symmetry stick and slip in that plane, also where the tool leans over it.
+#[test]
+fn planes_of_symmetry() {
+    let symmetry = r#"{ set = "block.xmin", directions = "x" }, { set = "block.ymin", directions = "y" }"#;
+    let quarter = sphere_on_a_block(0.0, [0.0, 0.0], 5, symmetry).history();
+    let whole = sphere_on_a_block(-10.0, [0.0, 0.0], 10, "").history();
+    assert_close("force", 4.0 * quarter.last("ball.fz"), whole.last("ball.fz"), 1e-8);
+    let leaning = sphere_on_a_block(0.0, [1.0, 1.5], 5, symmetry).summary();
+    assert_eq!(leaning["cutbacks"], 0);
+    assert!(leaning["iterations"].as_u64().unwrap() <= 20, "{leaning}");
+}

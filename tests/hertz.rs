@@ -1,0 +1,149 @@
+//! A rigid sphere on an elastic block against Hertz.
+
+mod common;
+
+use common::{Bench, Run, assert_close, assert_small, msh};
+use std::f64::consts::PI;
+
+const YOUNG: f64 = 1000.0;
+const POISSON: f64 = 0.3;
+const RADIUS: f64 = 50.0;
+/// Sides of the quarter block; the contact radius is about 1.
+const SIDE: f64 = 10.0;
+const DEPTH: f64 = 10.0;
+
+fn modulus() -> f64 {
+    YOUNG / (1.0 - POISSON * POISSON)
+}
+
+/// ```text
+///          \  R  /           Quarter of a block on rollers on all sides but the top: one cell of a layer of depth H on a smooth
+///     ______\_o_/______      base, pressed by spheres 2 L apart. Hertz holds for a half space: d = a^2 / R and
+///    |   L       block |     F = 4/3 E* a^3 / R. Under the same load the block's middle goes down by F c more,
+///    |H                |
+///    o o o o o o o o o o       c = lim s->0  sum_k (1 / 4 L^2) g(k) exp(-k^2 s^2 / 2)  -  1 / (E* s sqrt(2 pi))
+/// ```
+/// the first term being the Fourier series of the layer under a load spread as a Gauss curve over s, the second the half
+/// space under the same. k runs over the wave vectors pi (i, j) / L of the cell; a load of wave number k sinks into a
+/// layer on a smooth base by g = 2 / (E* k) (cosh 2kH - 1) / (sinh 2kH + 2kH) (Johnson, Contact Mechanics, 5.8), a
+/// uniform one by g = H (1 + nu) (1 - 2 nu) / (E (1 - nu)), between walls. The rest is of order (a / L)^3.
+fn softness() -> f64 {
+    let spread = 0.02 * SIDE;
+    let count = (8.0 * SIDE / (PI * spread)) as i32;
+    let mut sum = DEPTH * (1.0 + POISSON) * (1.0 - 2.0 * POISSON) / (YOUNG * (1.0 - POISSON));
+    for (i, j) in (-count..=count).flat_map(|i| (-count..=count).map(move |j| (i, j))).filter(|&ij| ij != (0, 0)) {
+        let k = PI / SIDE * f64::from(i).hypot(f64::from(j));
+        let w = 2.0 * (k * DEPTH).min(100.0);
+        sum += 2.0 / (modulus() * k) * (w.cosh() - 1.0) / (w.sinh() + w) * (-0.5 * (k * spread).powi(2)).exp();
+    }
+    sum / (4.0 * SIDE * SIDE) - 1.0 / (modulus() * spread * (2.0 * PI).sqrt())
+}
+
+/// Force and contact radius at an approach: d = a^2 / R + F c.
+fn expected(approach: f64) -> (f64, f64) {
+    let force = |a: f64| 4.0 / 3.0 * modulus() * a.powi(3) / RADIUS;
+    let a = common::root(0.0, 5.0, |a| a * a / RADIUS + force(a) * softness() - approach);
+    (force(a), a)
+}
+
+const APPROACH: f64 = 0.02;
+
+fn scene(elements: usize, grading: f64, model: &str, tool: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.block]
+        material = "soft"
+        [body.block.block]
+        box = {{ origin = [0.0, 0.0, -{DEPTH:?}], size = [{SIDE:?}, {SIDE:?}, {DEPTH:?}] }}
+        elements = [{elements}, {elements}, {elements}]
+        grading = [{grading:?}, {grading:?}, {:?}]
+        [material.soft]
+        model = "{model}"
+        young = {YOUNG:?}
+        poisson = {POISSON:?}
+        [tool.ball]
+        {tool}
+        [contact.top]
+        slave = "block.zmax"
+        master = "ball"
+        [[step]]
+        increments = 1
+        fix = [
+            {{ set = "block.xmin", directions = "x" }}, {{ set = "block.xmax", directions = "x" }},
+            {{ set = "block.ymin", directions = "y" }}, {{ set = "block.ymax", directions = "y" }},
+            {{ set = "block.zmin", directions = "z" }},
+        ]
+        move = [{{ target = "ball", by = [0.0, 0.0, -{APPROACH:?}] }}]
+        [output]
+        history = ["block.zmin"]
+        "#,
+        1.0 / grading
+    ))
+}
+
+/// Elements along a side, and the size of those at the sides over those in the middle: four and a half in the contact.
+const MESH: (usize, f64) = (14, 16.0);
+
+const ANALYTIC: &str = "sphere = { center = [0.0, 0.0, 50.0], radius = 50.0 }";
+
+/// Distance from the middle and pressure of the nodes in contact along an edge of the quarter, from the middle outwards.
+fn pressures(run: &Run) -> Vec<(f64, f64)> {
+    let (points, pressure) = (run.points("contact.top"), run.scalars(run.written(), "contact.top", "pressure"));
+    let edge = points.iter().zip(pressure).filter(|(x, p)| x[1] == 0.0 && *p > 0.0);
+    let mut nodes: Vec<(f64, f64)> = edge.map(|(x, p)| (x[0], p)).collect();
+    nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    nodes
+}
+
+/// The radius at which p^2 ~ 1 - r^2 / a^2 vanishes, from a straight line in r^2; the node at the rim is left out.
+fn contact_radius(nodes: &[(f64, f64)]) -> f64 {
+    let nodes = &nodes[..nodes.len() - 1];
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| nodes.iter().map(f).sum::<f64>() / nodes.len() as f64;
+    let (x, y) = (mean(&|n| n.0 * n.0), mean(&|n| n.1 * n.1));
+    let slope = mean(&|n| (n.0 * n.0 - x) * (n.1 * n.1 - y)) / mean(&|n| (n.0 * n.0 - x).powi(2));
+    (x - y / slope).sqrt()
+}
+
+#[test]
+fn sphere_on_a_block() {
+    let (force, radius) = expected(APPROACH);
+    let half_space = 4.0 / 3.0 * modulus() * RADIUS.sqrt() * APPROACH.powf(1.5);
+    println!("a {radius}, F {force}, on a half space {half_space}");
+    for model in ["hooke", "neo-hookean"] {
+        let run = scene(MESH.0, MESH.1, model, ANALYTIC).solve(2, &[]);
+        assert_eq!(run.summary()["matrix"], "symmetric indefinite");
+        let history = run.history();
+        assert_close(&format!("{model} force"), -4.0 * history.last("ball.fz"), force, 0.01);
+        assert_small("balance", history.last("ball.fz") / history.last("block.zmin.fz") + 1.0, 1e-9);
+        let nodes = pressures(&run);
+        let rim = nodes.windows(2).last().unwrap();
+        let element = rim[1].0 - rim[0].0;
+        assert_small(&format!("{model} contact radius"), (contact_radius(&nodes) - radius) / element, 0.25);
+        assert_close(&format!("{model} pressure"), nodes[0].1, 1.5 * force / (PI * radius * radius), 0.02);
+    }
+}
+
+/// The same with the ball as 4 by 4 quadrilaterals, one of them as wide as four radii of contact. A Nagata patch over the
+/// angle b is off the sphere by at most b^4 R / 128, here 8e-4 of the approach, and the force goes with its power 3/2.
+/// With flat facets the ball would be a blunt pyramid.
+#[test]
+fn sphere_of_nagata_patches_on_a_block() {
+    let analytic = scene(10, 12.0, "hooke", ANALYTIC).solve(2, &[]);
+    let bench = scene(10, 12.0, "hooke", "mesh = \"ball.msh\"");
+    let side = 16.0f64;
+    let place = |s: f64, t: f64| {
+        let (x, y) = (side * (s - 0.5), side * (0.5 - t));
+        [x, y, RADIUS - (RADIUS * RADIUS - x * x - y * y).sqrt()]
+    };
+    bench.write("ball.msh", &msh::surface(4, place));
+    let meshed = bench.solve(2, &[]);
+    assert_eq!(meshed.summary()["matrix"], "symmetric indefinite");
+    let force = |run: &Run| run.history().last("ball.fz");
+    let off = (side / 4.0 / RADIUS).powi(4) * RADIUS / 128.0 / APPROACH;
+    assert_close("force", force(&meshed), force(&analytic), 1.5 * off);
+    let [smooth, exact] = [contact_radius(&pressures(&meshed)), contact_radius(&pressures(&analytic))];
+    assert_close("contact radius", smooth, exact, 0.01);
+    let facets = bench.solve(2, &["--set", "tool.ball.smoothing=facet"]);
+    println!("facets: {}", force(&facets) / force(&analytic));
+    assert!((force(&facets) / force(&analytic) - 1.0).abs() > 0.1);
+}

@@ -1,0 +1,269 @@
+//! Wrong input: each mistake is refused on all ranks with exit code 2, and told once, with its place and what to do.
+
+mod common;
+
+use common::{Bench, Run, deck, nagata};
+use std::fs;
+
+const SCENE: &str = r#"[body.slab]
+material = "rubber"
+mesh = "slab.inp"
+
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+
+[tool.plate]
+plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }
+
+[contact.top]
+slave = "slab.top"
+master = "plate"
+friction = 0.2
+
+[[step]]
+name = "press"
+increments = 1
+fix = [{ set = "slab.bottom" }]
+move = [{ target = "plate", by = [0.0, 0.0, -0.1] }]
+"#;
+
+/// A folder with the scene, one piece of it replaced, and its mesh of two cubes along x.
+fn bench(old: &str, new: &str) -> Bench {
+    assert_eq!(SCENE.matches(old).count(), 1, "{old}");
+    let bench = Bench::new(&SCENE.replacen(old, new, 1));
+    bench.write("slab.inp", &deck([2, 1, 1]));
+    bench
+}
+
+/// The message of a refusal, without the path of the folder. It is all that is said, is said once, and leaves no results.
+#[track_caller]
+fn message(bench: &Bench, run: &Run) -> String {
+    let folder = format!("{}/", bench.path("").display().to_string().trim_end_matches('/'));
+    let text = run.stderr.replace(&folder, "");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{text}");
+    assert_eq!(text.matches("error:").count(), 1, "{text}");
+    assert!(!text.contains("panicked") && !run.out.exists(), "{text}");
+    text
+}
+
+/// Runs on two ranks; the message must begin with `place` and hold each of `words` once.
+#[track_caller]
+fn refuses(bench: &Bench, arguments: &[&str], place: &str, words: &[&str]) {
+    let text = message(bench, &bench.run(2, arguments));
+    assert!(text.starts_with(&format!("error: {place}")), "{text}");
+    for word in words {
+        assert_eq!(text.matches(word).count(), 1, "{word}\n{text}");
+    }
+}
+
+/// As [`refuses`], for the scene with one piece replaced.
+#[track_caller]
+fn refuses_scene(old: &str, new: &str, place: &str, words: &[&str]) {
+    refuses(&bench(old, new), &[], place, words);
+}
+
+/// As [`refuses`], for a mesh file of that name and contents.
+#[track_caller]
+fn refuses_mesh(name: &str, contents: impl AsRef<[u8]>, place: &str, words: &[&str]) {
+    let bench = bench("slab.inp", name);
+    fs::write(bench.path(name), contents).unwrap();
+    refuses(&bench, &[], place, words);
+}
+
+#[test]
+fn the_scene_is_right_but_for_its_mistakes() {
+    bench("0.2", "0.2").solve(2, &["--quiet"]);
+}
+
+#[test]
+fn a_scene_file_that_is_missing() {
+    let bench = bench("0.2", "0.2");
+    fs::rename(bench.path("scene.toml"), bench.path("other.toml")).unwrap();
+    refuses(&bench, &[], "cannot read the scene scene.toml: No such file", &["help: give the path of a TOML file"]);
+}
+
+#[test]
+fn a_scene_that_is_not_toml() {
+    refuses_scene("young = 100.0", "young = = 1", "scene.toml:7:9: this is not TOML", &["| young = = 1"]);
+}
+
+#[test]
+fn a_misspelt_key() {
+    let words = ["unknown key `materail` in body.slab", "| materail = \"rubber\"", "did you mean `material`?"];
+    refuses_scene("material = ", "materail = ", "scene.toml:2:1: ", &words);
+}
+
+#[test]
+fn a_value_of_the_wrong_type() {
+    let words = ["must be a number, not a string", "| young = \"soft\"", "for example `young = 1.0`"];
+    refuses_scene("100.0", "\"soft\"", "scene.toml:7:9: material.rubber.young ", &words);
+}
+
+#[test]
+fn a_group_that_the_mesh_does_not_have() {
+    let words = ["body `slab` has no group `botom`", "did you mean `bottom`? (known: bottom, edge, top)"];
+    refuses_scene("slab.bottom", "slab.botom", "scene.toml:21:16: ", &words);
+}
+
+#[test]
+fn a_body_without_material() {
+    let words = ["body.slab has no `material`", "| [body.slab]", "add `material = \"NAME\"` (known: rubber)"];
+    refuses_scene("material = \"rubber\"\n", "", "scene.toml:1:1: ", &words);
+}
+
+#[test]
+fn friction_below_zero() {
+    let words = ["must be 0 or more, not -0.2", "| friction = -0.2", "Coulomb"];
+    refuses_scene("friction = 0.2", "friction = -0.2", "scene.toml:16:12: contact.top.friction ", &words);
+}
+
+#[test]
+fn an_incompressible_material() {
+    let words = ["must be above -1 and below 0.5, not 0.5", "hex8-fbar"];
+    refuses_scene("poisson = 0.3", "poisson = 0.5", "scene.toml:8:11: material.rubber.poisson ", &words);
+}
+
+#[test]
+fn a_step_without_increments() {
+    let words = ["step.press has no increments", "add `increments = 20`"];
+    refuses_scene("increments = 1\n", "", "scene.toml:18:1: ", &words);
+}
+
+#[test]
+fn a_mesh_that_is_missing_or_no_mesh() {
+    let words = ["cannot read the mesh 'slob.inp'", "No such file", "did you mean 'slab.inp'?"];
+    refuses_scene("slab.inp", "slob.inp", "scene.toml:3:8: ", &words);
+    let junk: Vec<u8> = (0..3000u32).map(|k| (k * k % 251) as u8 | 0x80).collect();
+    refuses_mesh("junk.msh", &junk, "junk.msh:1:1: expected a section such as $Nodes", &[]);
+    refuses_mesh("junk.inp", &junk, "junk.inp:1:1: expected a keyword such as *NODE", &[]);
+    let words = ["'junk.stl' is neither a Gmsh nor an Abaqus file", "(.msh)", "(.inp)"];
+    refuses_mesh("junk.stl", &junk, "scene.toml:3:8: ", &words);
+}
+
+#[test]
+fn a_mesh_that_is_cut_off() {
+    let whole = deck([2, 1, 1]);
+    let words = ["names node 12, which does not exist"];
+    refuses_mesh("cut.inp", whole.replace("12, 2.0, 1.0, 1.0\n", ""), "cut.inp", &words);
+    let msh = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0";
+    refuses_mesh("cut.msh", msh, "cut.msh:7:", &["2 1 0"]);
+}
+
+#[test]
+fn an_element_that_is_inside_out() {
+    let turned = deck([2, 1, 1]).replace("102, 2, 3, 6, 5, 8, 9, 12, 11", "102, 2, 5, 6, 3, 8, 11, 12, 9");
+    let words = ["element 102 is inside out", "turn the order of the nodes over"];
+    refuses_mesh("turned.inp", turned, "turned.inp: ", &words);
+}
+
+#[test]
+fn an_element_that_is_inverted_at_a_corner() {
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 0.2 0.2 1\n8 0 1 1";
+    let text = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n{nodes}\n$EndNodes\n\
+         $Elements\n1\n17 5 2 1 1 1 2 3 4 5 6 7 8\n$EndElements\n"
+    );
+    let words = ["element 17 is inverted", "Jacobian determinant is negative"];
+    refuses_mesh("bent.msh", text, "bent.msh: ", &words);
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_written() {
+    let bench = bench("0.2", "0.2");
+    bench.write("file", "");
+    let scene = bench.path("scene.toml").display().to_string();
+    for out in [bench.path("file/below"), "/proc/nagata".into()] {
+        let arguments = ["run", &scene, "--out", out.to_str().unwrap()];
+        let text = message(&bench, &nagata(&bench.path(""), 2, &arguments, out.clone()));
+        assert!(text.starts_with("error: cannot write to output folder "), "{text}");
+        assert!(text.contains("file/below: Not a directory") || text.contains("/proc/nagata: No such file"), "{text}");
+        assert!(text.ends_with("help: choose another folder with --out DIR\n"), "{text}");
+    }
+}
+
+#[test]
+fn overrides_that_mean_nothing() {
+    let bench = bench("0.2", "0.2");
+    refuses(&bench, &["--set", "friction"], "--set friction: the override has no `=`", &["write `--set key=value`"]);
+    let unknown = "contact.top.frction=0.1";
+    refuses(&bench, &["--set", unknown], &format!("--set {unknown}: "), &["did you mean `friction`?"]);
+    let wrong = "material.rubber.young=-1";
+    refuses(&bench, &["--set", wrong], &format!("--set {wrong}: "), &["must be above 0, not -1.0"]);
+}
+
+#[test]
+fn conditions_that_contradict_each_other_in_a_later_step() {
+    let second = "\n[[step]]\nname = \"shear\"\nincrements = 1\nfix = [{ set = \"slab.bottom\" }]\n\
+                  move = [{ target = \"slab.edge\", by = [0.1, 0.0, 0.0] }]\n";
+    let scene = format!("{SCENE}{second}");
+    let bench = Bench::new(&scene);
+    bench.write("slab.inp", &deck([2, 1, 1]));
+    let words =
+        ["of `slab.edge` is already moved otherwise along x", "| move = [{ target = \"slab.edge\"", "directions"];
+    refuses(&bench, &[], "scene.toml:28:20: node ", &words);
+}
+
+#[test]
+fn words_after_the_dashes_that_are_no_petsc_options() {
+    let bench = bench("0.2", "0.2");
+    let words = ["found `snes_monitor`", "help: options after `--` go to PETSc"];
+    refuses(&bench, &["--", "snes_monitor"], "PETSc option expected", &words);
+    let words = ["/no/such/file", "No such file or directory"];
+    refuses(&bench, &["--", "-options_file", "/no/such/file"], "PETSc option -options_file", &words);
+}
+
+#[test]
+fn flags_that_do_not_exist() {
+    let bench = bench("0.2", "0.2");
+    refuses(&bench, &["--quit"], "unexpected argument '--quit'", &["'--quiet'", "Usage: nagata run"]);
+    refuses(&bench, &["--steps", "0"], "invalid value '0' for '--steps <N>'", &[]);
+    let text = message(&bench, &nagata(&bench.path(""), 2, &["solve"], bench.path("out")));
+    assert!(text.contains("unrecognized subcommand 'solve'"), "{text}");
+}
+
+#[test]
+fn an_element_kind_that_does_not_fit_the_mesh() {
+    let words = ["the mesh of body `slab` has hexahedra", "leave `element` out"];
+    refuses_scene("mesh = ", "element = \"tet4\"\nmesh = ", "scene.toml:3:11: ", &words);
+}
+
+#[test]
+fn a_slave_group_without_faces() {
+    let words = ["`slab.edge` has no faces", "name a group of faces"];
+    refuses_scene("slab.top", "slab.edge", "scene.toml:14:9: ", &words);
+}
+
+#[test]
+fn plane_strain_with_two_layers() {
+    let strain = |source: &str| bench("mesh = \"slab.inp\"", &format!("{source}\nplane_strain = true"));
+    let of_file = strain("mesh = \"slab.inp\"");
+    of_file.write("slab.inp", &deck([2, 1, 2]));
+    let words = ["needs one layer of hexahedra along z: node 7 has others both above and below it", "or fix u_z"];
+    refuses(&of_file, &[], "scene.toml:4:16: ", &words);
+    let of_block = strain("block = { box = { size = [2, 1, 2] }, elements = [2, 1, 2] }");
+    refuses(
+        &of_block,
+        &[],
+        "scene.toml:4:16: ",
+        &["has 2 layers of elements along z", "make the third of `elements` 1"],
+    );
+}
+
+#[test]
+fn plane_strain_that_moves_along_z() {
+    let target = "move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]";
+    let bench = bench(target, "move = [{ target = \"slab.top\", by = [0.0, 0.0, -0.1] }]");
+    let plane = fs::read_to_string(bench.path("scene.toml")).unwrap();
+    bench.write("scene.toml", &plane.replacen("material", "plane_strain = true\nmaterial", 1));
+    refuses(&bench, &[], "scene.toml:23:20: ", &["body `slab` is in plane strain", "take `plane_strain` out"]);
+}
+
+#[test]
+fn check_refuses_what_run_refuses() {
+    let bench = bench("slab.bottom", "slab.botom");
+    let scene = bench.path("scene.toml").display().to_string();
+    let text = message(&bench, &nagata(&bench.path(""), 2, &["check", &scene], bench.path("out")));
+    assert!(text.starts_with("error: scene.toml:21:16: body `slab` has no group `botom`"), "{text}");
+}

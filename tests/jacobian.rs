@@ -1,0 +1,124 @@
+//! The assembled Jacobian of the whole system against differences of the residual, by PETSc's `-snes_test_jacobian`, at
+//! every Newton iteration: elements, follower loads, contact in gap, stick and slip, force-driven tools.
+//!
+//! The differences are one-sided: they are good to about 1e-7.
+
+mod common;
+
+use common::Bench;
+
+/// A 3x3x2 block of soft material, its bottom held, its top the slave of `tool`.
+fn scene(element: &str, model: &str, tool: &str, contact: &str, steps: &str) -> String {
+    format!(
+        r#"
+title = "block under a tool"
+[body.block]
+block = {{ box = {{ origin = [-3, -3, -4], size = [6, 6, 4] }}, elements = [3, 3, 2], faces = {{ bottom = "zmin", top = "zmax" }} }}
+material = "soft"
+element = "{element}"
+[material.soft]
+model = "{model}"
+young = 100
+poisson = 0.3
+[tool.punch]
+{tool}
+[contact.top]
+slave = "block.top"
+master = "punch"
+{contact}
+{steps}
+"#
+    )
+}
+
+const SPHERE: &str = "sphere = { center = [0.1, 0.2, 6.0], radius = 6.0 }";
+const PRESS_AND_SLIDE: &str = r#"
+[[step]]
+increments = 2
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0, 0, -0.4] }]
+[[step]]
+increments = 3
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0.3, 0.1, 0] }]
+"#;
+
+/// Runs with PETSc's test and returns the number of Jacobians tested; fails when one is wrong.
+fn check(scene: &str, ranks: usize) -> usize {
+    let run = Bench::new(scene).solve(ranks, &["--", "-snes_test_jacobian"]);
+    let errors: Vec<f64> = run
+        .stdout
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("||J - Jfd||_F/||J||_F = ")?.split(',').next()?.parse().ok())
+        .collect();
+    assert!(!errors.is_empty(), "nothing was tested:\n{}", run.stdout);
+    for error in &errors {
+        assert!(*error < 2e-7, "{errors:?}\n{}", run.stdout);
+    }
+    errors.len()
+}
+
+#[test]
+fn stick_slip_and_gap_on_a_sphere() {
+    for friction in ["friction = 0.02", "friction = 0.3", "friction = 2.0"] {
+        assert!(check(&scene("hex8", "neo-hookean", SPHERE, friction, PRESS_AND_SLIDE), 2) > 8);
+    }
+}
+
+#[test]
+fn frictionless() {
+    check(&scene("hex8", "hooke", SPHERE, "", PRESS_AND_SLIDE), 2);
+}
+
+#[test]
+fn f_bar() {
+    check(&scene("hex8-fbar", "neo-hookean", SPHERE, "friction = 0.2", PRESS_AND_SLIDE), 1);
+}
+
+#[test]
+fn nagata_patches() {
+    let strip =
+        |across: &str| format!("mesh = \"{}/inputs/ironing-indenter.msh\"\n{across}", env!("CARGO_MANIFEST_DIR"));
+    // The profile lies in the x-y plane with its bottom at y = 0: the block's top is its upper y face here.
+    let scene = scene("hex8", "neo-hookean", &strip("smoothing = \"nagata\""), "friction = 0.2", "")
+        .replace("origin = [-3, -3, -4], size = [6, 6, 4]", "origin = [0, -8, 0], size = [16, 8, 1]")
+        .replace("elements = [3, 3, 2]", "elements = [6, 2, 1]")
+        .replace("bottom = \"zmin\", top = \"zmax\"", "bottom = \"ymin\", top = \"ymax\"")
+        .replace("material = \"soft\"", "material = \"soft\"\nplane_strain = true");
+    let steps = r#"
+[[step]]
+increments = 3
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0, -1.2, 0] }]
+[[step]]
+increments = 2
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [-0.5, 0, 0], rotate = { point = [25, 40, 0], axis = [0, 0, 1], angle = 0.2 } }]
+"#;
+    assert!(check(&(scene + steps), 2) > 8);
+}
+
+#[test]
+fn force_driven_tool_and_follower_pressure() {
+    let press = r#"
+[[step]]
+increments = 1
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0, 0, -0.3] }]
+[[step]]
+increments = 3
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0.1, 0, 0] }] # at rest a slipping node would stand on the edge of its cone: no derivative
+force = [{ target = "punch", total = [0, 0, -60.0], directions = "z" }]
+pressure = [{ set = "block.xmin", value = 3.0 }]
+"#;
+    let drag = r#"
+[[step]]
+increments = 2
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0.3, 0, 0] }]
+force = [{ target = "punch", total = [0, -2.0, -60.0], directions = "yz" }]
+"#;
+    check(&scene("hex8", "neo-hookean", SPHERE, "friction = 0.2", &format!("{press}{drag}")), 2);
+    check(&scene("hex8", "neo-hookean", SPHERE, "", press), 2);
+}

@@ -1,0 +1,408 @@
+//! Tools that turn, are driven by force, come, go and are fast.
+
+mod common;
+
+use common::{Bench, History, Run, assert_close, assert_small, msh};
+use nagata::Vec3;
+
+/// Largest force of a tool.
+fn scale(history: &History, tool: &str) -> f64 {
+    let of = |c: &str| history.column(&format!("{tool}.{c}")).iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    of("fx").max(of("fy")).max(of("fz"))
+}
+
+/// Largest difference of forces and displacements between a row of one history and one of another.
+fn difference(a: &History, i: usize, b: &History, j: usize, sets: &[&str]) -> f64 {
+    let mut worst = 0.0f64;
+    for set in sets {
+        let force = scale(b, sets[0]);
+        for (component, scale) in [("fx", force), ("fy", force), ("fz", force), ("ux", 1.0), ("uy", 1.0), ("uz", 1.0)] {
+            let name = format!("{set}.{component}");
+            worst = worst.max((a.column(&name)[i] - b.column(&name)[j]).abs() / scale);
+        }
+    }
+    worst
+}
+
+/// A slab in plane strain, 8 x 2, with its top at y = 0 and its bottom held.
+fn slab(tool: &str, friction: f64, contact: &str, steps: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.slab]
+        block = {{ box = {{ origin = [-4.0, -2.0, 0.0], size = [8.0, 2.0, 0.5] }}, elements = [24, 5, 1] }}
+        material = "soft"
+        plane_strain = true
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.roll]
+        {tool}
+        [contact.top]
+        slave = "slab.ymax"
+        master = "roll"
+        friction = {friction:?}
+        {contact}
+        {steps}
+        [output]
+        history = ["slab.ymin", "slab.xmax"]
+        "#
+    ))
+}
+
+fn step(name: &str, increments: usize, conditions: &str) -> String {
+    format!("[[step]]\nname = \"{name}\"\nincrements = {increments}\nfix = [{{ set = \"slab.ymin\" }}]\n{conditions}\n")
+}
+
+const ROLL: &str = "cylinder = { point = [0.0, 1.5, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.5 }";
+
+fn roll_by(x: f64, y: f64) -> String {
+    format!("move = [{{ target = \"roll\", by = [{x:?}, {y:?}, 0.0] }}]")
+}
+
+/// ```text
+///        ( <-' )          A pressed roll turns about its own axis, which stays. Once all nodes slip, its torque is mu R times
+///     ___/   \___         the sum of the normal forces, and it drags the slab along x.
+/// ```
+#[test]
+fn roll_that_turns_about_its_axis() {
+    let mu = 0.3;
+    let turn =
+        "move = [{ target = \"roll\", rotate = { point = [0.0, 1.3, 0.0], axis = [0.0, 0.0, 1.0], angle = 30.0 } }]";
+    let steps = step("press", 4, &roll_by(0.0, -0.2)) + &step("turn", 12, turn);
+    let run = slab(ROLL, mu, "", &steps).solve(2, &[]);
+    let history = run.history();
+    let last = run.written();
+    let (points, moved) = (run.points("contact.top"), run.vectors(last, "contact.top", "displacement"));
+    let (force, status) = (run.vectors(last, "contact.top", "force"), run.scalars(last, "contact.top", "status"));
+    let (mut torque, mut normal) = (0.0, 0.0);
+    for n in 0..points.len() {
+        let x = Vec3::from(points[n]) + Vec3::from(moved[n]);
+        let arm = Vec3::new(x.x, x.y - 1.3, 0.0);
+        let f = Vec3::from(force[n]);
+        torque += arm.cross(&f).z;
+        normal += f.dot(&arm.normalize());
+        assert!(status[n] != 1.0 && (status[n] == 0.0 || (arm.norm() - 1.5).abs() < 1e-10));
+    }
+    assert_close("torque", torque, mu * 1.5 * normal, 1e-8);
+    let (drag, push) = (history.last("roll.fx"), -history.last("roll.fy"));
+    println!("drag over push {}", drag / push);
+    assert!(drag > 0.9 * mu * push, "{drag} {push}");
+    assert_small("balance", (drag + history.last("slab.ymin.fx")) / push, 1e-9);
+    let before = history.steps.iter().rposition(|s| s == "press").unwrap();
+    assert_small("no drag before", history.column("roll.fx")[before] / push, 1e-9);
+}
+
+/// A bowl of Nagata patches and a plane are tilted and turned about a slanted axis and back: without friction everything is
+/// as before.
+#[test]
+fn turning_there_and_back() {
+    let bowl = |s: f64, t: f64| {
+        let (x, y) = (6.0 * s - 1.5, 4.5 - 6.0 * t);
+        [x, y, 1.0 + 0.1 * ((x - 1.2).powi(2) + 0.5 * (y - 1.1).powi(2))]
+    };
+    for tool in ["mesh = \"bowl.msh\"", "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }"] {
+        let turn = |angle: f64| {
+            format!(
+                r#"
+                [[step]]
+                increments = 3
+                fix = [{{ set = "block.zmin" }}]
+                move = [{{
+                    target = "tool",
+                    rotate = {{ point = [1.5, 1.5, 0.9], axis = [0.3, 1.0, 0.7], angle = {angle:?} }},
+                }}]
+                "#
+            )
+        };
+        let bench = Bench::new(&format!(
+            r#"
+            [body.block]
+            block = {{ box = {{ size = [3.0, 3.0, 1.0] }}, elements = [6, 6, 2] }}
+            material = "soft"
+            [material.soft]
+            model = "neo-hookean"
+            young = 10.0
+            poisson = 0.3
+            [tool.tool]
+            {tool}
+            [contact.top]
+            slave = "block.zmax"
+            master = "tool"
+            [[step]]
+            increments = 2
+            fix = [{{ set = "block.zmin" }}]
+            move = [{{ target = "tool", by = [0.0, 0.0, -0.2] }}]
+            {}
+            {}
+            [output]
+            every = 100
+            history = ["block.zmin", "block.xmax", "block.zmax"]
+            "#,
+            turn(6.0),
+            turn(-6.0)
+        ));
+        bench.write("bowl.msh", &msh::surface(5, bowl));
+        let history = bench.solve(2, &[]).history();
+        let sets = ["tool", "block.zmin", "block.xmax", "block.zmax"];
+        let moved = difference(&history, 4, &history, 1, &sets);
+        assert!(moved > 0.05, "{moved}");
+        assert_small(tool, difference(&history, 7, &history, 1, &sets), 1e-8);
+    }
+}
+
+/// A roll that is pushed by a force, not moved by a displacement, bears just this force, and stands where the displacement
+/// would have had to bring it.
+#[test]
+fn driven_by_force() {
+    let push = |y: f64| format!("force = [{{ target = \"roll\", total = [0.0, {y:?}, 0.0], directions = \"y\" }}]");
+    let steps = step("press", 4, &push(-12.0)) + &step("lift", 2, &push(-6.0));
+    let driven = slab(ROLL, 0.0, "", &steps).solve(2, &[]);
+    assert_eq!(driven.summary()["matrix"], "symmetric indefinite");
+    let driven = driven.history();
+    for (k, force) in [-3.0, -6.0, -9.0, -12.0, -9.0, -6.0].into_iter().enumerate() {
+        assert_close("force", driven.column("roll.fy")[k], force, 1e-8);
+        assert_small("no other", driven.column("roll.fx")[k], 1e-8);
+    }
+    let depth = driven.column("roll.uy");
+    println!("depths {depth:?}");
+    let steps = step("press", 4, &roll_by(0.0, depth[3])) + &step("lift", 2, &roll_by(0.0, depth[5] - depth[3]));
+    let moved = slab(ROLL, 0.0, "", &steps).solve(2, &[]).history();
+    for k in [3, 5] {
+        assert_small("as when moved", difference(&driven, k, &moved, k, &["roll", "slab.ymin", "slab.xmax"]), 1e-8);
+    }
+}
+
+/// A force closes the gap first, whatever its size.
+#[test]
+fn driven_by_force_from_a_distance() {
+    let steps = step("press", 2, "force = [{ target = \"roll\", total = [0.0, -4.0, 0.0], directions = \"y\" }]");
+    let near = slab(ROLL, 0.0, "", &steps).solve(1, &[]).history();
+    for gap in [0.05, 3.0] {
+        let far = ROLL.replace("1.5, 0.0]", &format!("{:?}, 0.0]", 1.5 + gap));
+        let far = slab(&far, 0.0, "", &steps).solve(2, &[]).history();
+        assert_close("way", near.last("roll.uy") - far.last("roll.uy"), gap, 1e-8);
+        assert_close("support", far.last("slab.ymin.fy"), near.last("slab.ymin.fy"), 1e-9);
+    }
+}
+
+/// A roll that was pressed by a displacement and is then driven by force begins with the force that it has.
+#[test]
+fn a_force_takes_over() {
+    let push = "force = [{ target = \"roll\", total = [0.0, -6.0, 0.0], directions = \"y\" }]";
+    let steps = step("press", 2, &roll_by(0.0, -0.3)) + &step("ease", 3, push);
+    let history = slab(ROLL, 0.3, "", &steps).solve(2, &[]).history();
+    let force = history.column("roll.fy");
+    assert!(force[1] < -8.0, "{force:?}");
+    for k in 1..=3 {
+        assert_close("force", force[1 + k], force[1] + (-6.0 - force[1]) * k as f64 / 3.0, 1e-9);
+    }
+}
+
+/// A plate that sticks to a block is pushed askew by a force along all axes; and one that slips along x by its own
+/// displacement carries a force along y.
+#[test]
+fn driven_by_force_with_friction() {
+    let bench = Bench::new(
+        r#"
+        [body.block]
+        block = { box = { size = [2.0, 2.0, 1.0] }, elements = [4, 4, 2] }
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 10.0
+        poisson = 0.3
+        [tool.plate]
+        plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }
+        [contact.top]
+        slave = "block.zmax"
+        master = "plate"
+        friction = 0.3
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{ set = "block.zmin" }]
+        force = [{ target = "plate", total = [0.5, -0.3, -4.0], directions = "xyz" }]
+        [[step]]
+        name = "drag"
+        increments = 6
+        fix = [{ set = "block.zmin" }]
+        move = [{ target = "plate", by = [1.5, 0.0, 0.0] }]
+        force = [{ target = "plate", total = [0.0, 0.0, -4.0], directions = "z" }]
+        [output]
+        every = 100
+        history = ["block.zmin"]
+        "#,
+    );
+    let history = bench.solve(2, &[]).history();
+    for (component, force) in [("fx", 0.5), ("fy", -0.3), ("fz", -4.0)] {
+        assert_close(component, history.column(&format!("plate.{component}"))[1], force, 1e-8);
+        assert_close(component, history.column(&format!("block.zmin.{component}"))[1], -force, 1e-8);
+    }
+    assert_close("drag", history.last("plate.fx"), 1.2, 1e-6);
+    assert_close("push", history.last("plate.fz"), -4.0, 1e-8);
+}
+
+/// The penalty is on the way only, not in the result.
+#[test]
+fn penalties() {
+    let steps = step("press", 4, &roll_by(0.0, -0.3)) + &step("slide", 4, &roll_by(0.6, -0.05));
+    let bench = |penalty: &str, friction: f64| slab(ROLL, friction, penalty, &steps).solve(2, &[]).history();
+    // The automatic one is a fifth of the stiffness of a node, which is about E times the thickness of the slab.
+    for (friction, penalties) in [(0.0, &[1.0, 10.0, 100.0][..]), (0.3, &[3.0, 10.0, 30.0])] {
+        let auto = bench("", friction);
+        for penalty in penalties {
+            let other = bench(&format!("penalty = {penalty:?}"), friction);
+            assert_eq!(auto.len(), other.len());
+            let worst = (0..auto.len())
+                .map(|k| difference(&other, k, &auto, k, &["roll", "slab.ymin", "slab.xmax"]))
+                .fold(0.0, f64::max);
+            assert_small(&format!("friction {friction}, penalty {penalty}"), worst, 1e-8);
+        }
+    }
+}
+
+/// A roll comes from afar, presses as one does that began at the surface, and goes again: then nothing is left.
+#[test]
+fn comes_and_goes() {
+    let away = "cylinder = { point = [0.0, 5.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.5 }";
+    for friction in [0.0, 0.3] {
+        let steps = step("come", 7, &roll_by(0.0, -3.5))
+            + &step("press", 2, &roll_by(0.0, -0.2))
+            + &step("go", 3, &roll_by(0.0, 1.5));
+        let history = slab(away, friction, "", &steps).solve(2, &[]).history();
+        let near = slab(ROLL, friction, "", &step("press", 2, &roll_by(0.0, -0.2))).solve(2, &[]).history();
+        assert!((0..6).all(|k| history.column("roll.fy")[k] == 0.0 && history.column("top.active")[k] == 0.0));
+        assert_small("pressed", difference(&history, 8, &near, 1, &["slab.ymin", "slab.xmax"]), 1e-8);
+        assert_close("force", history.column("roll.fy")[8], near.last("roll.fy"), 1e-8);
+        let scale = scale(&history, "roll");
+        for set in ["roll", "slab.ymin", "slab.xmax"] {
+            let force = ["fx", "fy", "fz"].map(|c| history.last(&format!("{set}.{c}")).abs()).iter().sum::<f64>();
+            assert_small(&format!("force on {set} when gone"), force / scale, 1e-9);
+        }
+        let rest = ["ux", "uy"].map(|c| history.last(&format!("slab.xmax.{c}")).abs()).iter().sum::<f64>();
+        assert_small("displacement when gone", rest, 1e-10);
+    }
+}
+
+/// Least distance of the slab's top from the surface of the roll, whose axis began at (-1, 9); negative inside.
+fn least_gap(run: &Run) -> f64 {
+    let (history, last) = (run.history(), run.written());
+    let center = [history.last("roll.ux") - 1.0, history.last("roll.uy") + 9.0];
+    let (points, moved) = (run.points("body.slab"), run.vectors(last, "body.slab", "displacement"));
+    let top = points.iter().zip(moved).filter(|(x, _)| x[1] == 0.0);
+    top.map(|(x, u)| (x[0] + u[0] - center[0]).hypot(x[1] + u[1] - center[1]) - 1.5).fold(f64::INFINITY, f64::min)
+}
+
+/// A roll that comes from seven times the reach in a single increment, and goes on by several elements in another, is not
+/// overlooked: without friction the slab is as if it had been slow. The same with a tool of many small patches, of which
+/// several go by in an increment.
+#[test]
+fn fast_tools_are_seen() {
+    let analytic = "cylinder = { point = [-1.0, 9.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.5 }";
+    // A quarter of the cylinder, with normals down; patches over the angle b are off by b^4 R / 128.
+    let arc = |s: f64, t: f64| {
+        let (sin, cos) = (std::f64::consts::FRAC_PI_2 * (s - 0.5)).sin_cos();
+        [1.5 * sin - 1.0, 9.0 - 1.5 * cos, t - 0.25]
+    };
+    for (tool, tolerance) in [(analytic, 1e-12), ("mesh = \"arc.msh\"", 1e-6)] {
+        let run = |come: usize, slide: usize| {
+            let steps = step("come", come, &roll_by(0.0, -7.7)) + &step("slide", slide, &roll_by(2.0, 0.0));
+            let bench = slab(tool, 0.0, "", &steps);
+            bench.write("arc.msh", &msh::surface(16, arc));
+            let run = bench.solve(2, &[]);
+            assert_small("inside the roll", least_gap(&run).min(0.0), tolerance);
+            assert_small("penetration", run.history().last("top.max_penetration").max(0.0), 1e-10);
+            run.history()
+        };
+        let (fast, slow) = (run(1, 1), run(77, 20));
+        let at = |history: &History, step: &str| history.steps.iter().rposition(|s| s == step).unwrap();
+        for step in ["come", "slide"] {
+            let sets = ["roll", "slab.ymin", "slab.xmax"];
+            let error = difference(&fast, at(&fast, step), &slow, at(&slow, step), &sets);
+            assert_small(&format!("{step}, fast and slow"), error, 1e-8);
+        }
+        assert!(scale(&slow, "roll") > 1.0);
+    }
+}
+
+/// Two bodies far apart under one plate of 12 x 12 facets: each contact sees its own part of the plate.
+#[test]
+fn two_contacts_of_one_tool() {
+    let bench = Bench::new(
+        r#"
+        [body.a]
+        material = "soft"
+        block = { box = { origin = [-9.0, -9.0, -5.0], size = [4.0, 4.0, 5.0] }, elements = [2, 2, 3] }
+        [body.b]
+        material = "soft"
+        block = { box = { origin = [5.0, 5.0, -5.0], size = [4.0, 4.0, 5.0] }, elements = [2, 2, 3] }
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.plate]
+        mesh = "plate.msh"
+        [contact.on_a]
+        slave = "a.zmax"
+        master = "plate"
+        [contact.on_b]
+        slave = "b.zmax"
+        master = "plate"
+        [[step]]
+        increments = 3
+        fix = [{ set = "a.zmin" }, { set = "b.zmin" }]
+        move = [{ target = "plate", by = [0.0, 0.0, -0.5] }]
+        [output]
+        history = ["a.zmin", "b.zmin"]
+        "#,
+    );
+    bench.write("plate.msh", &msh::surface(12, |s, t| [24.0 * t - 12.0, 24.0 * s - 12.0, 0.1]));
+    for ranks in [1, 2] {
+        let history = bench.solve(ranks, &[]).history();
+        let (a, b) = (history.last("a.zmin.fz"), history.last("b.zmin.fz"));
+        assert!(a > 100.0 && history.last("on_a.active") == 9.0);
+        assert_close("the same force on both", a, b, 1e-9);
+        assert_close("balance", -history.last("plate.fz"), a + b, 1e-9);
+    }
+}
+
+/// The solid of a bore is around it: a roll that is hollow by mistake has the slab inside.
+#[test]
+fn a_slab_inside_its_tool_is_told() {
+    let bore = ROLL.replace(" }", ", hollow = true }");
+    let run = slab(&bore, 0.0, "", &step("press", 1, &roll_by(0.0, -0.01))).run(2, &[]);
+    assert!(run.log().contains("nodes start inside the tool `roll`, up to "), "{}", run.log());
+    let run = slab(ROLL, 0.0, "", &step("press", 1, &roll_by(0.0, -0.01))).run(2, &[]);
+    assert!(!run.log().contains("warning"), "{}", run.log());
+}
+
+/// Six of the 36 nodes under a plate are held along its normal: they cannot give way to it, and the others carry it.
+#[test]
+fn nodes_held_against_a_tool() {
+    for friction in [0.0, 0.3] {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.block]
+            block = {{ box = {{ size = [20.0, 20.0, 8.0] }}, elements = [5, 5, 4] }}
+            material = "soft"
+            [material.soft]
+            model = "neo-hookean"
+            young = 100.0
+            poisson = 0.3
+            [tool.plate]
+            plane = {{ point = [0.0, 0.0, 8.0], normal = [0.0, 0.0, -1.0] }}
+            [contact.top]
+            slave = "block.zmax"
+            master = "plate"
+            friction = {friction:?}
+            [[step]]
+            increments = 2
+            fix = [{{ set = "block.zmin" }}, {{ set = "block.xmin", directions = "xz" }}]
+            move = [{{ target = "plate", by = [0.0, 0.0, -0.2] }}]
+            "#
+        ));
+        let history = bench.solve(2, &[]).history();
+        assert_eq!(history.last("top.active"), 30.0);
+    }
+}
