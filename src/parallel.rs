@@ -15,22 +15,29 @@ use serde_json::{Value, json};
 /// Collective; one allreduce when nothing failed. The values of the ranks that succeeded are dropped when another failed:
 /// `T` must not be a thing whose drop is collective, unless it was made collectively and so failed on all ranks or none.
 pub fn agree<T>(comm: &impl Communicator, result: Result<T>) -> Result<T> {
-    let failing = if result.is_err() { comm.rank() } else { comm.size() };
-    let mut lowest = failing;
-    comm.all_reduce_into(&failing, &mut lowest, SystemOperation::min());
-    if lowest == comm.size() {
-        return result;
+    match first_word(comm, result.as_ref().err().map(encode)) {
+        Some(message) => Err(decode(message.as_bytes())),
+        None => result,
     }
-    let mut message = match &result {
-        Err(error) if comm.rank() == lowest => encode(error).into_bytes(),
-        _ => Vec::new(),
-    };
-    let root = comm.process_at_rank(lowest);
-    let mut length = message.len() as u64;
-    root.broadcast_into(&mut length);
-    message.resize(length as usize, 0);
-    root.broadcast_into(&mut message[..]);
-    Err(decode(&message))
+}
+
+/// What the lowest of the ranks that have something to say says, on every rank; `None` when none has.
+///
+/// Collective; one allreduce when nobody speaks.
+pub fn first_word(comm: &impl Communicator, word: Option<String>) -> Option<String> {
+    let speaking = if word.is_some() { comm.rank() } else { comm.size() };
+    let mut lowest = speaking;
+    comm.all_reduce_into(&speaking, &mut lowest, SystemOperation::min());
+    if lowest == comm.size() {
+        return None;
+    }
+    let speaker = comm.process_at_rank(lowest);
+    let mut text = word.unwrap_or_default().into_bytes();
+    let mut length = text.len() as u64;
+    speaker.broadcast_into(&mut length);
+    text.resize(length as usize, 0);
+    speaker.broadcast_into(&mut text[..]);
+    Some(String::from_utf8_lossy(&text).into_owned())
 }
 
 /// Numbers what the ranks own: `(offset, total)`, where this rank's `owned` things are `offset .. offset + owned`.

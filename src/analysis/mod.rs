@@ -19,7 +19,7 @@ mod step;
 
 use crate::Vec3;
 use crate::contact::watch_all;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::model::Model;
 use crate::output::OutputFolder;
 use crate::output::log::Log;
@@ -168,9 +168,4 @@ impl Analysis<'_> {
         self.phases.add(Phase::Factor, seconds(&factor));
         self.phases.add(Phase::Solve, seconds(&["MatSolve"]));
     }
-}
-
-/// A diverged run's message.
-fn diverged(message: String) -> Error {
-    Error::Diverged(message)
 }

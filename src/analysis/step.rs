@@ -3,14 +3,14 @@
 use super::conditions::Conditions;
 use super::increments::Increments;
 use super::newton::{Newton, Start};
-use super::{Analysis, describe, diverged, results};
+use super::{Analysis, describe, results};
 use crate::Vec3;
 use crate::contact::{Pose, Status, watch_all};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
-use crate::parallel::{agree, max, sum};
+use crate::parallel::{agree, first_word, max, sum};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern};
@@ -143,7 +143,7 @@ impl Analysis<'_> {
                             self.results.write_fields(self.comm, &self.model, self.state.time, &self.state.u)?;
                         }
                         let told = self.tell_failure(&frame, &failed, size);
-                        return agree(self.comm, Err(diverged(told)));
+                        return Err(Error::Diverged(told));
                     }
                     let line =
                         format!("  {}: {} with increment {size:.3e}; cut to a half", step.name.value, failed.reason);
@@ -212,7 +212,7 @@ impl Analysis<'_> {
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        attempt.ok_or_else(|| diverged(String::new()))
+        attempt.ok_or_else(|| Error::Diverged(String::new()))
     }
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
@@ -267,9 +267,8 @@ impl Analysis<'_> {
         let note = self.note(converged.calmed.len());
         self.log.increment(&log::Increment { step, number, time, size, iterations, note: &note });
         self.log.record(&describe::trace(&converged.trace, &converged.changes));
-        if let Some(&node) = converged.calmed.first() {
-            let name = node_name(&self.model, node);
-            self.log.record(&format!("    friction penalty reduced at flipping nodes, the first on this rank: {name}"));
+        if let Some(name) = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n))) {
+            self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }
         Ok(())
     }
@@ -311,14 +310,13 @@ impl Analysis<'_> {
         let mut largest = [failed.worst.1];
         max(self.comm, &mut largest);
         let here = largest[0] == failed.worst.1 && frame.dofs.count > 0;
-        let told = if here { Err(diverged(frame.dofs.describe(&self.model, failed.worst.0))) } else { Ok(()) };
-        let place = agree(self.comm, told).err().map_or("an unknown equation".into(), |e| e.to_string());
+        let place = first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, failed.worst.0)));
         describe::failure(&describe::Failure {
             step: &frame.step.name.value,
             time: self.state.time,
             reason: &failed.reason,
             singular: failed.singular,
-            place: &place,
+            place: place.as_deref().unwrap_or("an unknown equation"),
             residual: largest[0] / self.state.scale,
             changes: failed.changes,
             size,
