@@ -9,7 +9,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, distribute};
 use crate::scene::{self, Element, Located, Scene, did_you_mean};
-use crate::solid::element::hex8;
+use crate::solid::element::{hex8, tet4};
 use crate::solid::material::Material;
 use crate::system::nodal_stiffness;
 use mpi::topology::SimpleCommunicator;
@@ -91,12 +91,10 @@ impl Model {
     fn volume(&self, comm: &SimpleCommunicator) -> f64 {
         let mut volume = [0.0];
         for solid in self.part.solids.iter().filter(|s| s.mine) {
-            let points = solid.nodes.map(|n| self.part.points[n as usize]);
+            let at = |a: usize| -> [f64; 3] { self.part.points[solid.nodes[a] as usize].into() };
             volume[0] += match solid.shape {
-                SolidShape::Tet4 => {
-                    (points[1] - points[0]).cross(&(points[2] - points[0])).dot(&(points[3] - points[0])) / 6.0
-                }
-                SolidShape::Hex8 => hex8::volume(&points.map(Into::into)),
+                SolidShape::Tet4 => tet4::volume(&std::array::from_fn(at)),
+                SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)),
             };
         }
         sum(comm, &mut volume);
@@ -219,9 +217,6 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     if of != body {
         return Ok(None);
     }
-    let faces = |indices: &mut dyn Iterator<Item = usize>| {
-        indices.map(|k| GlobalFacet { count: mesh.facets[k].count, nodes: mesh.facets[k].nodes }).collect()
-    };
     let Some(group) = group else {
         let nodes = (0..mesh.points.len() as u32).collect();
         return Ok(Some(GlobalSet { nodes, facets: Vec::new() }));
@@ -237,7 +232,9 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
             "name a group that has nodes",
         ));
     }
-    Ok(Some(GlobalSet { nodes: found.nodes.clone(), facets: faces(&mut found.facets.iter().map(|&k| k as usize)) }))
+    let facets = found.facets.iter().map(|&k| &mesh.facets[k as usize]);
+    let facets = facets.map(|f| GlobalFacet { count: f.count, nodes: f.nodes }).collect();
+    Ok(Some(GlobalSet { nodes: found.nodes.clone(), facets }))
 }
 
 fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {

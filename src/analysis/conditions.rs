@@ -5,6 +5,7 @@
 //! it has.
 
 use crate::Vec3;
+use crate::contact::{Pose, Tool};
 use crate::error::{Error, Location, Result};
 use crate::model::Model;
 use crate::parallel::sum;
@@ -103,6 +104,16 @@ impl Conditions {
                     ramp.from[d] = -force[d];
                 }
             }
+        }
+    }
+
+    /// Puts the tools where they are at fraction `s` of the step, which they began at `poses`, moved on by `offsets` along the
+    /// directions in which forces drive them.
+    pub fn place_tools(&self, tools: &mut [Tool], poses: &[Pose], offsets: &[Vec3], s: f64) {
+        for (t, tool) in tools.iter_mut().enumerate() {
+            let motion = &self.motions[t];
+            tool.trial = poses[t].moved(&motion.by, motion.rotation.as_ref(), s);
+            tool.trial.translation += offsets[t];
         }
     }
 

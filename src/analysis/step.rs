@@ -189,41 +189,35 @@ impl Analysis<'_> {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),
         }
-        let mut attempt = None;
-        while attempt.is_none() {
+        let attempt = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
             if outcome.reason != Reason::Converged {
                 let changes = newton.changes.last().copied().unwrap_or(0);
-                attempt = Some(Attempt::Failed(Failed {
+                break Attempt::Failed(Failed {
                     reason: told(&outcome.reason, self.scene.solver.max_iterations),
                     singular: is_singular(&outcome.reason) && newton.trace.len() <= 1,
                     extrapolated,
                     worst: newton.worst,
                     changes,
-                }));
-            } else if newton.widen_search() {
-                // Some node went where the search had not looked.
-                continue;
-            } else {
-                attempt = Some(Attempt::Converged(Box::new(converged(&newton, &x.array()?))));
+                });
             }
-        }
+            // Where some node went farther than the search had looked, the iteration goes on.
+            if !newton.widen_search() {
+                break Attempt::Converged(Box::new(converged(&newton, &x.array()?)));
+            }
+        };
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        attempt.ok_or_else(|| Error::Diverged(String::new()))
+        Ok(attempt)
     }
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
         let begun = Instant::now();
         let Model { part, tools, pairs, .. } = &mut self.model;
-        for (t, tool) in tools.iter_mut().enumerate() {
-            let motion = &frame.conditions.motions[t];
-            tool.trial = frame.poses[t].moved(&motion.by, motion.rotation.as_ref(), end);
-            tool.trial.translation += frame.offsets[t];
-        }
+        frame.conditions.place_tools(tools, &frame.poses, &frame.offsets, end);
         watch_all(self.comm, tools, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
         self.phases.add(Phase::Search, begun.elapsed());
     }

@@ -213,11 +213,7 @@ impl<'a> Newton<'a> {
                 self.offsets[t][d] = q;
             }
         }
-        for (t, tool) in self.model.tools.iter_mut().enumerate() {
-            let motion = &self.conditions.motions[t];
-            tool.trial = self.start_poses[t].moved(&motion.by, motion.rotation.as_ref(), self.s);
-            tool.trial.translation += self.offsets[t];
-        }
+        self.conditions.place_tools(&mut self.model.tools, self.start_poses, &self.offsets, self.s);
     }
 
     /// Evaluates everything at `x`: forces, contact, residual. `false` if an element of this rank is inverted. Collective.
