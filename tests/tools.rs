@@ -5,25 +5,6 @@ mod common;
 use common::{Bench, History, Run, assert_close, assert_small, msh};
 use nagata::Vec3;
 
-/// Largest force of a tool.
-fn scale(history: &History, tool: &str) -> f64 {
-    let of = |c: &str| history.column(&format!("{tool}.{c}")).iter().fold(0.0f64, |m, f| m.max(f.abs()));
-    of("fx").max(of("fy")).max(of("fz"))
-}
-
-/// Largest difference of forces and displacements between a row of one history and one of another.
-fn difference(a: &History, i: usize, b: &History, j: usize, sets: &[&str]) -> f64 {
-    let mut worst = 0.0f64;
-    for set in sets {
-        let force = scale(b, sets[0]);
-        for (component, scale) in [("fx", force), ("fy", force), ("fz", force), ("ux", 1.0), ("uy", 1.0), ("uz", 1.0)] {
-            let name = format!("{set}.{component}");
-            worst = worst.max((a.column(&name)[i] - b.column(&name)[j]).abs() / scale);
-        }
-    }
-    worst
-}
-
 /// A slab in plane strain, 8 x 2, with its top at y = 0 and its bottom held.
 fn slab(tool: &str, friction: f64, contact: &str, steps: &str) -> Bench {
     Bench::new(&format!(
@@ -145,9 +126,9 @@ fn turning_there_and_back() {
         bench.write("bowl.msh", &msh::surface(5, bowl));
         let history = bench.solve(2, &[]).history();
         let sets = ["tool", "block.zmin", "block.xmax", "block.zmax"];
-        let moved = difference(&history, 4, &history, 1, &sets);
+        let moved = history.row_difference(4, &history, 1, &sets);
         assert!(moved > 0.05, "{moved}");
-        assert_small(tool, difference(&history, 7, &history, 1, &sets), 1e-8);
+        assert_small(tool, history.row_difference(7, &history, 1, &sets), 1e-8);
     }
 }
 
@@ -169,7 +150,7 @@ fn driven_by_force() {
     let steps = step("press", 4, &roll_by(0.0, depth[3])) + &step("lift", 2, &roll_by(0.0, depth[5] - depth[3]));
     let moved = slab(ROLL, 0.0, "", &steps).solve(2, &[]).history();
     for k in [3, 5] {
-        assert_small("as when moved", difference(&driven, k, &moved, k, &["roll", "slab.ymin", "slab.xmax"]), 1e-8);
+        assert_small("as when moved", driven.row_difference(k, &moved, k, &["roll", "slab.ymin", "slab.xmax"]), 1e-8);
     }
 }
 
@@ -255,7 +236,7 @@ fn penalties() {
             let other = bench(&format!("penalty = {penalty:?}"), friction);
             assert_eq!(auto.len(), other.len());
             let worst = (0..auto.len())
-                .map(|k| difference(&other, k, &auto, k, &["roll", "slab.ymin", "slab.xmax"]))
+                .map(|k| other.row_difference(k, &auto, k, &["roll", "slab.ymin", "slab.xmax"]))
                 .fold(0.0, f64::max);
             assert_small(&format!("friction {friction}, penalty {penalty}"), worst, 1e-8);
         }
@@ -273,9 +254,9 @@ fn comes_and_goes() {
         let history = slab(away, friction, "", &steps).solve(2, &[]).history();
         let near = slab(ROLL, friction, "", &step("press", 2, &roll_by(0.0, -0.2))).solve(2, &[]).history();
         assert!((0..6).all(|k| history.column("roll.fy")[k] == 0.0 && history.column("top.active")[k] == 0.0));
-        assert_small("pressed", difference(&history, 8, &near, 1, &["slab.ymin", "slab.xmax"]), 1e-8);
+        assert_small("pressed", history.row_difference(8, &near, 1, &["slab.ymin", "slab.xmax"]), 1e-8);
         assert_close("force", history.column("roll.fy")[8], near.last("roll.fy"), 1e-8);
-        let scale = scale(&history, "roll");
+        let scale = history.largest_force("roll");
         for set in ["roll", "slab.ymin", "slab.xmax"] {
             let force = ["fx", "fy", "fz"].map(|c| history.last(&format!("{set}.{c}")).abs()).iter().sum::<f64>();
             assert_small(&format!("force on {set} when gone"), force / scale, 1e-9);
@@ -319,10 +300,10 @@ fn fast_tools_are_seen() {
         let at = |history: &History, step: &str| history.steps.iter().rposition(|s| s == step).unwrap();
         for step in ["come", "slide"] {
             let sets = ["roll", "slab.ymin", "slab.xmax"];
-            let error = difference(&fast, at(&fast, step), &slow, at(&slow, step), &sets);
+            let error = fast.row_difference(at(&fast, step), &slow, at(&slow, step), &sets);
             assert_small(&format!("{step}, fast and slow"), error, 1e-8);
         }
-        assert!(scale(&slow, "roll") > 1.0);
+        assert!(slow.largest_force("roll") > 1.0);
     }
 }
 

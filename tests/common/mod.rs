@@ -191,6 +191,28 @@ impl History {
         self.steps.len()
     }
 
+    /// Largest component of the force of a tool or set.
+    pub fn largest_force(&self, name: &str) -> f64 {
+        let of = |c: &str| self.column(&format!("{name}.{c}")).iter().fold(0.0f64, |m, f| m.max(f.abs()));
+        of("fx").max(of("fy")).max(of("fz"))
+    }
+
+    /// Largest difference between row `i` and row `j` of another history, over the tools and sets named: of displacements,
+    /// and of forces over the other's largest force of the first named.
+    pub fn row_difference(&self, i: usize, other: &History, j: usize, names: &[&str]) -> f64 {
+        let force = other.largest_force(names[0]);
+        let mut worst = 0.0f64;
+        for name in names {
+            for (component, scale) in
+                [("fx", force), ("fy", force), ("fz", force), ("ux", 1.0), ("uy", 1.0), ("uz", 1.0)]
+            {
+                let column = format!("{name}.{component}");
+                worst = worst.max((self.column(&column)[i] - other.column(&column)[j]).abs() / scale);
+            }
+        }
+        worst
+    }
+
     /// Largest difference to another history over the largest value of the quantity (force, displacement, count) of a
     /// column: columns of one quantity share a scale, so that a zero component is compared with its neighbours.
     pub fn difference(&self, other: &History) -> f64 {
