@@ -1,12 +1,17 @@
-//! The command line: `run` and `check`.
+//! The command line: `run`, `check` and `surface`.
 
+use crate::accuracy;
+use crate::accuracy::errors::Sampling;
+use crate::accuracy::sampling::Grid;
+use crate::accuracy::subject::{Loaded, Names};
 use crate::analysis::{self, Options, describe};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::parallel::agree;
 use crate::scene::{self, Scene};
-use clap::{Args, ColorChoice, Parser, Subcommand};
+use crate::surface::EXTENSION;
+use clap::{Args, ColorChoice, Parser, Subcommand, value_parser};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::Petsc;
@@ -51,6 +56,47 @@ enum Command {
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
+    Surface(SurfaceArguments),
+}
+
+#[derive(Args, Debug)]
+struct SurfaceArguments {
+    /// A scene file (TOML), of which only the tools count.
+    file: PathBuf,
+    /// The tool [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    tool: Option<String>,
+    /// The description to measure, such as `nagata` or `nurbs` [default: the one that acts]
+    #[arg(long, value_name = "NAME")]
+    description: Option<String>,
+    /// What to measure against: another description of the tool, or another tool.
+    #[arg(long, value_name = "NAME")]
+    against: Option<String>,
+    /// Samples along each side of a piece.
+    #[arg(long, value_name = "N", default_value_t = 13, value_parser = value_parser!(u16).range(2..=1000))]
+    samples: u16,
+    /// Follow the largest errors to where they are largest between the samples.
+    #[arg(long, requires = "against")]
+    refine: bool,
+    /// Length that errors are compared with [default: radius of the reference, or diagonal of the surface]
+    #[arg(long, value_name = "L", requires = "against", allow_negative_numbers = true, value_parser = positive)]
+    length: Option<f64>,
+    /// Find the points at this distance from the reference that have no normal projection.
+    #[arg(long, value_name = "D", requires = "against", allow_negative_numbers = true, value_parser = positive)]
+    distance: Option<f64>,
+    /// Project the points of a CSV file (x, y, z) onto the surface.
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
+    /// How far pieces reach beyond their edges, of their parameters, for points without a normal projection.
+    #[arg(long, value_name = "E", default_value_t = EXTENSION, value_parser = extension)]
+    extension: f64,
+    /// Override an entry of the scene by its dotted key, as in `tool.punch.smoothing=facet`; may be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Folder for the results; those of an earlier study in it are replaced [default: out/<name of the file>-surface]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -87,7 +133,7 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. } => &[],
+            Command::Check { .. } | Command::Surface(_) => &[],
         }
     }
 
@@ -117,8 +163,52 @@ impl Cli {
                 }
                 Ok(())
             }
+            Command::Surface(arguments) => arguments.measure(comm),
         }
     }
+}
+
+impl SurfaceArguments {
+    /// Collective.
+    fn measure(&self, comm: &SimpleCommunicator) -> Result<()> {
+        let loaded = agree(comm, Loaded::new(&self.names()))?;
+        if comm.rank() == 0 {
+            loaded.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        }
+        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy();
+        let default = Path::new("out").join(format!("{stem}-surface"));
+        let sampling = Sampling {
+            grid: Grid::new(self.samples.into()),
+            refine: self.refine,
+            distance: self.distance,
+            extension: self.extension,
+        };
+        let out = self.out.as_deref().unwrap_or(&default);
+        accuracy::run(comm, &loaded.subject(), &accuracy::Options { out, sampling, points: self.points.as_deref() })
+    }
+
+    fn names(&self) -> Names<'_> {
+        Names {
+            file: &self.file,
+            overrides: &self.overrides,
+            tool: self.tool.as_deref(),
+            description: self.description.as_deref(),
+            against: self.against.as_deref(),
+            length: self.length,
+        }
+    }
+}
+
+/// A number above 0.
+fn positive(text: &str) -> std::result::Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "must be a number above 0".into())
+}
+
+/// Part of a piece by which it may be extended.
+fn extension(text: &str) -> std::result::Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| (0.0..=0.5).contains(number));
+    number.ok_or_else(|| "must be a number from 0 to 0.5".into())
 }
 
 impl SceneArguments {

@@ -36,8 +36,8 @@ pub enum Error {
     System(String),
 }
 
-/// Result with the crate's error.
-pub type Result<T> = std::result::Result<T, Error>;
+/// Result with the crate's error unless another is named.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// Wrong input at a place.

@@ -7,16 +7,21 @@
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
 //! - [`partition`]: METIS, node ownership, the node halo
-//! - [`surface`]: geometry without mechanics: facets, Nagata patches, analytic shapes, normals, closest points
+//! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
+//! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
+//! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays
-//! - [`contact`]: tools, contact pairs, search, and the augmented-Lagrangian contact element
+//! - [`contact`]: placed tools, contact pairs, and the augmented-Lagrangian contact element
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
+//! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
 //! - [`system`]: equation numbers, sparsity pattern, assembly
 //! - [`analysis`]: steps, increments, the nonlinear problem for SNES, commit and rollback
 //! - [`cli`]: the commands
 
+pub mod accuracy;
 pub mod analysis;
+pub mod cad;
 pub mod cli;
 pub mod contact;
 pub mod error;
@@ -29,7 +34,12 @@ pub mod scene;
 pub mod solid;
 pub mod surface;
 pub mod system;
+pub mod tool;
 
+/// A vector in a plane.
+pub type Vec2 = nalgebra::Vector2<f64>;
+/// A second-order tensor in a plane.
+pub type Mat2 = nalgebra::Matrix2<f64>;
 /// A vector in space.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A second-order tensor.

@@ -107,7 +107,7 @@ fn check_tells_what_run_then_does() {
         for words in [
             "Press and slide\n",
             "body `slab`: hex8, neo-hookean",
-            "tool `plate`: rigid, analytic",
+            "tool `plate`: rigid, exact plane",
             "contact `top`: 9 slave nodes",
         ] {
             assert!(text.contains(words), "{words}\n{text}");

@@ -260,6 +260,41 @@ fn plane_strain_that_moves_along_z() {
     refuses(&bench, &[], "scene.toml:23:20: ", &["body `slab` is in plane strain", "take `plane_strain` out"]);
 }
 
+const PLATE: &str = "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }";
+
+#[test]
+fn fillets_that_do_not_fit() {
+    let profile = "profile = { points = [[0.0, 3.0], [0.0, 0.0], [4.0, 0.0]], fillets = 3.5 }";
+    let words =
+        ["tool.plate.profile.fillets.1 does not fit: the line from points.0 to points.1 is 3 long", "smaller fillets"];
+    refuses_scene(PLATE, profile, "scene.toml:11:70: ", &words);
+}
+
+#[test]
+fn cad_files_that_cannot_be_read() {
+    let broken = bench(PLATE, "bezier = \"plate.bpt\"");
+    broken.write("plate.bpt", "2\n1 1\n0 0 1\n0 9 1\n9 0 1\n9 9 1\n0 1\n0 0 0\n0 0 0\n");
+    refuses(&broken, &[], "plate.bpt:7:1: patch 2", &["the degree is 0", "incomplete = true leaves out"]);
+    let warned = broken.solve(2, &["--set", "tool.plate.incomplete=true"]).log();
+    assert!(
+        warned.contains("  warning: tool `plate`: ") && warned.contains("left out patch 2: the degree is 0"),
+        "{warned}"
+    );
+    let missing = bench(PLATE, "nurbs = \"plate.igs\"");
+    refuses(&missing, &[], "scene.toml:11:9: cannot read the CAD file", &["plate.igs'"]);
+}
+
+#[test]
+fn a_mesh_whose_normals_are_those_of_another_surface() {
+    let tool = "mesh = \"slab.inp\"\nnormals = \"sphere\"\nsphere = { center = [9.0, 0.0, 0.0], radius = 1.0 }";
+    let tool = bench(PLATE, &tool.replace("slab", "plate"));
+    tool.write(
+        "plate.inp",
+        "*Node\n1, 0, 0, 1\n2, 9, 0, 1\n3, 9, 9, 1\n4, 0, 9, 1\n*Element, type=R3D4\n1, 1, 4, 3, 2\n",
+    );
+    refuses(&tool, &[], "scene.toml:12:11: node 4 of ", &["away from the sphere", "unit of length"]);
+}
+
 #[test]
 fn check_refuses_what_run_refuses() {
     let bench = bench("slab.bottom", "slab.botom");

@@ -65,6 +65,23 @@ fn stick_slip_and_gap_on_a_sphere() {
     }
 }
 
+/// A slanted torus, a blunt cone, and a punch with a rounded edge.
+#[test]
+fn other_round_tools() {
+    let tools = [
+        "torus = { center = [0.1, 0.2, 6.0], axis = [1.0, 0.2, 0.1], radius = 4.0, tube = 2.0 }",
+        "cone = { apex = [0.1, 0.2, -0.1], axis = [0.1, 0.0, 1.0], angle = 75.0 }",
+        r#"
+        profile.points = [[0.0, 0.3], [2.5, 0.0], [2.6, 5.0]]
+        profile.fillets = 1.5
+        profile.revolve = { point = [0.1, 0.2, 0.1], axis = [0.05, 0.02, 1.0] }
+        "#,
+    ];
+    for tool in tools {
+        assert!(check(&scene("hex8", "neo-hookean", tool, "friction = 0.3", PRESS_AND_SLIDE), 2) > 8, "{tool}");
+    }
+}
+
 #[test]
 fn frictionless() {
     check(&scene("hex8", "hooke", SPHERE, "", PRESS_AND_SLIDE), 2);
@@ -76,11 +93,17 @@ fn f_bar() {
 }
 
 #[test]
-fn nagata_patches() {
-    let strip =
-        |across: &str| format!("mesh = \"{}/inputs/ironing-indenter.msh\"\n{across}", env!("CARGO_MANIFEST_DIR"));
+fn nagata_patches_and_nurbs() {
+    for file in ["mesh = \"FOLDER/ironing-indenter.msh\"", "nurbs = \"FOLDER/ironing-indenter.igs\""] {
+        let tool = file.replace("FOLDER", &format!("{}/inputs", env!("CARGO_MANIFEST_DIR")));
+        assert!(check(&under_the_indenter(&tool), 2) > 8, "{file}");
+    }
+}
+
+/// A block in plane strain under the indenter, which turns a little.
+fn under_the_indenter(tool: &str) -> String {
     // The profile lies in the x-y plane with its bottom at y = 0: the block's top is its upper y face here.
-    let scene = scene("hex8", "neo-hookean", &strip("smoothing = \"nagata\""), "friction = 0.2", "")
+    let scene = scene("hex8", "neo-hookean", tool, "friction = 0.2", "")
         .replace("origin = [-3, -3, -4], size = [6, 6, 4]", "origin = [0, -8, 0], size = [16, 8, 1]")
         .replace("elements = [3, 3, 2]", "elements = [6, 2, 1]")
         .replace("bottom = \"zmin\", top = \"zmax\"", "bottom = \"ymin\", top = \"ymax\"")
@@ -95,7 +118,7 @@ increments = 2
 fix = [{ set = "block.bottom" }]
 move = [{ target = "punch", by = [-0.5, 0, 0], rotate = { point = [25, 40, 0], axis = [0, 0, 1], angle = 0.2 } }]
 "#;
-    assert!(check(&(scene + steps), 2) > 8);
+    scene + steps
 }
 
 #[test]

@@ -4,12 +4,12 @@
 
 use mpi::traits::*;
 use nagata::error::{Error, Location, Result};
-use nagata::output::OutputFolder;
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::History;
 use nagata::output::log::{Increment, Log};
 use nagata::output::phases::{Phase, Phases};
 use nagata::output::summary::Summary;
+use nagata::output::{OutputFolder, RUN};
 use nagata::parallel::{agree, number};
 use std::path::Path;
 use std::process::{Command, Output};
@@ -85,7 +85,7 @@ struct Scene {
 
 /// A slab of which rank 0 owns nothing, a tool of which only rank 0 owns anything, a mixed skin, and an empty grid.
 fn add_grids(comm: &impl Communicator, folder: &OutputFolder) -> Result<Scene> {
-    let mut fields = Fields::create(folder, comm)?;
+    let mut fields = Fields::create(folder, "fields", comm)?;
     let (points, cells) = (own_rows(comm, 4 * (ELEMENTS + 1)), own_rows(comm, ELEMENTS));
     assert_eq!(number(comm, points.end - points.start), (points.start, 4 * (ELEMENTS + 1)));
     let slab_points: Vec<_> = points.clone().map(slab_point).collect();
@@ -137,7 +137,7 @@ fn write_increment(comm: &impl Communicator, scene: &mut Scene, time: f64) -> Re
 }
 
 fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
-    let folder = OutputFolder::create(path, comm)?;
+    let folder = OutputFolder::create(path, &RUN, comm)?;
     let mut log = Log::create(&folder, comm, false)?;
     let mut history = History::create(&folder, comm, &["die.fx".to_string()])?;
     let phases = Phases::default();
@@ -161,7 +161,7 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
 }
 
 fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()> {
-    let folder = OutputFolder::create(path, comm)?;
+    let folder = OutputFolder::create(path, &RUN, comm)?;
     let mut scene = add_grids(comm, &folder)?;
     write_increment(comm, &mut scene, 0.25)?;
     write_increment(comm, &mut scene, 1.0)?;
@@ -191,10 +191,10 @@ fn agree_on_errors(comm: &impl Communicator) {
 }
 
 fn unwritable(comm: &impl Communicator, path: &Path) {
-    let error = OutputFolder::create(&path.join("file/below"), comm).unwrap_err();
+    let error = OutputFolder::create(&path.join("file/below"), &RUN, comm).unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("cannot write to output folder"), "{error}");
-    let folder = OutputFolder::create(&path.join("gone"), comm).unwrap();
+    let folder = OutputFolder::create(&path.join("gone"), &RUN, comm).unwrap();
     let mut scene = add_grids(comm, &folder).unwrap();
     write_increment(comm, &mut scene, 0.25).unwrap();
     comm.barrier();

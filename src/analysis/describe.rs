@@ -1,6 +1,7 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
+use crate::contact::Tool;
 use crate::error::Result;
 use crate::model::Model;
 use crate::output::summary::Summary;
@@ -27,6 +28,15 @@ pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Strin
         some(model.pairs.len() as u64, "contact"),
         some(comm.size() as u64, "rank"),
     )
+}
+
+/// What a tool is made of, and what to know of it.
+pub fn surface(tool: &Tool) -> String {
+    let mut text = format!("tool `{}`: rigid, {}, no nodes in the system", tool.name, tool.surface.summary);
+    for warning in &tool.surface.warnings {
+        let _ = write!(text, "\n  warning: tool `{}`: {warning}", tool.name);
+    }
+    text
 }
 
 /// The last lines of a log: how much was done, and where to look next.
@@ -125,9 +135,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<
         let element = model.map_or(String::new(), |m| m.element.key().to_string());
         let _ = writeln!(text, "body `{}`: {element}, {}{strain}; no plasticity", body.name.value, kind.unwrap_or("?"));
     }
-    for (tool, given) in model.tools.iter().zip(&scene.tools) {
-        let surface = if tool.patches > 0 { format!("{} patches", tool.patches) } else { "analytic".into() };
-        let _ = writeln!(text, "tool `{}`: rigid, {surface}, no nodes in the system", given.name.value);
+    for tool in &model.tools {
+        let _ = writeln!(text, "{}", surface(tool));
     }
     let slaves = model.slave_counts(comm);
     for (pair, count) in model.pairs.iter().zip(slaves) {

@@ -21,10 +21,10 @@ use crate::Vec3;
 use crate::contact::watch_all;
 use crate::error::Result;
 use crate::model::Model;
-use crate::output::OutputFolder;
 use crate::output::log::Log;
 use crate::output::phases::{Phase, Phases};
 use crate::output::summary::Summary;
+use crate::output::{self, OutputFolder};
 use crate::parallel::{agree, max, sum};
 use crate::scene::Scene;
 use conditions::Conditions;
@@ -81,10 +81,11 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let phases = Phases::default();
     let model = Model::new(comm, scene, &phases)?;
     check_conditions(comm, scene, &model)?;
-    let folder = OutputFolder::create(options.out, comm)?;
+    let folder = OutputFolder::create(options.out, &output::RUN, comm)?;
     folder.write_scene(comm, options.source, &scene.text)?;
     let mut log = Log::create(&folder, comm, options.quiet)?;
     log.line(&describe::heading(comm, scene, &model));
+    model.tools.iter().for_each(|tool| log.line(&describe::surface(tool)));
     let results = phases.time(Phase::Output, || Results::create(comm, &folder, scene, &model))?;
     let state = State {
         u: vec![Vec3::zeros(); model.part.points.len()],

@@ -57,7 +57,7 @@ impl Results {
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
         let watched: Vec<String> = scene.output.history.iter().map(|s| s.value.clone()).collect();
         let history = History::create(folder, comm, &columns(model, &watched))?;
-        let mut fields = Fields::create(folder, comm)?;
+        let mut fields = Fields::create(folder, "fields", comm)?;
         let mut bodies = Vec::new();
         for (b, body) in model.bodies.iter().enumerate() {
             let nodes: Vec<u32> =
@@ -288,7 +288,7 @@ fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> R
     let clip = (lo.add_scalar(-margin), hi.add_scalar(margin));
     let mut tools = Vec::new();
     for tool in &model.tools {
-        let surface = tool.tessellate(comm.rank(), PIECES, &clip);
+        let surface = tool.surface.tessellate(comm.rank(), PIECES, &clip);
         let (first, _) = number(comm, surface.points.len() as u64);
         let cell = |shape: CellShape, corners: &[u32]| {
             let mut nodes = [0; 8];

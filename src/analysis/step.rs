@@ -172,7 +172,7 @@ impl Analysis<'_> {
             watcher: &watcher,
         };
         // Between facets the solution jumps: extrapolated, it would be sought on the facet that a node is about to leave.
-        let smooth = self.model.tools.iter().all(|t| !t.faceted);
+        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
         let trial = frame.extrapolated(end).filter(|_| smooth);
         let extrapolated = trial.is_some();
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();

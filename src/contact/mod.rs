@@ -2,7 +2,7 @@
 //!
 //! - [`element`]: the augmented-Lagrangian contact element of one slave node, residual and exact tangent
 //! - [`pose`]: where a tool is
-//! - [`search`]: which patches of a tool a rank needs to see, fetched through a halo of boxes
+//! - [`search`]: tools in their place, and which part of them a rank watches
 //! - here: the tools, the contact pairs, and the state of their slave nodes
 
 pub mod element;

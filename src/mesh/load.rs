@@ -129,6 +129,7 @@ mod tests {
         assert_eq!(mesh.groups.keys().collect::<Vec<_>>(), ["bottom", "edge", "left", "middle", "right"]);
         assert_eq!(ids(&mesh, &mesh.groups["bottom"].nodes), [1, 2, 3, 4, 5, 6]);
         assert_eq!(ids(&mesh, &mesh.groups["edge"].nodes), [3, 6]);
+        assert_eq!(ids(&mesh, &mesh.groups["edge"].lines.concat()), [3, 6]);
         // A face between solids keeps its nodes alone.
         assert_eq!(ids(&mesh, &mesh.groups["middle"].nodes), [2, 5, 8, 11]);
         assert!(mesh.groups["middle"].facets.is_empty());
@@ -138,11 +139,13 @@ mod tests {
 
     #[test]
     fn a_body_takes_a_group() {
+        assert!(!body(GMSH, Some("left")).unwrap().groups.contains_key("edge"));
         let mesh = body(GMSH, Some("right")).unwrap();
         assert_eq!(mesh.point_ids, [2, 3, 5, 6, 8, 9, 11, 12]);
         assert_eq!((mesh.solids.len(), mesh.facets.len()), (1, 2));
         assert_eq!(ids(&mesh, mesh.solids[0].nodes()), [2, 3, 6, 5, 8, 9, 12, 11]);
         assert_eq!(ids(&mesh, &mesh.groups["bottom"].nodes), [2, 3, 5, 6]);
+        assert_eq!(ids(&mesh, &mesh.groups["edge"].lines.concat()), [3, 6]);
         // Seen from the right cube alone, the face between the cubes is a side, outward to the left.
         let middle = mesh.facets[mesh.groups["middle"].facets[0] as usize];
         assert_eq!(ids(&mesh, middle.nodes()), [5, 2, 8, 11]);

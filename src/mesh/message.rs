@@ -4,12 +4,12 @@ use crate::error::{Error, Location};
 use std::fmt::Display;
 
 /// An error about a file as a whole.
-pub(super) fn whole_file(source: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
+pub(crate) fn whole_file(source: &str, what: impl Into<String>, help: impl Into<String>) -> Error {
     Error::input(&Location { file: source.into(), line: 0, column: 0, text: "".into() }, what, help)
 }
 
 /// "node 3 is", "nodes 3, 7, 9 and 12 more are".
-pub(super) fn several<T: Display>(what: &str, ids: &[T]) -> String {
+pub(crate) fn several<T: Display>(what: &str, ids: &[T]) -> String {
     match ids {
         [one] => format!("{what} {one} is"),
         _ => {
@@ -20,12 +20,12 @@ pub(super) fn several<T: Display>(what: &str, ids: &[T]) -> String {
 }
 
 /// " and 12 more", or nothing.
-pub(super) fn and_more(count: usize) -> String {
+pub(crate) fn and_more(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" and {count} more") }
 }
 
 /// "did you mean 'top'? there is: bottom, top" for a name that is not among `names`.
-pub(super) fn near<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn near<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();
     if names.is_empty() {
         return "there is none".into();
@@ -39,7 +39,7 @@ pub(super) fn near<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> Stri
 }
 
 /// At most `limit` characters of raw text.
-pub(super) fn shorten(bytes: &[u8], limit: usize) -> String {
+pub(crate) fn shorten(bytes: &[u8], limit: usize) -> String {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * limit)]);
     let clean = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     clean.take(limit).collect::<String>().trim_end().to_string()

@@ -11,7 +11,7 @@ pub mod faces;
 mod gmsh;
 mod layer;
 mod load;
-mod message;
+pub(crate) mod message;
 mod orient;
 mod raw;
 mod select;
@@ -65,6 +65,8 @@ pub struct Facet {
 pub struct Group {
     /// All its nodes, sorted, each once.
     pub nodes: Vec<u32>,
+    /// The nodes of its lines in ascending order, sorted.
+    pub lines: Vec<[u32; 2]>,
     /// Indices into [`Mesh::facets`], sorted.
     pub facets: Vec<u32>,
     /// Indices into [`Mesh::solids`], sorted.

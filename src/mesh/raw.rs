@@ -5,7 +5,7 @@ use super::{Facet, Group, Mesh, Solid, SolidShape};
 use crate::error::Result;
 use std::collections::BTreeMap;
 
-/// Shapes that files hold; points and lines are known so that they can be passed over.
+/// Shapes that files hold; points and lines matter to groups alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum CellShape {
     Point,
@@ -44,6 +44,22 @@ pub(super) enum Slot {
     Facet(u32),
     /// A point or a line with its nodes (the same twice for a point).
     Loose([u32; 2]),
+}
+
+impl Group {
+    /// Adds what became of an element.
+    pub(super) fn add(&mut self, slot: Slot) {
+        match slot {
+            Slot::Solid(solid) => self.solids.push(solid),
+            Slot::Facet(facet) => self.facets.push(facet),
+            Slot::Loose([a, b]) => {
+                self.nodes.extend([a, b]);
+                if a != b {
+                    self.lines.push([a.min(b), a.max(b)]);
+                }
+            }
+        }
+    }
 }
 
 /// A group as listed.

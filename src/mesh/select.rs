@@ -178,6 +178,7 @@ impl Taken {
             solids: listed.solids.iter().filter_map(|&solid| self.solid_map[solid as usize]).collect(),
             facets: listed.facets.iter().filter_map(|&facet| self.facet_map[facet as usize]).collect(),
             nodes: listed.nodes.clone(),
+            lines: listed.lines.clone(),
         };
         if !found.closed {
             group.nodes.extend(group.solids.iter().flat_map(|&solid| self.solids[solid as usize].nodes()));
@@ -187,6 +188,10 @@ impl Taken {
         }
         group.nodes.iter_mut().for_each(|node| *node = node_map[*node as usize]);
         group.nodes.retain(|&node| node != u32::MAX);
+        group.lines.iter_mut().flatten().for_each(|node| *node = node_map[*node as usize]);
+        group.lines.retain(|line| !line.contains(&u32::MAX));
+        group.lines.sort_unstable();
+        group.lines.dedup();
         for indices in [&mut group.nodes, &mut group.facets, &mut group.solids] {
             indices.sort_unstable();
             indices.dedup();

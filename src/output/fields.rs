@@ -1,4 +1,4 @@
-//! `fields.h5` and `fields.xdmf`: what ParaView shows.
+//! What ParaView shows: an HDF5 file with the data and an XDMF file that describes it.
 //!
 //! All ranks write one HDF5 file, each its own rows. The layout is
 //!
@@ -73,7 +73,7 @@ pub struct GridData<'a> {
     pub cell_fields: &'a [Field<'a>],
 }
 
-/// Writer of `fields.h5` and `fields.xdmf`. All methods are collective and return the same outcome on all ranks.
+/// Writer of `NAME.h5` and `NAME.xdmf`. All methods are collective and return the same outcome on all ranks.
 #[derive(Debug)]
 pub struct Fields {
     h5: PathBuf,
@@ -112,16 +112,16 @@ struct Rows<'a, T> {
 }
 
 impl Fields {
-    /// Starts an empty `fields.h5`; `fields.xdmf` appears with the first increment.
+    /// Starts an empty `NAME.h5`; `NAME.xdmf` appears with the first increment.
     ///
     /// # Errors
     /// [`Error::System`] when the file cannot be written, by these ranks together.
-    pub fn create(folder: &OutputFolder, comm: &impl Communicator) -> Result<Self> {
-        let h5 = folder.file("fields.h5");
+    pub fn create(folder: &OutputFolder, name: &str, comm: &impl Communicator) -> Result<Self> {
+        let h5 = folder.file(&format!("{name}.h5"));
         let touched = if comm.rank() == 0 { std::fs::File::create(&h5).map(|_| ()) } else { Ok(()) };
         agree(comm, touched.map_err(|error| cannot_write(&h5, error)))?;
-        let fields =
-            Self { h5, xdmf: folder.file("fields.xdmf"), grids: Vec::new(), written: 0, increments: String::new() };
+        let xdmf = folder.file(&format!("{name}.xdmf"));
+        let fields = Self { h5, xdmf, grids: Vec::new(), written: 0, increments: String::new() };
         let file = fields.open(comm, OpenMode::Create)?;
         fields.close(comm, file, Ok(()))?;
         Ok(fields)
@@ -144,8 +144,8 @@ impl Fields {
         let (points_path, cells_path) = (format!("grids/{folder}/points"), format!("grids/{folder}/cells"));
         let xdmf = XdmfGrid {
             name: grid.name.to_string(),
-            points: Reference { path: points_path.clone(), rows: points.total, width: 3, integer: false },
-            cells: Reference { path: cells_path.clone(), rows: rows.total, width, integer: true },
+            points: self.reference(&points_path, points.total, 3, false),
+            cells: self.reference(&cells_path, rows.total, width, true),
             cell_count: cells.total,
             shape,
         };
@@ -212,17 +212,23 @@ impl Fields {
         xdmf::increment(time, &grids)
     }
 
+    /// A dataset as the XDMF file names it.
+    fn reference(&self, path: &str, rows: u64, width: usize, integer: bool) -> Reference {
+        let file = self.h5.file_name().unwrap_or_default().to_string_lossy();
+        Reference { path: format!("{file}:/{path}"), rows, width, integer }
+    }
+
     fn describe_grid(&self, increment: &str, data: &GridData) -> (&XdmfGrid, Vec<XdmfField>) {
         let grid = &self.grids[data.grid.0];
         let describe = |field: &Field, folder: &str, center: &'static str, rows: u64| XdmfField {
             name: field.name.to_string(),
             center,
-            data: Reference {
-                path: field_path(increment, &grid.folder, folder, field.name),
+            data: self.reference(
+                &field_path(increment, &grid.folder, folder, field.name),
                 rows,
-                width: field.components,
-                integer: false,
-            },
+                field.components,
+                false,
+            ),
         };
         let nodes = data.node_fields.iter().map(|field| describe(field, "node", "Node", grid.points.total));
         let cells = data.cell_fields.iter().map(|field| describe(field, "cell", "Cell", grid.cells.total));

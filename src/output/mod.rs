@@ -18,7 +18,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, besides `scene.toml`, which the next run replaces.
-const RESULTS: [&str; 5] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt"];
+pub const RUN: [&str; 5] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt"];
 
 /// The folder that a run writes to.
 #[derive(Clone, Debug)]
@@ -27,12 +27,12 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder, or clears it of the results of an earlier run and of nothing else. Collective.
+    /// Makes the folder, or clears it of the files named `results` of an earlier run and of nothing else. Collective.
     ///
     /// # Errors
     /// [`Error::Input`] on all ranks when the folder cannot be made or written.
-    pub fn create(path: &Path, comm: &impl Communicator) -> Result<Self> {
-        let prepared = if comm.rank() == 0 { prepare(path) } else { Ok(()) };
+    pub fn create(path: &Path, results: &[&str], comm: &impl Communicator) -> Result<Self> {
+        let prepared = if comm.rank() == 0 { prepare(path, results) } else { Ok(()) };
         agree(comm, prepared.map_err(|error| not_writable(path, &error)))?;
         Ok(Self { path: path.to_path_buf() })
     }
@@ -45,6 +45,14 @@ impl OutputFolder {
     /// The path of a file in the folder.
     pub fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
+    }
+
+    /// Writes a file as a whole on rank 0; the `text` of other ranks does not count. Collective.
+    ///
+    /// # Errors
+    /// [`Error::System`] on all ranks when the file cannot be written.
+    pub fn write(&self, comm: &impl Communicator, name: &str, text: &str) -> Result<()> {
+        agree(comm, if comm.rank() == 0 { replace(&self.file(name), text) } else { Ok(()) })
     }
 
     /// Writes `scene.toml`: `text`, the scene as run. Collective.
@@ -69,12 +77,12 @@ impl OutputFolder {
 }
 
 /// Makes the folder and clears it; the probe file shows a folder that can be read but not written.
-fn prepare(path: &Path) -> io::Result<()> {
+fn prepare(path: &Path, results: &[&str]) -> io::Result<()> {
     if path.exists() && !path.is_dir() {
         return Err(io::Error::other("it is a file"));
     }
     fs::create_dir_all(path)?;
-    for name in RESULTS.into_iter().flat_map(|name| [name.to_string(), partial(name)]) {
+    for name in results.iter().flat_map(|name| [name.to_string(), partial(name)]) {
         match fs::remove_file(path.join(name)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
@@ -117,11 +125,11 @@ mod tests {
     fn only_results_of_an_earlier_run_are_cleared() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out/case");
-        prepare(&path).unwrap();
-        for name in RESULTS.into_iter().chain(["scene.toml", "notes.md", "fields.xdmf.part"]) {
+        prepare(&path, &RUN).unwrap();
+        for name in RUN.into_iter().chain(["scene.toml", "notes.md", "fields.xdmf.part"]) {
             fs::write(path.join(name), "old").unwrap();
         }
-        prepare(&path).unwrap();
+        prepare(&path, &RUN).unwrap();
         let mut left: Vec<_> = fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
         left.sort();
         assert_eq!(left, ["notes.md", "scene.toml"]);
@@ -133,7 +141,7 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         for path in [file.clone(), file.join("below"), PathBuf::from("/proc/nagata")] {
-            let error = not_writable(&path, &prepare(&path).unwrap_err());
+            let error = not_writable(&path, &prepare(&path, &RUN).unwrap_err());
             assert_eq!(error.exit_code(), 2);
             let text = error.to_string();
             assert!(text.contains(&format!("cannot write to output folder {}", path.display())), "{text}");

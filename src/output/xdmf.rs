@@ -1,4 +1,4 @@
-//! The text of `fields.xdmf`: a collection in time of collections in space of grids, all data by reference to `fields.h5`.
+//! The text of an XDMF file: a collection in time of collections in space of grids, all data by reference to an HDF5 file.
 //!
 //! See <https://www.xdmf.org/index.php/XDMF_Model_and_Format>. Only what ParaView's Xdmf3 readers take is used.
 
@@ -25,9 +25,10 @@ pub(super) struct XdmfField {
     pub data: Reference,
 }
 
-/// A dataset in `fields.h5`: `rows` x `width` numbers, or a plain vector when `width` is 1.
+/// A dataset: `rows` x `width` numbers, or a plain vector when `width` is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Reference {
+    /// As in `fields.h5:/grids/slab/points`.
     pub path: String,
     pub rows: u64,
     pub width: usize,
@@ -106,7 +107,7 @@ fn item(data: &Reference) -> String {
     let kind = if data.integer { "Int" } else { "Float" };
     let columns = if data.width == 1 { String::new() } else { format!(" {}", data.width) };
     format!(
-        r#"<DataItem Format="HDF" NumberType="{kind}" Precision="8" Dimensions="{}{columns}">fields.h5:/{}</DataItem>"#,
+        r#"<DataItem Format="HDF" NumberType="{kind}" Precision="8" Dimensions="{}{columns}">{}</DataItem>"#,
         data.rows, data.path
     )
 }
@@ -121,7 +122,8 @@ mod tests {
 
     #[test]
     fn an_increment_refers_to_its_data() {
-        let reference = |path: &str, rows, width, integer| Reference { path: path.into(), rows, width, integer };
+        let reference =
+            |path: &str, rows, width, integer| Reference { path: format!("fields.h5:/{path}"), rows, width, integer };
         let grid = XdmfGrid {
             name: "a<b>".into(),
             points: reference("grids/a_b_/points", 4, 3, false),

@@ -2,7 +2,7 @@
 //!
 //! Names stay names here; `model` resolves them against the meshes and reports through the [`Location`] that each
 //! keeps.
-//! [`load`] reads a scene file, [`parse`] its text; `key=value` overrides (`--set`) change any entry by its dotted key.
+//! [`load`] reads a scene file, [`parse`] its text, [`load_tools`] the tools alone; `key=value` overrides (`--set`) change any entry by its dotted key.
 //!
 //! # Reference of the keys
 //!
@@ -44,23 +44,48 @@
 //!
 //! ## `[tool.NAME]`: a rigid surface
 //!
-//! One of:
+//! One or more descriptions of it, of which `smoothing` chooses the one that acts:
 //!
 //! | key | value |
 //! |---|---|
 //! | `mesh` | a file with a surface mesh, whose normals point to the bodies |
+//! | `nurbs` | an IGES file |
+//! | `bezier` | a file of Bézier patches (`.bpt`), or IGES |
 //! | `plane` | `{ point* = VECTOR, normal* = VECTOR }`, the normal points to the bodies |
 //! | `cylinder` | `{ point* = VECTOR, axis* = VECTOR, radius* = number, hollow = false }`; hollow is a bore |
+//! | `cone` | `{ apex* = VECTOR, axis* = VECTOR, angle* = degrees, hollow = false }`; the axis runs from the apex into the cone, the angle is half of its opening |
 //! | `sphere` | `{ center* = VECTOR, radius* = number, hollow = false }` |
+//! | `torus` | `{ center* = VECTOR, axis* = VECTOR, radius* = number, tube* = number, hollow = false }`, radii of the ring and of its tube |
+//! | `profile` | a chain of lines and arcs that is extruded or revolved, see below |
+//! | `smoothing` | `"nagata"` or `"facet"` (of the mesh), `"nurbs"`, `"bezier"`, `"plane"`, `"cylinder"`, `"cone"`, `"sphere"`, `"torus"`, `"profile"`; by default `"nagata"` of the mesh, or else the only description |
+//! | `flip` = `false` | turn mesh, CAD faces or profile over |
+//! | `feature_angle` = `40.0` | degrees; an edge stays sharp when the normals of its facets or CAD faces differ by more |
 //!
 //! With `mesh` only:
 //!
 //! | key | value |
 //! |---|---|
 //! | `group` | the surface group of the file to take; all without it |
-//! | `smoothing` = `"nagata"` | `"nagata"` or `"facet"` |
-//! | `feature_angle` = `40.0` | degrees; an edge whose facets' normals differ by more stays sharp |
-//! | `flip` = `false` | turn the surface over |
+//! | `normals` = `"sine"` | where nodal normals come from: the facets around, weighted by `"equal"`, `"area"`, `"angle"`, `"sine"`, `"edge"`, `"root-edge"` or `"centroid"`, see [`Weight`]; or the nearest point of another description of the tool, by its name, as `"nurbs"` |
+//! | `sharp` = `[]` | groups of the mesh whose edges stay sharp: those of a group of lines, the border of one of facets |
+//! | `symmetry` = `[]` | `[{ point* = VECTOR, normal* = VECTOR }, ...]`, planes in which the mesh ends and the surface goes on as its mirror image |
+//!
+//! With `nurbs` or `bezier` only:
+//!
+//! | key | value |
+//! |---|---|
+//! | `incomplete` = `false` | leave out what cannot be read, with a warning |
+//! | `tolerance` = by the model | gap up to which faces are joined |
+//!
+//! `profile = { ... }`; the solid is on the left hand of the way along its points:
+//!
+//! | key | value |
+//! |---|---|
+//! | `points` * | `[[x, y], ...]`, two or more; of a revolved profile `[[radius, height], ...]` |
+//! | `fillets` = `0.0` | radius at all corners, or a list with the radius at each point |
+//! | `closed` = `false` | whether the last point is joined to the first |
+//! | `extrude` = `{}` | `{ origin = [0, 0, 0], x = [1, 0, 0], y = [0, 1, 0], length = without end }`: drawn out along x cross y, from the origin when it has a length |
+//! | `revolve` | in its place: `{ point* = VECTOR, axis* = VECTOR }`; heights count from the point along the axis |
 //!
 //! ## `[contact.NAME]`: a contact pair
 //!
@@ -101,6 +126,7 @@
 //! | `max_iterations` = `15` | Newton iterations before an increment is cut |
 //! | `force_floor` = by the stiffness | the force that counts while there is none |
 
+mod descriptions;
 mod names;
 mod overrides;
 mod parse;
@@ -109,10 +135,14 @@ mod references;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod tools;
 mod tree;
 
+pub use descriptions::{
+    CadFile, Description, NormalSource, Profile, Shape, Smoothing, Sweep, SymmetryPlane, Tool, ToolMesh, Weight,
+};
 pub use names::{did_you_mean, nearest};
-pub use parse::{load, parse};
+pub use parse::{load, load_tools, parse};
 
 use crate::Vec3;
 use crate::error::Location;
@@ -131,7 +161,7 @@ pub struct Scene {
     /// File stem of the scene file; the default output folder is `out/<name>`.
     pub name: String,
     pub title: String,
-    /// The scene as run, overrides applied and mesh files by their absolute paths, as TOML text; written to `scene.toml`.
+    /// The scene as run, overrides applied and files by their absolute paths, as TOML text; written to `scene.toml`.
     pub text: String,
     pub bodies: Vec<Body>,
     pub materials: Vec<Material>,
@@ -235,51 +265,6 @@ pub enum MaterialModel {
     NeoHookean { young: f64, poisson: f64 },
     /// Kirchhoff stress linear in the logarithmic strain.
     Hooke { young: f64, poisson: f64 },
-}
-
-/// A rigid surface.
-#[derive(Clone, Debug)]
-pub struct Tool {
-    pub name: Located<String>,
-    pub shape: ToolShape,
-}
-
-/// The geometry of a tool.
-#[derive(Clone, Debug)]
-pub enum ToolShape {
-    /// A surface mesh; its facets' outward normals point to the bodies.
-    Mesh {
-        mesh: MeshSource,
-        smoothing: Smoothing,
-        /// Edges whose facets' normals differ by more stay sharp, degrees.
-        feature_angle: f64,
-        /// Turn the surface over.
-        flip: bool,
-    },
-    /// The half space behind the plane is solid; the unit vector `normal` points out of it.
-    Plane {
-        point: Vec3,
-        normal: Vec3,
-    },
-    /// Solid inside, or a bore when `hollow`; `axis` is a unit vector.
-    Cylinder {
-        point: Vec3,
-        axis: Vec3,
-        radius: f64,
-        hollow: bool,
-    },
-    Sphere {
-        center: Vec3,
-        radius: f64,
-        hollow: bool,
-    },
-}
-
-/// How a surface mesh is smoothed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Smoothing {
-    Facet,
-    Nagata,
 }
 
 /// A contact pair.

@@ -5,11 +5,14 @@ use super::references::Names;
 use super::tree::{self, Node};
 use super::{
     Block, BlockShape, Body, Contact, Element, FaceGroup, Located, Material, MaterialModel, MeshSource, Output, Scene,
-    Smoothing, Solver, Tool, ToolShape, overrides, steps,
+    Solver, Tool, overrides, steps, tools,
 };
 use crate::Vec3;
 use crate::error::{Error, Result};
 use std::path::Path;
+
+/// The tables and keys of a scene.
+const KEYS: [&str; 8] = ["title", "body", "material", "tool", "contact", "step", "output", "solver"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -22,36 +25,62 @@ const ROUND_OFF: f64 = 1e-9;
 /// # Errors
 /// The file cannot be read, is not TOML, or is not a scene: [`Error::Input`] with the place of what is wrong.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    parse(&path.display().to_string(), &text_of(path)?, folder_of(path), overrides)
+}
+
+/// Reads the tools of a scene file, or of a file with nothing but tools, and leaves the rest of the scene unchecked.
+///
+/// # Errors
+/// As [`load`]; a file without tools.
+pub fn load_tools(path: &Path, overrides: &[String]) -> Result<Vec<Tool>> {
+    let root = tree_of(&path.display().to_string(), &text_of(path)?, overrides)?;
+    let root = Item::root(&root).table(&KEYS)?;
+    let tools = root.named("tool")?;
+    if tools.is_empty() {
+        return Err(Error::input(root.at(), "the scene has no tool", "add a table `[tool.NAME]`"));
+    }
+    tools.into_iter().map(|(name, item)| tools::read(name, &item, folder_of(path))).collect()
+}
+
+fn text_of(path: &Path) -> Result<String> {
+    std::fs::read_to_string(path).map_err(|error| {
         Error::input_anywhere(
             format!("cannot read the scene {}: {error}", path.display()),
             "give the path of a TOML file",
         )
-    })?;
-    parse(&path.display().to_string(), &text, path.parent().unwrap_or(Path::new("")), overrides)
+    })
 }
 
-/// Reads and checks the text of a scene. `file_name` is for messages and [`Scene::name`]; mesh files are relative to
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// Reads and checks the text of a scene. `file_name` is for messages and [`Scene::name`]; other files are relative to
 /// `directory`.
 ///
 /// # Errors
 /// As [`load`].
 pub fn parse(file_name: &str, text: &str, directory: &Path, overrides: &[String]) -> Result<Scene> {
+    let root = tree_of(file_name, text, overrides)?;
+    let name = Path::new(file_name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
+    let mut scene = scene(&root, name, directory)?;
+    let text = if overrides.is_empty() { text.to_string() } else { tree::to_toml(&root) };
+    scene.text = tree::with_absolute_files(&text, directory);
+    Ok(scene)
+}
+
+/// The tree of a text with the overrides applied.
+fn tree_of(file_name: &str, text: &str, overrides: &[String]) -> Result<Node> {
     let mut root = tree::parse_document(file_name, text)?;
     for text in overrides {
         overrides::apply(&mut root, text)?;
     }
-    let name = Path::new(file_name).file_stem().map_or("scene".into(), |stem| stem.to_string_lossy().into_owned());
-    let mut scene = scene(&root, name, directory)?;
-    let text = if overrides.is_empty() { text.to_string() } else { tree::to_toml(&root) };
-    scene.text = tree::with_absolute_meshes(&text, directory);
-    Ok(scene)
+    Ok(root)
 }
 
 /// The schema; leaves [`Scene::text`] empty.
 fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
-    let keys = ["title", "body", "material", "tool", "contact", "step", "output", "solver"];
-    let root = Item::root(root).table(&keys)?;
+    let root = Item::root(root).table(&KEYS)?;
     let (bodies, materials) = (root.named("body")?, root.named("material")?);
     let (tools, contacts) = (root.named("tool")?, root.named("contact")?);
     let names = Names::new(&bodies, &materials, &tools)?;
@@ -63,7 +92,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         ));
     }
     let materials = materials.into_iter().map(|(name, item)| Ok(Material { name, model: material_model(&item)? }));
-    let tools = tools.into_iter().map(|(name, item)| Ok(Tool { name, shape: tool_shape(&item, directory)? }));
+    let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
     let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
     let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
     Ok(Scene {
@@ -118,13 +147,9 @@ fn check_block_use(body: &Body) -> Result<()> {
     Ok(())
 }
 
-fn mesh_file(table: &Table, file: &Item, directory: &Path) -> Result<MeshSource> {
-    let name = file.string()?;
-    if name.is_empty() {
-        return Err(file.error("names no file", ""));
-    }
-    let group = table.optional("group", Item::located_string)?;
-    Ok(MeshSource::File { path: file.located(directory.join(name)), group })
+/// A mesh file, and the `group` that stands beside it.
+pub(super) fn mesh_file(table: &Table, file: &Item, directory: &Path) -> Result<MeshSource> {
+    Ok(MeshSource::File { path: file.file(directory)?, group: table.optional("group", Item::located_string)? })
 }
 
 fn block(item: &Item) -> Result<Block> {
@@ -221,66 +246,6 @@ fn material_model(item: &Item) -> Result<MaterialModel> {
     let help =
         if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
     Ok(model(young, poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?))
-}
-
-fn tool_shape(item: &Item, directory: &Path) -> Result<ToolShape> {
-    let shapes = ["mesh", "plane", "cylinder", "sphere"];
-    let of_mesh = ["group", "smoothing", "feature_angle", "flip"];
-    let table = item.table(&[shapes.as_slice(), of_mesh.as_slice()].concat())?;
-    let mut given = shapes.iter().filter_map(|&shape| table.get(shape).map(|item| (shape, item)));
-    let help = "a tool has one of `mesh`, `plane`, `cylinder` and `sphere`";
-    let (kind, shape) = given.next().ok_or_else(|| table.error("has no shape", help))?;
-    if let Some((_, second)) = given.next() {
-        return Err(second.error(format!("stands beside a {kind}"), help));
-    }
-    if kind == "mesh" {
-        return mesh_tool(&table, &shape, directory);
-    }
-    match of_mesh.iter().find_map(|key| table.get(key)) {
-        Some(item) => {
-            Err(item.error(format!("means nothing for a {kind}, which is exact"), "remove it, or use a mesh"))
-        }
-        None => analytic_tool(kind, &shape),
-    }
-}
-
-fn mesh_tool(table: &Table, file: &Item, directory: &Path) -> Result<ToolShape> {
-    let smoothings = [("facet", Smoothing::Facet), ("nagata", Smoothing::Nagata)];
-    let angle = |item: &Item| {
-        item.number_that_is("above 0 and at most 180", |value| value > 0.0 && value <= 180.0, "it is in degrees")
-    };
-    Ok(ToolShape::Mesh {
-        mesh: mesh_file(table, file, directory)?,
-        smoothing: table.optional("smoothing", |item| item.choice(&smoothings))?.unwrap_or(Smoothing::Nagata),
-        feature_angle: table.optional("feature_angle", angle)?.unwrap_or(40.0),
-        flip: table.optional("flip", Item::boolean)?.unwrap_or(false),
-    })
-}
-
-fn analytic_tool(kind: &str, item: &Item) -> Result<ToolShape> {
-    let vector = |table: &Table, key| table.require(key, "[0.0, 0.0, 0.0]")?.vector();
-    let direction = |table: &Table, key| table.require(key, "[0.0, 0.0, 1.0]")?.unit_vector();
-    let radius = |table: &Table| table.require("radius", "1.0")?.positive();
-    let hollow = |table: &Table| table.optional("hollow", Item::boolean).map(|hollow| hollow.unwrap_or(false));
-    match kind {
-        "plane" => {
-            let table = item.table(&["point", "normal"])?;
-            Ok(ToolShape::Plane { point: vector(&table, "point")?, normal: direction(&table, "normal")? })
-        }
-        "cylinder" => {
-            let table = item.table(&["point", "axis", "radius", "hollow"])?;
-            let (point, axis) = (vector(&table, "point")?, direction(&table, "axis")?);
-            Ok(ToolShape::Cylinder { point, axis, radius: radius(&table)?, hollow: hollow(&table)? })
-        }
-        _ => {
-            let table = item.table(&["center", "radius", "hollow"])?;
-            Ok(ToolShape::Sphere {
-                center: vector(&table, "center")?,
-                radius: radius(&table)?,
-                hollow: hollow(&table)?,
-            })
-        }
-    }
 }
 
 fn all_contacts(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {

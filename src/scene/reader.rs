@@ -5,6 +5,7 @@ use super::names::{did_you_mean, is_name};
 use super::tree::{Node, Value};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
+use std::path::{Path, PathBuf};
 
 /// A value of the scene and its dotted key, as `--set` takes it: `step.press.fix.0`.
 #[derive(Clone, Debug)]
@@ -29,6 +30,11 @@ impl<'a> Item<'a> {
     /// Whether this is a string.
     pub fn is_string(&self) -> bool {
         matches!(self.node.value, Value::Leaf(toml::Value::String(_)))
+    }
+
+    /// Whether this is a list.
+    pub fn is_list(&self) -> bool {
+        matches!(self.node.value, Value::List(_))
     }
 
     /// An error about this value: "`path` `what`".
@@ -156,6 +162,14 @@ impl<'a> Item<'a> {
         let values = self.list()?.iter().map(read).collect::<Result<Vec<T>>>()?;
         let length = |values: Vec<T>| self.error(format!("must be {expected}, not of {}", values.len()), "");
         values.try_into().map_err(length)
+    }
+
+    /// The path of a file whose name is relative to `directory`.
+    pub fn file(&self, directory: &Path) -> Result<Located<PathBuf>> {
+        match self.string()? {
+            "" => Err(self.error("names no file", "")),
+            name => Ok(self.located(directory.join(name))),
+        }
     }
 
     pub fn vector(&self) -> Result<Vec3> {

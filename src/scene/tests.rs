@@ -93,13 +93,16 @@ fn defaults_fill_what_is_not_given() {
     let MeshSource::File { path, group: None } = &body.mesh else { panic!("{:?}", body.mesh) };
     assert_eq!(path.value, Path::new("in/slab.msh"));
     assert_eq!(scene.materials[1].model, MaterialModel::Hooke { young: 210000.0, poisson: 0.3 });
-    let ToolShape::Mesh { mesh: MeshSource::File { path, .. }, smoothing: Smoothing::Nagata, feature_angle, flip } =
-        &scene.tools[0].shape
-    else {
-        panic!("{:?}", scene.tools[0])
+    let [indenter, floor] = &scene.tools[..] else { panic!("{:?}", scene.tools) };
+    let Some(ToolMesh { source: MeshSource::File { path, .. }, normals, sharp, symmetry }) = &indenter.mesh else {
+        panic!("{indenter:?}")
     };
-    assert_eq!((path.value.as_path(), *feature_angle, *flip), (Path::new("in/sub/indenter.msh"), 40.0, false));
-    let ToolShape::Plane { normal, .. } = scene.tools[1].shape else { panic!("{:?}", scene.tools[1]) };
+    assert_eq!(path.value, Path::new("in/sub/indenter.msh"));
+    assert_eq!((indenter.smoothing.value, indenter.feature_angle), (Description::Mesh(Smoothing::Nagata), 40.0));
+    assert!(!indenter.flip && sharp.is_empty() && symmetry.is_empty());
+    assert!(matches!(normals, NormalSource::Facets(Weight::Sine)));
+    assert_eq!(floor.smoothing.value, Description::Plane);
+    let Shape::Plane { normal, .. } = floor.shapes[0] else { panic!("{floor:?}") };
     assert_eq!(normal, Vec3::z());
     let contact = &scene.contacts[0];
     assert_eq!((contact.friction, contact.penalty, contact.reach), (0.0, None, None));
@@ -156,10 +159,25 @@ group = "die"
 smoothing = "facet"
 feature_angle = 180
 flip = true
+normals = "nurbs"
+sharp = ["rim"]
+symmetry = [ { point = [0, 0, 0], normal = [0, 2, 0] } ]
+nurbs = "t.igs"
+bezier = "/abs/t.bpt"
+incomplete = true
+tolerance = 0.02
+cone = { apex = [0, 0, 1], axis = [0, 0, -2], angle = 30 }
+torus = { center = [0, 0, 0], axis = [0, 0, 1], radius = 3, tube = 1, hollow = true }
 [tool.c]
 cylinder = { point = [0, 0, 0], axis = [0, 3, 4], radius = 2, hollow = true }
 [tool.s]
 sphere = { center = [0, 0, 1], radius = 1 }
+[tool.e]
+profile = { points = [[5, 40], [5, 0], [45, 0], [45, 40]], fillets = 10 }
+[tool.l]
+profile = { points = [[0, 1], [0, 0], [1, 0]], extrude = { origin = [1, 2, 3], x = [0, 2, 0], y = [0, 0, 3], length = 4 } }
+[tool.r]
+profile = { points = [[1, 0], [2, 0], [2, 2]], fillets = [0.1, 0, 0.2], closed = true, revolve = { point = [0, 0, 1], axis = [3, 0, 0] } }
 [contact.a]
 slave = "part.face.1"
 master = "t"
@@ -195,8 +213,7 @@ force_floor = 1e-3
     assert_eq!(scene.bodies[0].element.as_ref().map(|e| e.value), Some(Element::Hex8Fbar));
     let MeshSource::File { path, group: Some(group) } = &scene.bodies[2].mesh else { panic!() };
     assert_eq!((path.value.as_path(), group.value.as_str()), (Path::new("/abs/part.inp"), "left"));
-    let ToolShape::Cylinder { axis, radius, hollow, .. } = scene.tools[1].shape else { panic!() };
-    assert!((axis - Vec3::new(0.0, 0.6, 0.8)).norm() < 1e-15 && radius == 2.0 && hollow);
+    tools_are_read(&scene.tools);
     let contact = &scene.contacts[0];
     assert_eq!((contact.friction, contact.penalty, contact.reach), (0.2, Some(1e4), Some(3.0)));
     let step = &scene.steps[0];
@@ -209,6 +226,38 @@ force_floor = 1e-3
     assert_eq!((scene.output.every, scene.output.history.len()), (3, 2));
     assert_eq!((scene.solver.tolerance, scene.solver.max_iterations), (1e-8, 30));
     assert_eq!(scene.solver.force_floor, Some(1e-3));
+}
+
+fn tools_are_read(tools: &[Tool]) {
+    let [t, c, s, e, l, r] = tools else { panic!("{tools:?}") };
+    let Some(ToolMesh { source, normals, sharp, symmetry }) = &t.mesh else { panic!("{t:?}") };
+    assert!(matches!(source, MeshSource::File { group: Some(group), .. } if group.value == "die"));
+    assert!(matches!(normals, NormalSource::Description(other) if other.value == Description::Nurbs));
+    assert_eq!((sharp[0].value.as_str(), symmetry[0].normal), ("rim", Vec3::y()));
+    assert!(t.flip && t.feature_angle == 180.0);
+    let files = [&t.nurbs, &t.bezier].map(|file| file.as_ref().unwrap());
+    assert_eq!(files.map(|f| f.path.value.to_str().unwrap()), ["dir/t.igs", "/abs/t.bpt"]);
+    assert!(files.iter().all(|f| f.incomplete && f.tolerance == Some(0.02)));
+    let keys: Vec<&str> = t.descriptions().iter().map(|d| d.key()).collect();
+    assert_eq!(keys, ["facet", "nagata", "nurbs", "bezier", "cone", "torus"]);
+    assert_eq!(t.smoothing.value, Description::Mesh(Smoothing::Facet));
+    assert!(matches!(t.shapes[0], Shape::Cone { axis, angle: 30.0, hollow: false, .. } if axis == -Vec3::z()));
+    assert!(matches!(t.shapes[1], Shape::Torus { radius: 3.0, tube: 1.0, hollow: true, .. }));
+    let Shape::Cylinder { axis, radius, hollow, .. } = c.shapes[0] else { panic!("{c:?}") };
+    assert!((axis - Vec3::new(0.0, 0.6, 0.8)).norm() < 1e-15 && radius == 2.0 && hollow);
+    assert_eq!((s.smoothing.value, e.smoothing.value), (Description::Sphere, Description::Profile));
+    let profile = |tool: &Tool| match &tool.shapes[0] {
+        Shape::Profile(profile) => profile.clone(),
+        other => panic!("{other:?}"),
+    };
+    let fillets = |tool: &Tool| profile(tool).fillets.iter().map(|f| f.value).collect::<Vec<_>>();
+    assert_eq!((fillets(e), fillets(l), fillets(r)), (vec![0.0, 10.0, 10.0, 0.0], vec![0.0; 3], vec![0.1, 0.0, 0.2]));
+    assert_eq!((profile(e).points[2].value, profile(e).closed, profile(r).closed), ([45.0, 0.0], false, true));
+    let plain = Sweep::Extrude { origin: Vec3::zeros(), x: Vec3::x(), y: Vec3::y(), length: None };
+    assert_eq!(profile(e).sweep, plain);
+    let origin = Vec3::new(1.0, 2.0, 3.0);
+    assert_eq!(profile(l).sweep, Sweep::Extrude { origin, x: Vec3::y(), y: Vec3::z(), length: Some(4.0) });
+    assert_eq!(profile(r).sweep, Sweep::Revolve { point: Vec3::z(), axis: Vec3::x() });
 }
 
 #[test]
@@ -226,7 +275,7 @@ fn text_round_trips_with_overrides() {
 }
 
 #[test]
-fn the_text_keeps_all_but_relative_meshes() {
+fn the_text_keeps_all_but_relative_files() {
     let commented =
         SCENE.replace("mesh = \"slab.msh\"", "mesh = 'slab \"1\".msh' # é").replace("sub/indenter.msh", "/a/b.msh");
     let folder = std::env::current_dir().unwrap();
@@ -234,6 +283,11 @@ fn the_text_keeps_all_but_relative_meshes() {
     let text = read(&commented, &[]).unwrap().text;
     assert_eq!(text, commented.replace("mesh = 'slab \"1\".msh' # é", &there));
     assert!(scene(&["body.slab.mesh=other.msh"]).text.contains(&format!("\"{}/in/other.msh\"", folder.display())));
+    let cad = SCENE.replace("[tool.floor]", "nurbs = \"a.igs\"\nbezier = \"/b.bpt\"\n[tool.floor]");
+    let there = cad.replace("\"a.igs\"", &format!("\"{}/in/a.igs\"", folder.display()));
+    let there = there.replace("\"sub/", &format!("\"{}/in/sub/", folder.display()));
+    let there = there.replace("\"slab.msh\"", &format!("\"{}/in/slab.msh\"", folder.display()));
+    assert_eq!(read(&cad, &[]).unwrap().text, there);
 }
 
 #[test]
@@ -250,7 +304,7 @@ fn overrides_change_any_entry_and_the_last_wins() {
         "body.slab.material=soft",
         "title=two words",
     ]);
-    assert!(matches!(scene.tools[0].shape, ToolShape::Mesh { smoothing: Smoothing::Facet, .. }));
+    assert_eq!(scene.tools[0].smoothing.value, Description::Mesh(Smoothing::Facet));
     assert_eq!(scene.contacts[0].friction, 0.2);
     assert_eq!(scene.steps[0].moves[0].by, Vec3::new(0.0, -5.0, 0.0));
     assert_eq!((scene.steps[0].increment.max, scene.steps[1].increment.max), (0.025, 0.01));
@@ -495,16 +549,85 @@ fn references_are_checked() {
 }
 
 #[test]
-fn a_tool_has_one_shape_and_only_meshes_are_smoothed() {
+fn a_tool_takes_the_description_that_smoothing_asks_for() {
     assert_eq!(
         message("[tool.floor]", "[tool.floor]\nsmoothing = \"nagata\""),
-        "in/test.toml:21:13: tool.floor.smoothing means nothing for a plane, which is exact\n  | smoothing = \"nagata\"\n  \
-         help: remove it, or use a mesh"
+        "in/test.toml:21:13: tool.floor.smoothing needs the key `mesh`, which is missing\n  | smoothing = \"nagata\"\n  \
+         help: add `mesh = \"FILE.msh\"`"
     );
-    assert_eq!(reason("[tool.floor]", "[tool.floor]\nmesh = \"a\""), "tool.floor.plane stands beside a mesh");
-    assert_eq!(reason("mesh = \"sub/indenter.msh\"", ""), "tool.indenter has no shape");
-    assert!(message_set("tool.indenter.smoothing=facets").contains("did you mean `facet`? (known: facet, nagata)"));
+    let smoothing = |sets: &[&str]| read(SCENE, sets).map(|scene| scene.tools[1].smoothing.value);
+    assert_eq!(smoothing(&["tool.floor.mesh=a"]).unwrap(), Description::Mesh(Smoothing::Nagata));
+    assert_eq!(smoothing(&["tool.floor.nurbs=a.igs", "tool.floor.smoothing=nurbs"]).unwrap(), Description::Nurbs);
+    assert_eq!(
+        message("[tool.floor]", "[tool.floor]\nbezier = \"a.bpt\""),
+        "in/test.toml:20:1: tool.floor has several descriptions, bezier, plane\n  | [tool.floor]\n  \
+         help: add `smoothing = \"bezier\"`, or another of them"
+    );
+    assert_eq!(
+        message("mesh = \"sub/indenter.msh\"", ""),
+        "in/test.toml:17:1: tool.indenter has no surface\n  | [tool.indenter]\n  help: add one of `mesh`, `nurbs`, `bezier`, \
+         `plane`, `cylinder`, `cone`, `sphere`, `torus`, `profile`"
+    );
+    assert!(
+        message_set("tool.indenter.smoothing=nurb").contains("did you mean `nurbs`? (known: facet, nagata, nurbs,")
+    );
+    assert!(message_set("tool.indenter.smoothing=profile").contains("help: add `profile = { ... }`"));
+    assert!(message_set("tool.indenter.normals=nurbs").contains("normals needs the key `nurbs`, which is missing"));
+    assert!(message_set("tool.indenter.normals=nagata").contains("cannot be \"nagata\""));
     assert!(message_set("tool.indenter.feature_angle=181").contains("above 0 and at most 180, not 181.0"));
+    assert!(
+        message_set("tool.floor.flip=true").contains("flip needs a mesh, a CAD file or a profile\n  help: remove it;")
+    );
+    assert!(message_set("tool.floor.sharp=[\"a\"]").contains("tool.floor.sharp needs a mesh"));
+    assert!(message_set("tool.indenter.incomplete=true").contains("incomplete needs a CAD file"));
+    assert!(message_set("tool.indenter.nurbs=\"\"").contains("tool.indenter.nurbs names no file"));
+}
+
+#[test]
+fn closed_forms_are_checked() {
+    let shape = |text: &str| {
+        let text = SCENE.replace("[contact.top]", &format!("[tool.other]\n{text}\n[contact.top]"));
+        read(&text, &[]).err().map_or(String::new(), |error| error.to_string())
+    };
+    assert!(
+        shape("cone = { apex = [0, 0, 0], axis = [0, 0, 1], angle = 90 }").contains("above 0 and below 90, not 90.0")
+    );
+    let torus = shape("torus = { center = [0, 0, 0], axis = [0, 0, 1], radius = 1, tube = 1 }");
+    assert!(torus.contains("tube must be above 0 and below the radius of the ring (1.0), not 1.0"), "{torus}");
+    let profile = |rest: &str| shape(&format!("profile = {{ points = [[0, 1], [0, 0], [1, 0]]{rest} }}"));
+    assert_eq!(profile(", fillets = [0, 1, 0], revolve = { point = [0, 0, 0], axis = [0, 0, 1] }"), "");
+    assert!(profile(", fillets = [0, 1]").contains("fillets must have a radius for each of the 3 points, not 2"));
+    assert!(profile(", fillets = [0, 1, 1]").contains("profile.fillets.2 rounds an end of the chain"));
+    assert!(profile(", fillets = -1").contains("fillets must be 0 or more, not -1.0"));
+    assert!(profile(", extrude = {}, revolve = {}").contains("revolve stands beside `extrude`"));
+    assert!(
+        profile(", extrude = { x = [1, 1, 0] }").contains("extrude has directions `x` and `y` that are not at a right")
+    );
+    assert!(shape("profile = { points = [[0, 1]] }").contains("points must have 2 points or more, not 1"));
+    assert!(
+        shape("profile = { points = [[0, 1], [1, 2, 3]] }").contains("points.1 must be a list of 2 numbers, not of 3")
+    );
+    assert!(shape("profile = { points = [[0, 1], [1, 1]], closed = true }").contains("must have 3 points or more"));
+}
+
+#[test]
+fn tools_are_read_without_the_rest() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tools.toml");
+    let write = |text: &str| std::fs::write(&path, text).unwrap();
+    write("[tool.a]\nsphere = { center = [0, 0, 0], radius = 1 }\nmesh = \"a.msh\"");
+    let tools = load_tools(&path, &["tool.a.smoothing=sphere".into()]).unwrap();
+    assert_eq!((tools.len(), tools[0].smoothing.value), (1, Description::Sphere));
+    let Some(ToolMesh { source: MeshSource::File { path: mesh, .. }, .. }) = &tools[0].mesh else {
+        panic!("{tools:?}")
+    };
+    assert_eq!(mesh.value, folder.path().join("a.msh"));
+    write(&SCENE.replace("young = 689.6", "young = -1"));
+    assert_eq!(load_tools(&path, &[]).unwrap().len(), 2);
+    write("title = \"none\"");
+    assert!(load_tools(&path, &[]).unwrap_err().to_string().contains("the scene has no tool"));
+    write("[tol.a]");
+    assert!(load_tools(&path, &[]).unwrap_err().to_string().contains("did you mean `tool`?"));
 }
 
 #[test]

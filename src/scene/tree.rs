@@ -1,6 +1,6 @@
 //! A TOML text as a tree in which every key and value knows the place where the user wrote it.
 //!
-//! Tables keep the order of the text. The tree can be written back as TOML, which overrides need; [`with_absolute_meshes`]
+//! Tables keep the order of the text. The tree can be written back as TOML, which overrides need; [`with_absolute_files`]
 //! makes the text fit for another folder.
 
 use crate::error::{Error, Location, Result};
@@ -133,13 +133,14 @@ pub(super) fn to_toml(root: &Node) -> String {
     out
 }
 
-/// A scene's text with the mesh files of its bodies and tools, which are relative to `directory`, as absolute paths. All
-/// else stays as it is, comments too.
-pub(super) fn with_absolute_meshes(text: &str, directory: &Path) -> String {
+/// A scene's text with the files of its bodies and tools, which are relative to `directory`, as absolute paths. All else
+/// stays as it is, comments too.
+pub(super) fn with_absolute_files(text: &str, directory: &Path) -> String {
     let Ok(root) = DeTable::parse(text) else { return text.to_string() };
     let tables = ["body", "tool"].into_iter().filter_map(|kind| root.get_ref().get(kind)?.get_ref().as_table());
-    let mut files: Vec<_> =
-        tables.flat_map(|table| table.values().filter_map(|entry| entry.get_ref().get("mesh"))).collect();
+    let entries: Vec<_> = tables.flat_map(|table| table.values()).collect();
+    let file = |key: &'static str| entries.iter().filter_map(move |entry| entry.get_ref().get(key));
+    let mut files: Vec<_> = ["mesh", "nurbs", "bezier"].into_iter().flat_map(file).collect();
     files.sort_by_key(|file| std::cmp::Reverse(file.span().start));
     let mut moved = text.to_string();
     for file in files {

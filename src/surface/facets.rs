@@ -6,6 +6,7 @@ use crate::mesh::Mesh;
 use std::collections::HashMap;
 
 /// Facets, oriented outwards.
+#[derive(Clone)]
 pub struct Facets {
     pub points: Vec<Vec3>,
     /// Nodes of each facet; the first `counts` hold.
@@ -71,6 +72,13 @@ impl Facets {
         [(k + 1) % count, (k + count - 1) % count]
     }
 
+    /// The corners (facet, number) at each node.
+    pub fn around_nodes(&self) -> Vec<Vec<(usize, usize)>> {
+        let mut around = vec![Vec::new(); self.points.len()];
+        self.corners().for_each(|(f, k)| around[self.node(f, k)].push((f, k)));
+        around
+    }
+
     /// Node at a corner; corners count around.
     pub fn node(&self, f: usize, k: usize) -> usize {
         self.nodes[f][k % self.count(f)] as usize
@@ -84,6 +92,11 @@ impl Facets {
     /// The vector along edge k.
     pub fn edge(&self, f: usize, k: usize) -> Vec3 {
         self.point(f, k + 1) - self.point(f, k)
+    }
+
+    /// Mean of the nodes of a facet.
+    pub fn centroid(&self, f: usize) -> Vec3 {
+        (0..self.count(f)).map(|k| *self.point(f, k)).sum::<Vec3>() / self.count(f) as f64
     }
 
     /// The vector product of the two edges at a corner, and the angle between them.
@@ -108,7 +121,7 @@ impl Facets {
     }
 
     /// Fills `across`, or gives two facets that do not go together and whether it is for their orientation.
-    fn connect(&mut self) -> std::result::Result<(), (usize, usize, bool)> {
+    pub fn connect(&mut self) -> std::result::Result<(), (usize, usize, bool)> {
         let mut open = HashMap::new();
         let corners: Vec<_> = self.corners().collect();
         for (f, k) in corners {

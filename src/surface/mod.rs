@@ -3,24 +3,39 @@
 //! A surface mesh becomes a set of patches in three steps: [`facets`] gives it neighbours, [`normals`] gives every
 //! corner of every facet a nodal normal, [`nagata`] turns the normals at the ends of an edge into the curvature of that
 //! edge. A [`patch`] is a facet with curved edges; a flat facet is a patch whose edges are straight. [`projection`]
-//! finds the closest point of one patch, [`patch_set`] that of a whole surface. [`analytic`] has the shapes with closed
-//! forms and [`tool`] puts all of them behind one type.
+//! finds the closest point of one [`piece`] of a surface, [`piece_set`] that of a whole surface; [`from_mesh`] goes all the
+//! way from a mesh to its patches. [`analytic`] has the shapes with closed forms, [`nurbs`] the curves and surfaces of CAD,
+//! [`face`] a surface cut to its loops, and [`faces`] sews those together and makes pieces of them.
 
 pub mod analytic;
+pub mod cell;
+mod closest;
+pub mod face;
+pub mod faces;
 pub mod facets;
+pub mod from_mesh;
 pub mod nagata;
 pub mod normals;
+pub mod nurbs;
+pub mod parametric;
 pub mod patch;
-pub mod patch_set;
+pub mod piece;
+pub mod piece_set;
 pub mod projection;
 pub mod tessellation;
-pub mod tool;
 
 #[cfg(test)]
-mod test_meshes;
+pub(crate) mod test_meshes;
 
-pub use patch::{Edge, Patch};
-pub use patch_set::PatchSet;
+pub use analytic::Analytic;
+pub use face::Face;
+pub use faces::{FaceSet, SewnFace, sew};
+pub use from_mesh::{patches_from_mesh, smooth};
+pub use normals::{NormalOptions, Weight};
+pub use nurbs::{Bezier, Curve, CurveLocal, KnotVector, Nurbs};
+pub use parametric::{Closest, Local, Parametric};
+pub use patch::Patch;
+pub use piece::{EXTENSION, Edge, Piece, Polygon};
+pub use piece_set::{PatchSet, PieceSet};
 pub use projection::Projection;
 pub use tessellation::Tessellation;
-pub use tool::{Shape, patches_from_mesh};

@@ -16,21 +16,10 @@
 //! Both interpolate the edge curves, so patches that share two nodes and their normals meet without a gap. With c = 0
 //! they are the flat or bilinear facet.
 
+use super::parametric::{Closest, Local, Parametric};
+use super::piece::{EXTENSION, Edge, Piece, Polygon};
+use super::projection::Extent;
 use crate::Vec3;
-
-/// How far beyond its edges a patch may be used, in its own parameters.
-pub const EXTENSION: f64 = 0.05;
-
-/// What lies beyond an edge of a patch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Edge {
-    /// Nothing: the surface ends here.
-    Boundary,
-    /// A patch with (nearly) the same normals along the edge.
-    Smooth,
-    /// A patch with other normals.
-    Sharp,
-}
 
 /// A triangle, or a quadrilateral when `count` is 4. Its normal points out of the tool, nodes counter-clockwise around
 /// it.
@@ -47,22 +36,6 @@ pub struct Patch {
     pub edges: [Edge; 4],
     /// Nodes where the surface ends, though perhaps in an edge of another patch.
     pub on_boundary: [bool; 4],
-}
-
-/// A point of a patch with its first and second derivatives in the parameters.
-#[derive(Clone, Copy, Debug)]
-pub struct Local {
-    pub point: Vec3,
-    pub tangents: [Vec3; 2],
-    /// P,11, P,12 and P,22.
-    pub second: [Vec3; 3],
-}
-
-impl Local {
-    /// tau_1 x tau_2, not normalised.
-    pub fn area_vector(&self) -> Vec3 {
-        self.tangents[0].cross(&self.tangents[1])
-    }
 }
 
 impl Patch {
@@ -114,37 +87,6 @@ impl Patch {
     /// True when all edges are straight.
     pub fn is_facet(&self) -> bool {
         self.coefficients[..self.count as usize].iter().all(|c| *c == Vec3::zeros())
-    }
-
-    /// Parameters of the middle.
-    pub fn center(&self) -> [f64; 2] {
-        if self.count == 3 { [2.0 / 3.0, 1.0 / 3.0] } else { [0.5, 0.5] }
-    }
-
-    /// Distances, in the parameters, of `xi` inside each edge; negative beyond it.
-    pub fn sides(&self, [e, z]: [f64; 2]) -> [f64; 4] {
-        if self.count == 3 { [z, 1.0 - e, e - z, f64::INFINITY] } else { [z, 1.0 - e, 1.0 - z, e] }
-    }
-
-    /// How far beyond the domain `xi` lies; 0 inside.
-    pub fn overshoot(&self, xi: [f64; 2]) -> f64 {
-        self.sides(xi).iter().fold(0.0, |worst, side| f64::max(worst, -side))
-    }
-
-    /// Corners of the domain extended beyond each edge, in the order of the nodes.
-    pub fn corners(&self, by: &[f64; 4]) -> [[f64; 2]; 4] {
-        if self.count == 3 {
-            let last = [1.0 + by[1], 1.0 + by[1] + by[2]];
-            [[-by[0] - by[2], -by[0]], [1.0 + by[1], -by[0]], last, last]
-        } else {
-            [[-by[3], -by[0]], [1.0 + by[1], -by[0]], [1.0 + by[1], 1.0 + by[2]], [-by[3], 1.0 + by[2]]]
-        }
-    }
-
-    /// The parameters in the domain next to `xi`.
-    pub fn clamp(&self, [e, z]: [f64; 2]) -> [f64; 2] {
-        let e = e.clamp(0.0, 1.0);
-        [e, z.clamp(0.0, if self.count == 3 { e } else { 1.0 })]
     }
 
     /// Lower and upper corner of a box that holds the patch and its extension beyond all edges.
@@ -203,11 +145,82 @@ impl Patch {
     }
 }
 
+impl Parametric for Patch {
+    fn domain(&self) -> [[f64; 2]; 2] {
+        [[0.0, 1.0]; 2]
+    }
+
+    fn local(&self, xi: [f64; 2]) -> Local {
+        Self::local(self, xi)
+    }
+
+    fn bounds(&self) -> (Vec3, Vec3) {
+        Self::bounds(self)
+    }
+
+    fn closest(&self, x: &Vec3) -> Closest {
+        let foot = self.core(&Extent::new(self), x, None);
+        Closest { xi: foot.xi, point: foot.local.point, distance: foot.distance }
+    }
+}
+
+impl Polygon for Patch {
+    fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    fn center(&self) -> [f64; 2] {
+        if self.count == 3 { [2.0 / 3.0, 1.0 / 3.0] } else { [0.5, 0.5] }
+    }
+
+    fn sides(&self, [e, z]: [f64; 2]) -> [f64; 4] {
+        if self.count == 3 { [z, 1.0 - e, e - z, f64::INFINITY] } else { [z, 1.0 - e, 1.0 - z, e] }
+    }
+
+    fn corners(&self, by: &[f64; 4]) -> [[f64; 2]; 4] {
+        if self.count == 3 {
+            let last = [1.0 + by[1], 1.0 + by[1] + by[2]];
+            [[-by[0] - by[2], -by[0]], [1.0 + by[1], -by[0]], last, last]
+        } else {
+            [[-by[3], -by[0]], [1.0 + by[1], -by[0]], [1.0 + by[1], 1.0 + by[2]], [-by[3], 1.0 + by[2]]]
+        }
+    }
+
+    fn clamp(&self, [e, z]: [f64; 2]) -> [f64; 2] {
+        let e = e.clamp(0.0, 1.0);
+        [e, z.clamp(0.0, if self.count == 3 { e } else { 1.0 })]
+    }
+
+    fn bend(&self, y: &Vec3) -> [f64; 4] {
+        let [c0, c1, c2, c3] = self.coefficients.map(|c| c.dot(y));
+        if self.count == 3 {
+            return [2.0 * c0, c2 - c0 - c1, 0.0, 2.0 * c1];
+        }
+        let [x0, x1, x2, x3] = &self.nodes;
+        let twist = (x0 - x1 + x2 - x3).dot(y);
+        [2.0 * c0.max(c2), twist, (c2 - c0).abs() + (c1 - c3).abs(), 2.0 * c1.max(c3)]
+    }
+}
+
+impl Piece for Patch {
+    fn id(&self) -> u32 {
+        self.id
+    }
+
+    fn edges(&self) -> [Edge; 4] {
+        self.edges
+    }
+
+    fn ends_at(&self, corner: usize) -> bool {
+        self.on_boundary[corner]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::surface::nagata::edge_coefficient;
-    use crate::surface::test_meshes::{sphere_quad, sphere_triangle, wavy_quad, wavy_triangle};
+    use crate::surface::test_meshes::{patch, sphere_quad, sphere_triangle, wavy_quad, wavy_triangle};
 
     #[test]
     fn edges_are_the_curves_and_tangents_are_orthogonal_to_the_nodal_normals() {
@@ -227,6 +240,25 @@ mod tests {
                     assert!(tangent.dot(&normals[k]).abs() < 1e-14, "{}", tangent.dot(&normals[k]));
                 }
                 assert!((patch.normal(corners[k]) - normals[k]).norm() < 1e-14);
+            }
+        }
+    }
+
+    /// Equal normals, normals that lean together and apart, with quadrilaterals and triangles, and thin ones.
+    #[test]
+    fn patches_are_finite_for_all_normals_on_the_side_of_the_facet() {
+        let leans = [-1.0, 0.0, 1.0];
+        let normals: Vec<Vec3> = leans.iter().flat_map(|x| leans.map(|y| Vec3::new(*x, y, 0.5).normalize())).collect();
+        for (count, width) in [(3, 1.0), (3, 1e-6), (4, 1.0), (4, 1e-6)] {
+            let nodes = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y * width, 0.0));
+            for choice in 0..9_usize.pow(count) {
+                let chosen: Vec<Vec3> = (0..count).map(|k| normals[choice / 9_usize.pow(k) % 9]).collect();
+                let patch = patch(&nodes[..count as usize], &chosen);
+                for corner in patch.corners(&[0.0; 4]).iter().chain(&[patch.center(), [0.75, 0.25]]) {
+                    let normal = patch.normal(*corner);
+                    assert!((normal.norm() - 1.0).abs() < 1e-12, "{normal} {chosen:?}");
+                    assert!(patch.local(*corner).second.iter().all(|s| s.norm() < 8.0));
+                }
             }
         }
     }

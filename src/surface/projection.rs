@@ -1,4 +1,4 @@
-//! The closest point of one patch to a point x.
+//! The closest point of one piece of a surface to a point x.
 //!
 //! f = |r|^2/2 with r = x - P is minimised over the polygon of the parameters. Each step minimises the quadratic model
 //! with gradient -tau_a.r and Hessian H = a - r.P,ab over the whole polygon, which takes one edge after the other in
@@ -12,7 +12,8 @@
 //!
 //! On an edge curve C, n = r/|r| and dn/dx = (I - nn - C'C'/(C'.C' - r.C''))/|r|; at a corner dn/dx = (I - nn)/|r|.
 
-use super::patch::{Local, Patch};
+use super::parametric::Local;
+use super::piece::Polygon;
 use crate::{Mat3, Vec3};
 use nalgebra::{Matrix2, Matrix3x2};
 
@@ -26,18 +27,18 @@ pub struct Projection {
     pub normal: Vec3,
     /// dn/dx, symmetric.
     pub normal_gradient: Mat3,
-    /// Id of the patch; 0 for analytic shapes.
+    /// Id of the piece; 0 for analytic shapes.
     pub patch: u32,
-    /// Parameters of the patch, perhaps a little beyond its domain; 0 for analytic shapes.
+    /// Parameters of the piece, perhaps a little beyond its domain; 0 for analytic shapes.
     pub xi: [f64; 2],
 }
 
-/// Where the distance to one patch is least.
+/// Where the distance to one piece is least.
 #[derive(Clone, Copy, Debug)]
 pub struct Foot {
     pub xi: [f64; 2],
     /// Bit k is set when the foot lies on the limit of the domain beyond edge k.
-    pub limits: u8,
+    pub limits: u32,
     pub local: Local,
     pub distance: f64,
 }
@@ -46,28 +47,31 @@ const ITERATIONS: usize = 60;
 /// A Newton step this small leaves an error of its square.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 const LAST_STEP: f64 = 1e-14;
+/// Samples along each parameter, and along each edge, that show whether a minimum was missed.
+const GRID: usize = 5;
+const ALONG: usize = 20;
 
-/// The local minimum of the distance from `x` that descent reaches from `start`, over the domain of `patch` extended
+/// The local minimum of the distance from `x` that descent reaches from `start`, over the domain of `piece` extended
 /// beyond each edge by `extension`. `start` must lie in it.
-pub fn descend(patch: &Patch, x: &Vec3, extension: &[f64; 4], start: [f64; 2]) -> Foot {
-    let corners = patch.corners(extension);
-    let (mut xi, mut local) = (start, patch.local(start));
+pub fn descend<P: Polygon + ?Sized>(piece: &P, x: &Vec3, extension: &[f64; 4], start: [f64; 2]) -> Foot {
+    let corners = piece.corners(extension);
+    let (mut xi, mut local) = (start, piece.local(start));
     let mut limits = 0;
     for _ in 0..ITERATIONS {
         let r = x - local.point;
         let gradient = local.tangents.map(|t| -t.dot(&r));
-        let (hessian, newton) = hessian(&local, &r);
+        let (hessian, newton) = hessian(&local, &r, piece.vanishing());
         let target;
-        (target, limits) = model_minimum(patch, extension, &corners, xi, gradient, hessian);
+        (target, limits) = model_minimum(piece, extension, &corners, xi, gradient, hessian);
         let full = [target[0] - xi[0], target[1] - xi[1]];
-        let size = full[0].abs().max(full[1].abs());
+        let size = piece.step_size(&local, full);
         let slope = gradient[0] * full[0] + gradient[1] * full[1];
         let f = 0.5 * r.norm_squared();
         let rounding = 16.0 * f64::EPSILON * r.amax() * (r.amax() + x.amax());
         let mut scale = 1.0;
         loop {
             let next = if scale == 1.0 { target } else { [xi[0] + scale * full[0], xi[1] + scale * full[1]] };
-            let there = patch.local(next);
+            let there = piece.local(next);
             let fall = 0.5 * (x - there.point).norm_squared() - f;
             if fall <= 1e-4 * scale * slope + rounding || scale < 1e-9 {
                 (xi, local) = (next, there);
@@ -83,29 +87,33 @@ pub fn descend(patch: &Patch, x: &Vec3, extension: &[f64; 4], start: [f64; 2]) -
 }
 
 /// The Hessian [H11, H12, H22] of f, and true, or the metric in its place, and false.
-fn hessian(local: &Local, r: &Vec3) -> ([f64; 3], bool) {
+fn hessian(local: &Local, r: &Vec3, vanishing: [f64; 2]) -> ([f64; 3], bool) {
     let [t, u] = &local.tangents;
     let a = [t.norm_squared(), t.dot(u), u.norm_squared()];
     let h: [f64; 3] = std::array::from_fn(|k| a[k] - r.dot(&local.second[k]));
     // Compared with the metric direction by direction, so that long and narrow patches count as good ones.
     let (h11, h22, h12) = (h[0] / a[0], h[2] / a[2], h[1] * h[1] / (a[0] * a[2]));
     let lowest = 0.5 * (h11 + h22) - (0.25 * (h11 - h22).powi(2) + h12).sqrt();
-    if lowest > 1e-6 { (h, true) } else { ([a[0] * (1.0 + 1e-12), a[1], a[2] * (1.0 + 1e-12)], false) }
+    if lowest > 1e-6 {
+        (h, true)
+    } else {
+        ([a[0] * (1.0 + 1e-12) + vanishing[0], a[1], a[2] * (1.0 + 1e-12) + vanishing[1]], false)
+    }
 }
 
 /// Minimum over the polygon of the quadratic function with this gradient and Hessian at `xi`, and the edges it lies on.
-fn model_minimum(
-    patch: &Patch,
+fn model_minimum<P: Polygon + ?Sized>(
+    piece: &P,
     extension: &[f64; 4],
     corners: &[[f64; 2]; 4],
     xi: [f64; 2],
     g: [f64; 2],
     h: [f64; 3],
-) -> ([f64; 2], u8) {
+) -> ([f64; 2], u32) {
     let det = h[0] * h[2] - h[1] * h[1];
     let free = [xi[0] - (h[2] * g[0] - h[1] * g[1]) / det, xi[1] - (h[0] * g[1] - h[1] * g[0]) / det];
-    let sides = patch.sides(free);
-    let count = patch.count as usize;
+    let sides = piece.sides(free);
+    let count = piece.count();
     let times = |v: [f64; 2]| [h[0] * v[0] + h[1] * v[1], h[1] * v[0] + h[2] * v[1]];
     let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
     let (mut best, mut at, mut limits) = (f64::INFINITY, free, 0);
@@ -130,16 +138,65 @@ fn model_minimum(
 }
 
 /// The five starts for points from which the distance may have several minima.
-pub fn starts(patch: &Patch) -> [[f64; 2]; 5] {
-    let center = patch.center();
-    let corners = patch.corners(&[0.0; 4]);
+pub fn starts<P: Polygon + ?Sized>(piece: &P) -> [[f64; 2]; 5] {
+    let center = piece.center();
+    let corners = piece.corners(&[0.0; 4]);
     std::array::from_fn(|k| match k {
         0 => center,
         _ => std::array::from_fn(|a| center[a] + 0.7 * (corners[k - 1][a] - center[a])),
     })
 }
 
-/// A ball around a patch, and bounds that tell from where the distance to it has one minimum only.
+/// The point of `piece`, without extension, next to `x`: the only minimum of the distance, else the least of those that
+/// descent reaches from `start`, from all over the piece, and from any sample that is closer than they are.
+pub fn closest_foot<P: Polygon + ?Sized>(piece: &P, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
+    let first = descend(piece, x, &[0.0; 4], start.map_or(piece.center(), |xi| piece.clamp(xi)));
+    if extent.has_one_minimum(piece, x) {
+        return first;
+    }
+    let closer = |a: Foot, b: Foot| if b.distance < a.distance { b } else { a };
+    let mut best = starts(piece).iter().map(|s| descend(piece, x, &[0.0; 4], *s)).fold(first, closer);
+    let corners = piece.corners(&[0.0; 4]);
+    let mut look = |xi: [f64; 2]| {
+        if (x - piece.point(xi)).norm() < best.distance * (1.0 - 1e-12) {
+            best = closer(best, descend(piece, x, &[0.0; 4], xi));
+        }
+    };
+    for k in 0..GRID * GRID {
+        look(between(&corners, [k % GRID, k / GRID].map(|k| k as f64 / (GRID - 1) as f64)));
+    }
+    for edge in 0..piece.count() {
+        let (p, q) = (corners[edge], corners[(edge + 1) % piece.count()]);
+        for k in 1..ALONG {
+            let t = k as f64 / ALONG as f64;
+            look(std::array::from_fn(|a| p[a] + t * (q[a] - p[a])));
+        }
+    }
+    best
+}
+
+/// The parameters at a place of the unit square mapped to the polygon with these corners.
+fn between(corners: &[[f64; 2]; 4], [s, t]: [f64; 2]) -> [f64; 2] {
+    let mix = |a: usize, b: usize, c: usize| corners[a][c] * (1.0 - s) + corners[b][c] * s;
+    std::array::from_fn(|c| mix(0, 1, c) * (1.0 - t) + mix(3, 2, c) * t)
+}
+
+/// Parameters and gap of the foot of a perpendicular to `piece`, extended beyond each edge: of the minima of the distance
+/// that are on no limit, the least.
+pub fn perpendicular<P: Polygon + ?Sized>(
+    piece: &P,
+    extent: &Extent,
+    x: &Vec3,
+    extension: &[f64; 4],
+) -> Option<([f64; 2], f64)> {
+    let starts = starts(piece);
+    let starts = if extent.has_one_minimum(piece, x) { &starts[..1] } else { &starts };
+    let feet = starts.iter().map(|start| descend(piece, x, extension, *start)).filter(|foot| foot.limits == 0);
+    let foot = feet.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+    Some((foot.xi, (x - foot.local.point).dot(&foot.local.area_vector().normalize())))
+}
+
+/// A ball around a piece, and bounds that tell from where the distance to it has one minimum only.
 ///
 /// With y = x - center, H = G - y.P,ab where G = a + (P - center).P,ab does not depend on x. P,ab lies between its
 /// values at the corners, and G, which varies little, is sampled with a margin.
@@ -153,17 +210,16 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// Bounds of `patch`.
-    pub fn new(patch: &Patch) -> Self {
-        let corners = patch.corners(&[0.0; 4]);
-        let center = patch.point(patch.center());
-        let (box_low, box_high) = patch.bounds();
+    /// Bounds of `piece`.
+    pub fn new<P: Polygon + ?Sized>(piece: &P) -> Self {
+        let corners = piece.corners(&[0.0; 4]);
+        let center = piece.point(piece.center());
+        let (box_low, box_high) = piece.bounds();
         let radius = (center - box_low).sup(&(box_high - center)).norm();
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for k in 0..9 {
-            let (s, t) = ((k % 3) as f64 * 0.5, (k / 3) as f64 * 0.5);
-            let mix = |a: usize, b: usize, c: usize| corners[a][c] * (1.0 - s) + corners[b][c] * s;
-            let local = patch.local(std::array::from_fn(|c| mix(0, 1, c) * (1.0 - t) + mix(3, 2, c) * t));
+        let (n, last) = (P::SAMPLES, (P::SAMPLES - 1) as f64);
+        for k in 0..n * n {
+            let local = piece.local(between(&corners, [(k % n) as f64 / last, (k / n) as f64 / last]));
             let [u, v] = &local.tangents;
             let metric = [u.norm_squared(), u.dot(v), v.norm_squared()];
             for k in 0..3 {
@@ -177,17 +233,10 @@ impl Extent {
         Self { center, radius, low, high }
     }
 
-    /// True when f is convex for this `x` all over `patch`, so that its distance has one minimum only.
-    pub fn has_one_minimum(&self, patch: &Patch, x: &Vec3) -> bool {
+    /// True when f is convex for this `x` all over `piece`, so that its distance has one minimum only.
+    pub fn has_one_minimum<P: Polygon + ?Sized>(&self, piece: &P, x: &Vec3) -> bool {
         let y = x - self.center;
-        let [c0, c1, c2, c3] = patch.coefficients.map(|c| c.dot(&y));
-        let (s11, s12, s22, spread) = if patch.count == 3 {
-            (2.0 * c0, c2 - c0 - c1, 2.0 * c1, 0.0)
-        } else {
-            let [x0, x1, x2, x3] = &patch.nodes;
-            let twist = (x0 - x1 + x2 - x3).dot(&y);
-            (2.0 * c0.max(c2), twist, 2.0 * c1.max(c3), (c2 - c0).abs() + (c1 - c3).abs())
-        };
+        let [s11, s12, spread, s22] = piece.bend(&y);
         let (h11, h22) = (self.low[0] - s11, self.low[2] - s22);
         let h12 = (self.high[1] - s12 + spread).abs().max((self.low[1] - s12 - spread).abs());
         h11 > 0.0 && h22 > 0.0 && h11 * h22 > h12 * h12
@@ -216,15 +265,15 @@ pub fn on_surface(x: &Vec3, local: &Local) -> (f64, Vec3, Mat3) {
 
 /// Normal, gap and gradient at a foot on an edge or corner; `inside` when x is inside the tool. Needs a distance that
 /// is not 0.
-pub fn on_edge(x: &Vec3, patch: &Patch, foot: &Foot, inside: bool) -> (f64, Vec3, Mat3) {
+pub fn on_edge<P: Polygon + ?Sized>(x: &Vec3, piece: &P, foot: &Foot, inside: bool) -> (f64, Vec3, Mat3) {
     let sign = if inside { -1.0 } else { 1.0 };
     let r = x - foot.local.point;
     let direction = r / foot.distance;
     let mut tangential = Mat3::identity() - direction * direction.transpose();
     if foot.limits.count_ones() == 1 {
-        let corners = patch.corners(&[0.0; 4]);
+        let corners = piece.corners(&[0.0; 4]);
         let k = foot.limits.trailing_zeros() as usize;
-        let (p, q) = (corners[k], corners[(k + 1) % patch.count as usize]);
+        let (p, q) = (corners[k], corners[(k + 1) % piece.count()]);
         let [e, z] = [q[0] - p[0], q[1] - p[1]];
         let along = foot.local.tangents[0] * e + foot.local.tangents[1] * z;
         let bend =
@@ -237,15 +286,15 @@ pub fn on_edge(x: &Vec3, patch: &Patch, foot: &Foot, inside: bool) -> (f64, Vec3
     (sign * foot.distance, direction * sign, tangential * (sign / foot.distance))
 }
 
-/// Normal of the patch at a foot times the angle that it fills around the foot.
-pub fn angle_normal(patch: &Patch, foot: &Foot) -> Vec3 {
+/// Normal of the piece at a foot times the angle that it fills around the foot.
+pub fn angle_normal<P: Polygon + ?Sized>(piece: &P, foot: &Foot) -> Vec3 {
     let normal = foot.local.area_vector().normalize();
     let angle = match foot.limits.count_ones() {
         0 => 2.0 * std::f64::consts::PI,
         1 => std::f64::consts::PI,
         _ => {
-            let corners = patch.corners(&[0.0; 4]);
-            let count = patch.count as usize;
+            let corners = piece.corners(&[0.0; 4]);
+            let count = piece.count();
             // The corner between edges k-1 and k.
             let k = (0..count).find(|k| foot.limits >> k & 1 == 1 && foot.limits >> ((k + count - 1) % count) & 1 == 1);
             let k = k.unwrap_or(0);
@@ -286,7 +335,7 @@ pub mod tests {
         }
     }
 
-    fn best_of_samples(patch: &Patch, x: &Vec3) -> f64 {
+    fn best_of_samples(patch: &crate::surface::Patch, x: &Vec3) -> f64 {
         let n = 100;
         let mut best = f64::INFINITY;
         for i in 0..=n {

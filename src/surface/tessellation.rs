@@ -1,9 +1,14 @@
 //! Surfaces as flat cells, for display.
 
-use super::analytic::{Cylinder, Plane, Sphere};
-use super::normals::tangents;
+use super::faces::FacePiece;
+use super::parametric::Parametric;
 use super::patch::Patch;
-use crate::Vec3;
+
+/// As often a side of a cell is halved to find where a face ends on it.
+const HALVINGS: usize = 30;
+
+/// Part of the way to the middle of its cell at which a point is asked whether it belongs to a face.
+const INWARD: f64 = 1e-6;
 
 /// Points, and cells that index them, counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,51 +29,43 @@ impl Tessellation {
         cells
     }
 
-    /// The rectangle of the plane onto which the box falls.
-    pub fn of_plane(plane: &Plane, low: &Vec3, high: &Vec3) -> Self {
-        let [a, b] = tangents(&plane.normal);
-        let ([a0, a1], [b0, b1]) = (range(&plane.point, &a, low, high), range(&plane.point, &b, low, high));
-        let corners = [[a0, b0], [a1, b0], [a1, b1], [a0, b1]];
-        let points = corners.map(|[s, t]| (plane.point + a * s + b * t).into()).to_vec();
-        Self { points, quads: vec![[0, 1, 2, 3]], ..Self::default() }
-    }
-
-    /// The cylinder in `segments` strips, along its axis as far as the box.
-    pub fn of_cylinder(cylinder: &Cylinder, segments: usize, low: &Vec3, high: &Vec3) -> Self {
-        let along = range(&cylinder.point, &cylinder.axis, low, high);
-        let rings = along.map(|s| (cylinder.point + cylinder.axis * s, cylinder.radius));
-        Self::of_rings(&rings, &cylinder.axis, segments, cylinder.hollow)
-    }
-
-    /// The sphere in `segments` around its axis z and half as many from pole to pole.
-    pub fn of_sphere(sphere: &Sphere, segments: usize) -> Self {
-        let count = segments.max(4) / 2;
-        let ring = |k: usize| {
-            let (sin, cos) = (std::f64::consts::PI * k as f64 / count as f64).sin_cos();
-            (sphere.center - Vec3::z() * (sphere.radius * cos), sphere.radius * sin)
-        };
-        let rings: Vec<(Vec3, f64)> = (0..=count).map(ring).collect();
-        Self::of_rings(&rings, &Vec3::z(), segments, sphere.hollow)
-    }
-
-    /// Rings (centre, radius) about an axis, joined one to the next.
-    fn of_rings(rings: &[(Vec3, f64)], axis: &Vec3, segments: usize, hollow: bool) -> Self {
+    /// A surface between the values of its parameters, in rising order.
+    pub fn of_grid(surface: &dyn Parametric, [u, v]: &[Vec<f64>; 2]) -> Self {
         let mut cells = Self::default();
-        let ([a, b], m) = (tangents(axis), segments.max(3));
-        for (center, radius) in rings {
-            cells.points.extend((0..m).map(|k| {
-                let (sin, cos) = (2.0 * std::f64::consts::PI * k as f64 / m as f64).sin_cos();
-                <[f64; 3]>::from(center + (a * cos + b * sin) * *radius)
-            }));
+        for v in v {
+            cells.points.extend(u.iter().map(|u| <[f64; 3]>::from(surface.point([*u, *v]))));
         }
-        for ring in 0..rings.len().saturating_sub(1) {
-            for k in 0..m {
-                let [p, q] = [k, (k + 1) % m].map(|k| (ring * m + k) as u32);
-                let above = m as u32;
-                cells.quads.push(if hollow { [p, p + above, q + above, q] } else { [p, q, q + above, p + above] });
+        let row = u.len() as u32;
+        for j in 1..v.len() as u32 {
+            cells.quads.extend((1..row).map(|i| (j - 1) * row + i - 1).map(|p| [p, p + 1, p + row + 1, p + row]));
+        }
+        cells
+    }
+
+    /// The pieces of the faces of a CAD model, each cut into `n` by `n` cells and to its loops.
+    pub fn of_faces(pieces: &[FacePiece], n: usize) -> Self {
+        let mut cells = Self::default();
+        let at = |k: usize| k as f64 / n.max(1) as f64;
+        for piece in pieces {
+            for (i, j) in (0..n.max(1)).flat_map(|j| (0..n.max(1)).map(move |i| (i, j))) {
+                let corners = [[at(i), at(j)], [at(i + 1), at(j)], [at(i + 1), at(j + 1)], [at(i), at(j + 1)]];
+                let middle = [at(i) + 0.5 * at(1), at(j) + 0.5 * at(1)];
+                // Just inside the cell: loops often run along the border of the domain.
+                let inward = |xi: [f64; 2]| std::array::from_fn(|a| xi[a] + INWARD * (middle[a] - xi[a]));
+                cells.add_polygon(piece, &cut(corners, |xi| piece.holds(inward(xi))));
             }
         }
         cells
+    }
+
+    /// A convex polygon of parameters.
+    fn add_polygon(&mut self, surface: &impl Parametric, corners: &[[f64; 2]]) {
+        let first = self.points.len() as u32;
+        self.points.extend(corners.iter().map(|xi| <[f64; 3]>::from(surface.point(*xi))));
+        match corners.len() as u32 {
+            4 => self.quads.push([first, first + 1, first + 2, first + 3]),
+            count => self.triangles.extend((2..count).map(|k| [first, first + k - 1, first + k])),
+        }
     }
 
     fn add_quad(&mut self, patch: &Patch, n: usize) {
@@ -97,20 +94,38 @@ impl Tessellation {
     }
 }
 
-/// Least and greatest coordinate of the corners of a box along `direction` from `origin`.
-fn range(origin: &Vec3, direction: &Vec3, low: &Vec3, high: &Vec3) -> [f64; 2] {
-    let middle = ((low + high) * 0.5 - origin).dot(direction);
-    let half = ((high - low) * 0.5).abs().dot(&direction.abs());
-    [middle - half, middle + half]
+/// The part of a quadrilateral of parameters that `holds`, bounded by straight lines between the ends of its sides.
+fn cut(corners: [[f64; 2]; 4], holds: impl Fn([f64; 2]) -> bool) -> Vec<[f64; 2]> {
+    let inside = corners.map(&holds);
+    let mut part = Vec::new();
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        if inside[k] {
+            part.push(corners[k]);
+        }
+        if inside[k] != inside[next] {
+            let on = |t: f64| std::array::from_fn(|a| corners[k][a] + t * (corners[next][a] - corners[k][a]));
+            let (mut from, mut to) = (0.0, 1.0);
+            for _ in 0..HALVINGS {
+                let middle = 0.5 * (from + to);
+                if holds(on(middle)) == inside[k] { from = middle } else { to = middle }
+            }
+            part.push(on(0.5 * (from + to)));
+        }
+    }
+    part
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::surface::test_meshes::{wavy_quad, wavy_triangle};
+    use crate::surface::{Curve, Face, FaceSet, Nurbs, sew};
+    use crate::{Vec2, Vec3};
+    use std::f64::consts::{PI, TAU};
 
     /// Sum of the area vectors, and of the volume that the cells sweep from the origin.
-    fn sums(cells: &Tessellation) -> (Vec3, f64) {
+    pub fn sums(cells: &Tessellation) -> (Vec3, f64) {
         let quads = cells.quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
         let mut area = Vec3::zeros();
         let mut volume = 0.0;
@@ -122,6 +137,26 @@ mod tests {
         (area, volume)
     }
 
+    /// A square with a round hole that lies across several cells, and with one that touches none of their corners.
+    #[test]
+    fn faces_end_at_their_loops() {
+        let plane = Nurbs::plane(Vec3::zeros(), Vec3::x() * 2.0, Vec3::y() * 2.0);
+        let [[from, to], _] = plane.domain();
+        let center = Vec2::repeat(0.5 * (from + to));
+        for (radius, n, error) in [(0.3, 8, 0.04), (0.3, 64, 6e-4), (0.02, 5, 0.01)] {
+            let circle = Curve::arc(center, Vec2::x(), Vec2::y(), radius * (to - from), [0.0, TAU]).unwrap();
+            let border = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|p| Vec2::from(p) * (to - from));
+            let border = (0..4).map(|k| Curve::line(border[k], border[(k + 1) % 4])).collect();
+            let face =
+                Face { surface: plane.clone(), loops: vec![border, vec![circle]], reversed: false, name: "".into() };
+            let faces = sew(&[face], 0.7, 1e-6, false).unwrap();
+            let cells = Tessellation::of_faces(FaceSet::new(&faces).pieces(), n);
+            let exact = 4.0 - PI * (2.0 * radius).powi(2);
+            let (area, _) = sums(&cells);
+            assert!((area.z - exact).abs() < error, "{radius} {n}: {} {exact}", area.z);
+        }
+    }
+
     #[test]
     fn patches_keep_their_border_and_orientation() {
         for (patch, _) in [wavy_quad(), wavy_triangle()] {
@@ -131,29 +166,5 @@ mod tests {
             assert_eq!(fine.quads.len() + fine.triangles.len(), 128);
             assert!(sums(&one).0.z > 0.3 && (sums(&fine).0 / 2.0 - sums(&one).0).norm() < 0.2);
         }
-    }
-
-    #[test]
-    fn round_shapes_are_closed_and_turned_outwards() {
-        let (low, high) = (Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, 1.0, 2.0));
-        for (hollow, sign) in [(false, 1.0), (true, -1.0)] {
-            let sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.3), radius: 2.0, hollow };
-            let (area, volume) = sums(&Tessellation::of_sphere(&sphere, 64));
-            assert!(
-                area.norm() < 1e-12 && (sign * volume / (4.0 / 3.0 * std::f64::consts::PI * 8.0) - 1.0).abs() < 0.01
-            );
-            let cylinder = Cylinder { point: Vec3::zeros(), axis: Vec3::z(), radius: 2.0, hollow };
-            let tube = Tessellation::of_cylinder(&cylinder, 64, &low, &high);
-            let (area, volume) = sums(&tube);
-            assert!(
-                area.norm() < 1e-12
-                    && (sign * volume / (2.0 / 3.0 * std::f64::consts::PI * 4.0 * 3.0) - 1.0).abs() < 0.01
-            );
-            assert!(tube.points.iter().all(|p| p[2] >= -1.0 - 1e-12 && p[2] <= 2.0 + 1e-12));
-        }
-        let plane = Plane { point: Vec3::new(5.0, 5.0, 0.5), normal: -Vec3::z() };
-        let cells = Tessellation::of_plane(&plane, &low, &high);
-        assert!((sums(&cells).0 + Vec3::z() * 4.0).norm() < 1e-12);
-        assert!(cells.points.iter().all(|p| p[0].abs() <= 1.0 + 1e-12 && p[1].abs() <= 1.0 + 1e-12 && p[2] == 0.5));
     }
 }

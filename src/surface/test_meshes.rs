@@ -1,12 +1,16 @@
 //! Meshes and patches that the tests of several modules share.
 
 use super::facets::Facets;
+use super::from_mesh::patches_from_mesh;
 use super::nagata::edge_coefficient;
-use super::patch::{Edge, Patch};
-use super::tool::patches_from_mesh;
+use super::normals::NormalOptions;
+use super::patch::Patch;
+use super::piece::Edge;
 use crate::Vec3;
 use crate::mesh::{Facet, Mesh};
 use crate::scene::Smoothing;
+use crate::surface::Bezier;
+use proptest::prelude::*;
 
 /// A mesh of facets numbered from 101.
 pub fn mesh_of(points: Vec<[f64; 3]>, facets: &[&[u32]]) -> Mesh {
@@ -107,7 +111,8 @@ pub fn cubed_sphere(n: usize, triangles: bool, faces: usize) -> Mesh {
 /// The patches of [`cubed_sphere`] with the exact normals.
 pub fn sphere_patches(n: usize, triangles: bool, faces: usize, smoothing: Smoothing) -> Vec<Patch> {
     let mesh = cubed_sphere(n, triangles, faces);
-    let mut patches = patches_from_mesh(&mesh, smoothing, 90.0, false).unwrap();
+    let options = NormalOptions { feature_angle: 90.0, ..NormalOptions::default() };
+    let mut patches = patches_from_mesh(&mesh, smoothing, &options, false).unwrap();
     let facets = Facets::new(&mesh, false).unwrap();
     if smoothing == Smoothing::Nagata {
         for (f, patch) in patches.iter_mut().enumerate() {
@@ -163,4 +168,14 @@ pub fn sphere_quad() -> (Patch, Vec<Vec3>) {
 pub fn sphere_triangle() -> (Patch, Vec<Vec3>) {
     let (quad, normals) = sphere_quad();
     (patch(&quad.nodes[..3], &normals[..3]), normals[..3].to_vec())
+}
+
+/// Rational Bézier patches of degrees up to `most`, with control points in a cube of side 2 and so with folds.
+pub fn random_bezier(most: usize) -> impl Strategy<Value = Bezier> {
+    [1..=most, 1..=most].prop_flat_map(|degrees| {
+        let count = (degrees[0] + 1) * (degrees[1] + 1);
+        let points = prop::collection::vec([-1.0..1.0_f64, -1.0..1.0, -1.0..1.0].prop_map(Vec3::from), count);
+        let weights = prop_oneof![Just(vec![1.0; count]), prop::collection::vec(0.3..3.0_f64, count)];
+        (points, weights).prop_map(move |(points, weights)| Bezier::new(degrees, points, weights).unwrap())
+    })
 }

@@ -78,10 +78,15 @@ pub fn nagata(folder: &Path, ranks: usize, arguments: &[&str], out: PathBuf) -> 
 
 /// `mpirun -n ranks nagata`, to which arguments are added. Ends by itself if it hangs.
 pub fn mpirun(ranks: usize) -> Command {
+    mpirun_of(ranks, Path::new(env!("CARGO_BIN_EXE_nagata")))
+}
+
+/// The same for any program.
+pub fn mpirun_of(ranks: usize, program: &Path) -> Command {
     let mut command = Command::new("mpirun");
     command
         .args(["--quiet", "--bind-to", "none", "--oversubscribe", "--timeout", "240", "-n", &ranks.to_string()])
-        .arg(env!("CARGO_BIN_EXE_nagata"))
+        .arg(program)
         .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
         .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
         .env("OMPI_MCA_pml", "ob1")

@@ -168,7 +168,7 @@ impl Newton<'_> {
             for slave in &pair.slaves {
                 let here = tool.trial.inward(&place(slave.node));
                 longest[0] = longest[0].max(slave.committed.place.map_or(0.0, |from| (here - from).norm()));
-                lost |= !tool.covers(&here);
+                lost |= !tool.surface.covers(&here);
             }
             max(self.comm, &mut longest);
             if longest[0] > pair.reach {

@@ -101,13 +101,7 @@ impl Placed<'_> {
 
     fn group_of(&self, cells: impl Iterator<Item = usize>) -> Group {
         let mut group = Group::default();
-        for cell in cells {
-            match self.slots[cell] {
-                Slot::Solid(solid) => group.solids.push(solid),
-                Slot::Facet(facet) => group.facets.push(facet),
-                Slot::Loose(nodes) => group.nodes.extend(nodes),
-            }
-        }
+        cells.for_each(|cell| group.add(self.slots[cell]));
         group
     }
 

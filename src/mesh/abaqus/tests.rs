@@ -141,7 +141,10 @@ fn exports_of_gmsh_are_read() {
     assert_eq!((file.mesh.solids.len(), file.mesh.facets.len()), (1, 2));
     assert_eq!(file.groups["base"].group.facets, [0]);
     assert_eq!(file.groups["all"].group.solids, [0]);
-    assert_eq!(file.groups["edge"].group.nodes, [0, 1]);
+    assert_eq!(
+        (&file.groups["edge"].group.nodes[..], &file.groups["edge"].group.lines[..]),
+        (&[0, 1][..], &[[0, 1]][..])
+    );
 }
 
 #[test]

@@ -1,14 +1,14 @@
 //! Gmsh files, versions 2.2 and 4.1, text and binary (Gmsh reference manual, "Gmsh file formats").
 //!
 //! A physical group becomes a group under its name, or under its number when it has no name ("surface 1" and
-//! "volume 1" where several dimensions use that number). Groups of points and lines give their nodes.
+//! "volume 1" where several dimensions use that number). Points and lines give their groups nodes, and lines.
 
 mod bytes;
 #[cfg(test)]
 mod tests;
 
 use super::message;
-use super::raw::{Cell, CellShape, FileMesh, Slot};
+use super::raw::{Cell, CellShape, FileMesh};
 use crate::error::Result;
 use bytes::{Bytes, Encoding};
 use std::collections::HashMap;
@@ -326,11 +326,7 @@ impl Gmsh<'_> {
             };
             let group = &mut file.groups.entry(name).or_default().group;
             for &cell in cells {
-                match slots[cell as usize] {
-                    Slot::Solid(solid) => group.solids.push(solid),
-                    Slot::Facet(facet) => group.facets.push(facet),
-                    Slot::Loose(nodes) => group.nodes.extend(nodes),
-                }
+                group.add(slots[cell as usize]);
             }
         }
         Ok(file)

@@ -1,6 +1,7 @@
 //! Corners of facets that share a nodal normal, and their mean.
 
 use super::super::facets::Facets;
+use super::weight::Weight;
 use crate::Vec3;
 
 /// Corners grouped around their nodes by the edges that join them.
@@ -46,19 +47,24 @@ impl Groups {
         self.of[f][k] as usize
     }
 
+    /// The normal of each corner of each facet from those of the groups.
+    pub fn spread(&self, facets: &Facets, normals: &[Vec3]) -> Vec<[Vec3; 4]> {
+        let corner = |f: usize, k: usize| normals[self.of(f, k % facets.count(f))];
+        (0..facets.nodes.len()).map(|f| std::array::from_fn(|k| corner(f, k))).collect()
+    }
+
     /// Mean normal of each group over the corners that count; zero when none do.
     ///
     /// A closed group takes the normals of its corners, which makes the mean exact on a sphere; where a part is missing
     /// those of the facets are less one-sided.
-    pub fn mean(&self, facets: &Facets, counts: impl Fn((usize, usize)) -> bool) -> Vec<Vec3> {
+    pub fn mean(&self, facets: &Facets, weight: Weight, counts: impl Fn((usize, usize)) -> bool) -> Vec<Vec3> {
         let mut part = self.open.clone();
         facets.corners().filter(|corner| !counts(*corner)).for_each(|(f, k)| part[self.of(f, k)] = true);
         let mut sums = vec![Vec3::zeros(); self.count];
         for (f, k) in facets.corners().filter(|corner| counts(*corner)) {
-            let lengths = facets.edge(f, k).norm_squared() * facets.edge(f, k + facets.count(f) - 1).norm_squared();
-            let corner = facets.corner(f, k).0 / lengths;
+            let (normal, weight) = weight.at(facets, f, k);
             let group = self.of(f, k);
-            sums[group] += if part[group] { facets.normals[f] * corner.norm() } else { corner };
+            sums[group] += weight * if part[group] { facets.normals[f] } else { normal };
         }
         sums.iter().map(|sum| sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()).collect()
     }

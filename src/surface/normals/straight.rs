@@ -1,8 +1,9 @@
 //! Junctions of straight and curved parts, and the normals that they take from the straight side.
 
 use super::super::facets::{Facets, angle};
-use super::super::patch::Edge;
+use super::super::piece::Edge;
 use super::groups::Groups;
+use super::weight::Weight;
 use crate::Vec3;
 
 /// Angle of two facets below which the surface does not turn between them, radians.
@@ -10,15 +11,9 @@ const NO_TURN: f64 = 1e-4;
 /// A turn that is this small beside the one at the junction counts as none.
 const COPLANAR: f64 = 0.02;
 
-/// Kinds of all edges, and the junctions as (facet, edge) on the straight side.
-pub fn classify(facets: &Facets, feature_angle: f64) -> (Vec<[Edge; 4]>, Vec<(usize, usize)>) {
-    let kind = |f: usize, k: usize| match facets.turn(f, k) {
-        None => Edge::Boundary,
-        Some(turn) if turn > feature_angle => Edge::Sharp,
-        Some(_) => Edge::Smooth,
-    };
-    let mut edges: Vec<[Edge; 4]> = (0..facets.nodes.len()).map(|f| std::array::from_fn(|k| kind(f, k))).collect();
-    let around = corners_of_nodes(facets);
+/// Makes the edges between two straight sides sharp; returns the junctions as (facet, edge) on the straight side.
+pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]]) -> Vec<(usize, usize)> {
+    let around = facets.around_nodes();
     let (mut junctions, mut creases) = (Vec::new(), Vec::new());
     for (f, k) in facets.corners() {
         let Some((g, j)) = facets.across[f][k].filter(|(g, _)| f < *g) else { continue };
@@ -36,7 +31,7 @@ pub fn classify(facets: &Facets, feature_angle: f64) -> (Vec<[Edge; 4]>, Vec<(us
     for (f, k) in creases {
         edges[f][k] = Edge::Sharp;
     }
-    (edges, junctions)
+    junctions
 }
 
 /// Whether facet `f` goes on in its plane behind its edge `k`, across which the surface turns by `turn`.
@@ -54,16 +49,10 @@ fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usi
     })
 }
 
-/// The corners (facet, number) at each node.
-fn corners_of_nodes(facets: &Facets) -> Vec<Vec<(usize, usize)>> {
-    let mut around = vec![Vec::new(); facets.points.len()];
-    facets.corners().for_each(|(f, k)| around[facets.node(f, k)].push((f, k)));
-    around
-}
-
 /// Gives the fans on junctions the normal of their straight side; returns the corners that count in their fans.
 pub fn straight_sides(
     facets: &Facets,
+    weight: Weight,
     edges: &[[Edge; 4]],
     junctions: &[(usize, usize)],
     fans: &Groups,
@@ -89,7 +78,7 @@ pub fn straight_sides(
         let sector = sectors.of(f, k);
         straight[sector] && !curved[sector]
     };
-    let side = fans.mean(facets, decides);
+    let side = fans.mean(facets, weight, decides);
 
     // (*) for the edges from each fan into its curved sectors, with the normal of the straight side and with the mean.
     let mut misfit = vec![[0.0; 2]; fans.count];

@@ -1,62 +1,32 @@
-//! The shapes of rigid tools behind one type.
+//! From a mesh to its patches.
 
-use super::analytic::{Cylinder, Plane, Sphere};
 use super::facets::{Facets, angle};
 use super::nagata::{crease_coefficient, edge_coefficient};
-use super::normals::Normals;
-use super::patch::{Edge, Patch};
-use super::patch_set::PatchSet;
-use super::projection::Projection;
-use super::tessellation::Tessellation;
+use super::normals::{NormalOptions, Normals};
+use super::patch::Patch;
+use super::piece::Edge;
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::Smoothing;
 
-/// The geometry of a tool.
-pub enum Shape {
-    Patches(PatchSet),
-    Plane(Plane),
-    Cylinder(Cylinder),
-    Sphere(Sphere),
-}
-
-impl Shape {
-    /// Closest point to `x` within the distance `reach`; `warm` is the patch and parameters of the last projection.
-    pub fn closest(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
-        let projection = match self {
-            Self::Patches(patches) => return patches.closest(x, reach, warm),
-            Self::Plane(plane) => plane.closest(x),
-            Self::Cylinder(cylinder) => cylinder.closest(x),
-            Self::Sphere(sphere) => sphere.closest(x),
-        };
-        (projection.gap.abs() <= reach).then_some(projection)
-    }
-
-    /// What the solver sees, for display: each curved patch in `n` by `n` cells; of analytic shapes what is near the
-    /// box from `low` to `high`, round ones in 16 `n` segments.
-    pub fn tessellate(&self, n: usize, low: &Vec3, high: &Vec3) -> Tessellation {
-        match self {
-            Self::Patches(patches) => Tessellation::of_patches(patches.patches(), n),
-            Self::Plane(plane) => Tessellation::of_plane(plane, low, high),
-            Self::Cylinder(cylinder) => Tessellation::of_cylinder(cylinder, 16 * n, low, high),
-            Self::Sphere(sphere) => Tessellation::of_sphere(sphere, 16 * n),
-        }
-    }
-}
-
 /// The patches of a surface mesh, one for each facet, numbered like [`Mesh::facets`].
 ///
-/// With [`Smoothing::Nagata`], edges whose facets' normals differ by more than `feature_angle_deg` stay sharp. `flip`
-/// turns the surface over. Fails when the facets do not make a surface, see [`Facets::new`].
-pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, feature_angle_deg: f64, flip: bool) -> Result<Vec<Patch>> {
+/// `options` matter to [`Smoothing::Nagata`] alone. `flip` turns the surface over. Fails when the facets do not make a
+/// surface, see [`Facets::new`], and on options that do not fit the mesh.
+pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: bool) -> Result<Vec<Patch>> {
+    smooth(mesh, smoothing, options, flip).map(|(patches, _)| patches)
+}
+
+/// [`patches_from_mesh`], and the number of edges whose normals at both ends no quadratic curve meets.
+pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: bool) -> Result<(Vec<Patch>, usize)> {
     let facets = Facets::new(mesh, flip)?;
-    let (edges, coefficients) = match smoothing {
-        Smoothing::Facet => (facet_edges(&facets), vec![[Vec3::zeros(); 4]; facets.nodes.len()]),
+    let (edges, coefficients, inflected) = match smoothing {
+        Smoothing::Facet => (facet_edges(&facets), vec![[Vec3::zeros(); 4]; facets.nodes.len()], 0),
         Smoothing::Nagata => {
-            let normals = Normals::new(&facets, feature_angle_deg.to_radians());
-            let coefficients = coefficients(&facets, &normals);
-            (normals.edges, coefficients)
+            let (whole, normals) = Normals::of_mesh(mesh, &facets, options)?;
+            let (coefficients, inflected) = (coefficients(&whole, &normals), normals.inflected(&facets));
+            (normals.edges, coefficients, inflected)
         }
     };
     let mut on_boundary = vec![false; facets.points.len()];
@@ -69,16 +39,10 @@ pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, feature_angle_deg: f
         count: facets.counts[f],
         nodes: std::array::from_fn(|k| *facets.point(f, k)),
         coefficients: coefficients[f],
-        edges: edges[f],
+        edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
         on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
     };
-    Ok((0..facets.nodes.len()).map(patch).collect())
-}
-
-/// Number of edges of the Nagata surface of `mesh` whose normals it meets in part only.
-pub fn count_inflected(mesh: &Mesh, feature_angle_deg: f64, flip: bool) -> Result<usize> {
-    let facets = Facets::new(mesh, flip)?;
-    Ok(Normals::new(&facets, feature_angle_deg.to_radians()).inflected(&facets))
+    Ok(((0..facets.nodes.len()).map(patch).collect(), inflected))
 }
 
 /// Between facets an edge is smooth only when they lie in one plane there.
@@ -140,7 +104,8 @@ mod tests {
             let a = std::f64::consts::FRAC_PI_2 * s;
             [a.cos(), a.sin(), t]
         });
-        patches_from_mesh(&mesh, smoothing, 60.0, false).unwrap()
+        let options = NormalOptions { feature_angle: 60.0, ..NormalOptions::default() };
+        patches_from_mesh(&mesh, smoothing, &options, false).unwrap()
     }
 
     #[test]
@@ -187,7 +152,8 @@ mod tests {
             let mesh = crate::surface::test_meshes::cubed_sphere(3, triangles, 5);
             for feature in [5.0, 40.0, 180.0] {
                 let facets = Facets::new(&mesh, false).unwrap();
-                let patches = patches_from_mesh(&mesh, Smoothing::Nagata, feature, false).unwrap();
+                let options = NormalOptions { feature_angle: feature, ..NormalOptions::default() };
+                let patches = patches_from_mesh(&mesh, Smoothing::Nagata, &options, false).unwrap();
                 for (f, patch) in patches.iter().enumerate() {
                     for k in 0..facets.count(f) {
                         match facets.across[f][k] {
@@ -206,10 +172,10 @@ mod tests {
     #[test]
     fn flat_parts_stay_facets() {
         for triangles in [false, true] {
-            let patches = patches_from_mesh(&indenter(2, triangles), Smoothing::Nagata, 40.0, false).unwrap();
+            let options = NormalOptions::default();
+            let patches = patches_from_mesh(&indenter(2, triangles), Smoothing::Nagata, &options, false).unwrap();
             let curved = patches.iter().filter(|p| p.coefficients.iter().any(|c| c.norm() > 1e-12)).count();
             assert_eq!(curved, if triangles { 32 } else { 16 });
         }
-        assert_eq!(count_inflected(&indenter(1, false), 40.0, false).unwrap(), 0);
     }
 }

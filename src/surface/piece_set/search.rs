@@ -1,0 +1,280 @@
+//! The search of the closest point among many pieces, and the choice between those that are equally close.
+
+use super::PieceSet;
+use crate::surface::piece::{EXTENSION, Edge, Piece};
+use crate::surface::projection::{Foot, Projection, descend};
+use crate::{Mat3, Vec3};
+use rstar::PointDistance;
+
+/// Distances that differ by less, over the size of a piece, are equal.
+const EQUAL: f64 = 1e-12;
+/// The same for the piece of the last projection.
+const KEEP: f64 = 1e-6;
+/// Distance to an edge, over the size of the piece, below which the direction to it means nothing.
+const TOUCH: f64 = 1e-9;
+/// Angle between the normals of a surface and one of its pieces, in radians, below which there is no edge.
+const FLAT: f64 = 1e-3;
+/// Overshoots that differ by less are equal.
+const ROUNDED: f64 = 1e-9;
+
+/// What is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// The nearest point.
+    Nearest,
+    /// The point of contact.
+    Contact,
+    /// The same, asking the neighbours of every edge.
+    WaryContact,
+}
+
+/// A piece with a projection of x.
+#[derive(Clone, Copy, Default)]
+struct Hit {
+    index: usize,
+    /// Least distance to the piece without extension, and where it is.
+    distance: f64,
+    core: Place,
+    /// The same with the extension that the edges allow.
+    place: Place,
+    overshoot: f64,
+}
+
+/// Parameters, and the limits of the domain that they lie on.
+#[derive(Clone, Copy, Default)]
+struct Place {
+    xi: [f64; 2],
+    limits: u32,
+}
+
+impl From<Foot> for Place {
+    fn from(foot: Foot) -> Self {
+        Self { xi: foot.xi, limits: foot.limits }
+    }
+}
+
+/// As many pieces as are told apart around one point; of more, those with the lowest ids count.
+const HITS: usize = 24;
+
+pub struct Search<'a, P> {
+    set: &'a PieceSet<P>,
+    x: &'a Vec3,
+    kept: Option<usize>,
+    question: Question,
+    /// Least distance of a piece with a projection, and of one without.
+    best: f64,
+    lost: f64,
+    /// The first `count` are as close as the best was when they were found.
+    hits: [Hit; HITS],
+    count: usize,
+}
+
+impl<'a, P: Piece> Search<'a, P> {
+    pub fn new(set: &'a PieceSet<P>, x: &'a Vec3, reach: f64, kept: Option<usize>, question: Question) -> Self {
+        Self { set, x, kept, question, best: reach, lost: f64::INFINITY, hits: [Hit::default(); HITS], count: 0 }
+    }
+
+    /// Considers all pieces whose boxes are as close as the best piece: from the box around x when a last projection
+    /// tells how large it must be, else by rising distance.
+    pub fn run(&mut self, warm: Option<[f64; 2]>) {
+        if let Some(kept) = self.kept {
+            self.consider(kept, warm);
+        }
+        let set = self.set;
+        let margin = EQUAL * set.largest + self.rounding() + set.seam;
+        let x: [f64; 3] = (*self.x).into();
+        if self.count > 0 {
+            let around = Vec3::repeat(self.best + margin);
+            for leaf in set.boxes(&(self.x - around), &(self.x + around)) {
+                if self.kept != Some(leaf.data as usize) && leaf.geom().distance_2(&x) <= (self.best + margin).powi(2) {
+                    self.consider(leaf.data as usize, None);
+                }
+            }
+        } else {
+            for (leaf, distance_2) in set.tree.nearest_neighbor_iter_with_distance_2(x) {
+                if distance_2 > (self.best + margin).powi(2) {
+                    break;
+                }
+                if self.kept != Some(leaf.data as usize) {
+                    self.consider(leaf.data as usize, None);
+                }
+            }
+        }
+    }
+
+    /// Whether a piece without projection is closer than the edge to be chosen: it may be the one across the edge.
+    pub fn is_doubtful(&self) -> bool {
+        self.choice().is_some_and(|hit| hit.place.limits != 0 && self.lost < hit.distance)
+    }
+
+    /// The projection to choose.
+    pub fn answer(&self) -> Option<Projection> {
+        self.choice().map(|hit| self.projection(hit))
+    }
+
+    fn consider(&mut self, index: usize, start: Option<[f64; 2]>) {
+        let core = self.core(index, self.x, start);
+        if core.distance > self.best + self.slack(index) + self.set.seam {
+            return;
+        }
+        let settled = match self.question {
+            Question::Nearest => Some((core, 0.0)),
+            _ => self.set.pieces[index].settle(self.x, core),
+        };
+        let Some((foot, overshoot)) = settled else {
+            self.lost = self.lost.min(core.distance);
+            return;
+        };
+        let hit = Hit { index, distance: core.distance, core: core.into(), place: foot.into(), overshoot };
+        if self.question == Question::WaryContact
+            && foot.limits != 0
+            && self.a_neighbour_is_closer(&hit, &core.local.point)
+        {
+            return;
+        }
+        self.best = self.best.min(core.distance);
+        self.push(hit);
+    }
+
+    fn core(&self, index: usize, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
+        self.set.pieces[index].core(&self.set.extents[index], x, start)
+    }
+
+    fn push(&mut self, hit: Hit) {
+        if self.count == HITS {
+            let mut count = 0;
+            for k in 0..HITS {
+                if self.is_close(&self.hits[k], self.set.seam) {
+                    self.hits[count] = self.hits[k];
+                    count += 1;
+                }
+            }
+            self.count = count;
+        }
+        if self.count < HITS {
+            self.hits[self.count] = hit;
+            self.count += 1;
+        } else if let Some(last) = self.hits.iter_mut().max_by_key(|h| h.index).filter(|h| h.index > hit.index) {
+            *last = hit;
+        }
+    }
+
+    /// Whether a piece that touches `hit` at its core point comes closer to x.
+    fn a_neighbour_is_closer(&self, hit: &Hit, point: &Vec3) -> bool {
+        let touch = TOUCH * self.set.extents[hit.index].radius + self.set.pieces[hit.index].seam();
+        let around = Vec3::repeat(touch);
+        self.set.boxes(&(point - around), &(point + around)).map(|leaf| leaf.data as usize).any(|index| {
+            index != hit.index
+                && self.core(index, point, None).distance < touch
+                && self.core(index, self.x, None).distance < hit.distance - self.slack(index)
+        })
+    }
+
+    fn rounding(&self) -> f64 {
+        8.0 * f64::EPSILON * self.x.amax()
+    }
+
+    /// How much further away than the best a piece may be and count as equally close.
+    fn slack(&self, index: usize) -> f64 {
+        let keep = if self.kept == Some(index) { KEEP } else { EQUAL };
+        keep * self.set.extents[index].radius + self.rounding()
+    }
+
+    /// Whether a hit is as close as the best, but for `seam`.
+    fn is_close(&self, hit: &Hit, seam: f64) -> bool {
+        hit.distance <= self.best + self.slack(hit.index) + seam
+    }
+
+    /// Faces that meet at a distance are equally close beyond the smooth edge of the closest.
+    fn seam(&self) -> f64 {
+        if self.set.seam == 0.0 {
+            return 0.0;
+        }
+        let hits = self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0));
+        let closest = hits.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.index.cmp(&b.index)));
+        closest.filter(|hit| hit.overshoot > 0.0).map_or(0.0, |hit| self.set.pieces[hit.index].seam())
+    }
+
+    /// The hit to take: the least overshoot, inside rather than on an edge, the lowest id.
+    fn choice(&self) -> Option<&Hit> {
+        let rank = |hit: &Hit| {
+            let kept = if self.kept == Some(hit.index) { KEEP } else { 0.0 };
+            // In steps well above rounding, so that equal overshoots are seen to be equal.
+            (((hit.overshoot - kept) / ROUNDED).round() as i64, hit.place.limits != 0, hit.index)
+        };
+        let seam = self.seam();
+        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, seam)).min_by_key(|hit| rank(hit))
+    }
+
+    fn projection(&self, hit: &Hit) -> Projection {
+        let piece = &self.set.pieces[hit.index];
+        let Place { xi, limits } = hit.place;
+        let local = piece.local(xi);
+        let r = self.x - local.point;
+        let foot = Foot { xi, limits, local, distance: r.norm() };
+        let (gap, normal, normal_gradient) = if limits == 0 || self.is_perpendicular(hit, &foot) {
+            piece.on_surface(self.x, &foot)
+        } else {
+            let mean = self.mean_normal(hit);
+            if foot.distance > TOUCH * self.set.extents[hit.index].radius {
+                piece.on_edge(self.x, &foot, mean.dot(&r) < 0.0)
+            } else {
+                let normal = mean.normalize();
+                (r.dot(&normal), normal, Mat3::zeros())
+            }
+        };
+        Projection { gap, point: local.point, normal, normal_gradient, patch: piece.id(), xi }
+    }
+
+    /// Whether the nearest point, though on an edge, is the foot of a perpendicular; for x itself, whether the surface is
+    /// smooth there.
+    fn is_perpendicular(&self, hit: &Hit, foot: &Foot) -> bool {
+        if self.question != Question::Nearest {
+            return false;
+        }
+        let normal = self.set.pieces[hit.index].normal(foot.xi);
+        let (along, tolerance) = if foot.distance > TOUCH * self.set.extents[hit.index].radius {
+            (self.x - foot.local.point, TOUCH)
+        } else {
+            (self.mean_normal(hit), FLAT)
+        };
+        along.cross(&normal).norm() <= tolerance * along.norm()
+    }
+
+    /// Sum of the normals around the core point of `chosen`, weighted by angle.
+    fn mean_normal(&self, chosen: &Hit) -> Vec3 {
+        let pieces = &self.set.pieces;
+        let point = pieces[chosen.index].point(chosen.core.xi);
+        let touch = KEEP * self.set.extents[chosen.index].radius;
+        let normal = |hit: &Hit| {
+            let (piece, Place { xi, limits }) = (&pieces[hit.index], hit.core);
+            let foot = Foot { xi, limits, local: piece.local(xi), distance: 0.0 };
+            ((foot.local.point - point).norm() <= touch).then(|| piece.angle_normal(&foot))
+        };
+        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(normal).sum()
+    }
+}
+
+/// From the closest point of a piece without extension to the one with the extension that its edges allow, and how much
+/// of it that needs. `None` beyond an end of the surface.
+pub fn settle<P: Piece + ?Sized>(piece: &P, x: &Vec3, core: Foot) -> Option<(Foot, f64)> {
+    let edges = piece.edges();
+    let on = |foot: &Foot, kind: &dyn Fn(Edge) -> bool| (0..4).any(|k| foot.limits >> k & 1 == 1 && kind(edges[k]));
+    let extension = |kind: &dyn Fn(Edge) -> bool| edges.map(|edge| if kind(edge) { EXTENSION } else { 0.0 });
+    let (soft, end) = (|edge| edge != Edge::Sharp, |edge| edge == Edge::Boundary);
+    let is_soft = on(&core, &soft);
+    if is_soft {
+        let foot = descend(piece, x, &extension(&soft), core.xi);
+        if !on(&foot, &soft) {
+            return Some((foot, piece.overshoot(foot.xi)));
+        }
+    }
+    let foot = if on(&core, &end) { descend(piece, x, &extension(&end), core.xi) } else { core };
+    let count = piece.count();
+    let at_corner = |k: usize| foot.limits >> k & 1 == 1 && foot.limits >> ((k + count - 1) % count) & 1 == 1;
+    if on(&foot, &end) || (0..count).any(|k| at_corner(k) && piece.ends_at(k)) {
+        return None;
+    }
+    // Beyond all extension the smooth edge comes after any piece that needs less.
+    Some((foot, if is_soft { 1.0 } else { 0.0 }))
+}
