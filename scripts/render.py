@@ -29,7 +29,8 @@ def read(results, time):
     # Of ParaView's Xdmf readers this one keeps the names of the grids. It wants an absolute path.
     reader = simple.Xdmf3ReaderT(FileName=[os.path.abspath(os.path.join(results, "fields.xdmf"))])
     reader.UpdatePipelineInformation()
-    times = list(reader.TimestepValues) or [0.0]
+    times = reader.TimestepValues or [0.0]
+    times = [times] if isinstance(times, float) else list(times)  # ParaView hands a single one out bare
     time = times[-1] if time is None else min(times, key=lambda t: abs(t - time))
     reader.UpdatePipeline(time)
     data = servermanager.Fetch(reader)
