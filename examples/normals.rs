@@ -8,7 +8,7 @@ use nagata::Vec3;
 use nagata::mesh::{Facet, Mesh};
 use nagata::scene::Smoothing;
 use nagata::surface::facets::{Facets, angle};
-use nagata::surface::normals::Normals;
+use nagata::surface::normals::Means;
 use nagata::surface::{NormalOptions, Weight, patches_from_mesh};
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -92,7 +92,7 @@ fn print_means(title: &str, quantity: usize, rows: &[Row]) {
 fn measure(surface: &Surface, mesh: &Mesh, weight: Weight) -> nagata::error::Result<Errors> {
     let options = NormalOptions { weight, feature_angle: 90.0, ..NormalOptions::default() };
     let facets = Facets::new(mesh, false)?;
-    let normals = Normals::mean(&facets, weight, 90f64.to_radians(), |_, _| false);
+    let normals = Means::new(&facets, weight, 90f64.to_radians(), |_, _| false).normals;
     let patches = patches_from_mesh(mesh, Smoothing::Nagata, &options, false)?;
     let mut errors = Errors::default();
     let mut counts = [0.0; 2];

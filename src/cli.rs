@@ -155,8 +155,8 @@ impl Cli {
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
-                let model = Model::new(comm, &loaded, &Phases::default())?;
-                let text = describe::check(comm, &loaded, &model)?;
+                let mut model = Model::new(comm, &loaded, &Phases::default())?;
+                let text = describe::check(comm, &loaded, &mut model)?;
                 if comm.rank() == 0 {
                     // Whoever reads it may have stopped.
                     let _ = write!(std::io::stdout(), "{text}");

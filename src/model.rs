@@ -2,15 +2,16 @@
 //! asks for it.
 
 use crate::Vec3;
-use crate::contact::{Pair, Slave, Tool};
+use crate::contact::{Avoided, BodySurface, Master, Pair, Slave, Tool, follow_all, guidance, mates, self_contact};
 use crate::error::{Error, Result};
-use crate::mesh::{self, Mesh, Purpose, SolidShape};
+use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, distribute};
-use crate::scene::{self, Element, Located, Scene, did_you_mean};
+use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, did_you_mean};
 use crate::solid::element::{hex8, tet4};
 use crate::solid::material::Material;
+use crate::surface::MovingPatch;
 use crate::system::nodal_stiffness;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -30,6 +31,8 @@ pub struct Model {
     pub part: Part,
     pub bodies: Vec<Body>,
     pub tools: Vec<Tool>,
+    /// Deformable masters, one for each pair that has one.
+    pub surfaces: Vec<BodySurface>,
     pub pairs: Vec<Pair>,
     /// Index of each set of the scene in [`Part::sets`].
     set_index: BTreeMap<String, usize>,
@@ -37,6 +40,8 @@ pub struct Model {
     pub stiffness: f64,
     /// Typical size of an element, the cube root of the mean element volume.
     pub size: f64,
+    /// What the user should know of the contacts.
+    pub warnings: Vec<String>,
 }
 
 impl Model {
@@ -49,7 +54,8 @@ impl Model {
         let root = comm.rank() == 0;
         let read = || agree(comm, if root { assemble_bodies(scene, &names).map(Some) } else { Ok(None) });
         let global = phases.time(Phase::Read, read)?;
-        let part = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
+        let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
+        let patches = agree(comm, master_patches(scene, &names, global.as_ref(), &numbers))?;
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
         let mut bodies = Vec::new();
@@ -68,17 +74,30 @@ impl Model {
             tools.push(Tool::new(comm, tool)?);
         }
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
-        let mut model = Self { part, bodies, tools, pairs: Vec::new(), set_index, stiffness: 0.0, size: 0.0 };
+        let (surfaces, pairs) = (Vec::new(), Vec::new());
+        let warnings = Vec::new();
+        let mut model = Self { part, bodies, tools, surfaces, pairs, set_index, stiffness: 0.0, size: 0.0, warnings };
+        let passes = scene.passes();
+        let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c.master.value.as_str(), given)));
+        let mut avoided = Vec::new();
+        for ((name, given), (patches, found)) in masters.zip(&patches) {
+            avoided.push(self_contact::deal(comm, found, &model.part.starts));
+            let size = model.longest_edge(comm, name);
+            model.surfaces.push(BodySurface::new(comm, name, given, patches, &model.part.starts, size));
+        }
         let stiffness = agree(comm, nodal_stiffness(&model))?;
         let volume = model.volume(comm);
         model.size = (volume / model.part.total_solids as f64).cbrt();
         let mut largest = [stiffness.iter().copied().fold(0.0, f64::max)];
         max(comm, &mut largest);
         model.stiffness = largest[0];
-        for contact in &scene.contacts {
-            let pair = model.pair(comm, scene, contact, &stiffness);
+        for contact in &passes {
+            let pair = model.pair(comm, scene, contact, &stiffness, &avoided);
             model.pairs.push(pair);
         }
+        model.join_passes();
+        model.find_mates(comm, scene)?;
+        model.warnings = guidance::warnings(comm, scene, &model.part, &model.set_index);
         Ok(model)
     }
 
@@ -102,33 +121,161 @@ impl Model {
     }
 
     /// The slave nodes of a contact on this rank.
-    fn pair(&self, comm: &SimpleCommunicator, scene: &Scene, contact: &scene::Contact, stiffness: &[f64]) -> Pair {
+    fn pair(
+        &self,
+        comm: &SimpleCommunicator,
+        scene: &Scene,
+        contact: &scene::Contact,
+        stiffness: &[f64],
+        avoided: &[BTreeMap<u32, Avoided>],
+    ) -> Pair {
         let set = self.set(&contact.slave.value);
+        let (mut master, mut planar, mut softest) = (Master::Tool(0), false, f64::INFINITY);
+        let within_body = body_of(&contact.slave.value) == body_of(&contact.master.value);
+        if contact.surface.is_some() {
+            master = Master::Surface(self.pairs.iter().filter(|p| matches!(p.master, Master::Surface(_))).count());
+            planar = [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value));
+            softest = self.mean_stiffness(comm, &contact.master.value, stiffness);
+        } else if let Some(tool) = scene.tools.iter().position(|t| t.name.value == contact.master.value) {
+            master = Master::Tool(tool);
+        }
         let mut nodes: Vec<u32> = set.nodes.iter().map(|&n| self.part.tie[n as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();
+        if within_body && !contact.is_self() {
+            // A node on both sides would meet itself.
+            nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
+        }
+        let mut shunned = Vec::new();
+        if let (true, Master::Surface(k)) = (contact.is_self(), master) {
+            let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
+            let depth = |avoided: Avoided| match contact.thickness {
+                Some(thickness) => avoided.with_thickness(thickness),
+                None => avoided,
+            };
+            shunned = nodes.iter().map(of_node).map(depth).collect();
+        }
         let slaves = nodes
             .into_iter()
-            .map(|n| Slave::new(n, contact.friction, contact.penalty.unwrap_or(PENALTY * stiffness[n as usize])))
+            .map(|n| {
+                let stiffness = stiffness[n as usize].min(softest);
+                let given = contact.penalty.unwrap_or(penalty_share(contact.method) * stiffness);
+                let held = contact.method.holds_multipliers();
+                let augmentation = if held { AUGMENTATION * stiffness } else { given };
+                Slave::new(n, contact.friction, given, augmentation)
+            })
             .collect();
-        let mut span = [0.0f64];
-        for facet in &set.facets {
+        let facet_size = self.longest_edge(comm, &contact.slave.value);
+        Pair {
+            name: contact.name.value.clone(),
+            master,
+            planar,
+            friction: contact.friction,
+            tangent: contact.tangent,
+            method: contact.method,
+            set: self.set_index[&contact.slave.value],
+            slaves,
+            reach: contact.reach.unwrap_or(2.0 * facet_size),
+            facet_size,
+            within_body,
+            outward: Vec::new(),
+            discretization: contact.discretization,
+            other: None,
+            is_second: false,
+            avoided: shunned,
+        }
+    }
+
+    /// Lets the two passes of a contact know of each other.
+    fn join_passes(&mut self) {
+        for second in 1..self.pairs.len() {
+            let first = second - 1;
+            if self.pairs[second].name == format!("{}.master", self.pairs[first].name) {
+                self.pairs[second].is_second = true;
+                self.pairs[second].other = Some(first);
+                self.pairs[first].other = Some(second);
+            }
+        }
+    }
+
+    /// Pairs the nodes of contacts from node to node where they stand. Collective.
+    fn find_mates(&mut self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
+        let Self { part, surfaces, pairs, .. } = self;
+        let place = |n: u32| part.points[n as usize];
+        follow_all(comm, surfaces, pairs, place);
+        for pair in pairs.iter_mut().filter(|p| p.discretization == Discretization::NodeToNode) {
+            let (Master::Surface(k), Some(contact)) =
+                (pair.master, scene.contacts.iter().find(|c| c.name.value == pair.name))
+            else {
+                continue;
+            };
+            let lonely = mates::find(&mut pair.slaves, &surfaces[k], place).err();
+            let told = lonely.map(|(node, distance)| {
+                let (x, id) = (place(node), part.id[node as usize]);
+                let what = format!(
+                    "node {id} of `{}` at ({:.6}, {:.6}, {:.6}) has no node of `{}` at its place: {distance}",
+                    contact.slave.value, x.x, x.y, x.z, contact.master.value
+                );
+                Error::input(&contact.slave.at, what, "mesh both sides alike, or use another `discretization`")
+            });
+            agree(comm, told.map_or(Ok(()), Err))?;
+        }
+        Ok(())
+    }
+
+    /// Turns the slave nodes of pairs within a body to where their faces look with nodes displaced by `u`.
+    pub fn turn_slaves(&mut self, u: &[Vec3]) {
+        for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
+            let mut outward = vec![Vec3::zeros(); self.part.points.len()];
+            for facet in &self.part.sets[pair.set].facets {
+                let nodes = &facet.nodes[..facet.count as usize];
+                let at = |k: usize| {
+                    let n = nodes[k % nodes.len()] as usize;
+                    self.part.points[n] + u[n]
+                };
+                let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
+                nodes.iter().for_each(|&n| outward[self.part.tie[n as usize] as usize] += area);
+            }
+            let unit = |s: &Slave| outward[s.node as usize].try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+            pair.outward = pair.slaves.iter().map(unit).collect();
+        }
+    }
+
+    /// Longest edge of the facets of a set. Collective.
+    fn longest_edge(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
+        let mut longest = [0.0f64];
+        for facet in &self.set(set).facets {
             let corners = &facet.nodes[..facet.count as usize];
             let at = |k: usize| self.part.points[corners[k % corners.len()] as usize];
             for k in 0..corners.len() {
-                span[0] = span[0].max((at(k + 1) - at(k)).norm());
+                longest[0] = longest[0].max((at(k + 1) - at(k)).norm());
             }
         }
-        max(comm, &mut span);
-        let tool = scene.tools.iter().position(|t| t.name.value == contact.master.value).unwrap_or_default();
-        Pair {
-            name: contact.name.value.clone(),
-            tool,
-            friction: contact.friction,
-            set: self.set_index[&contact.slave.value],
-            slaves,
-            reach: contact.reach.unwrap_or(2.0 * span[0]),
-            facet_size: span[0],
+        max(comm, &mut longest);
+        longest[0]
+    }
+
+    /// Whether a set is on a body in plane strain.
+    fn is_planar(&self, set: &str) -> bool {
+        self.bodies.iter().any(|b| b.name == body_of(set) && b.plane_strain)
+    }
+
+    /// Mean stiffness of the nodes of a set that have any. Collective.
+    fn mean_stiffness(&self, comm: &SimpleCommunicator, set: &str, stiffness: &[f64]) -> f64 {
+        let mut sums = [0.0; 2];
+        for &n in &self.set(set).nodes {
+            sums[0] += stiffness[n as usize];
+            sums[1] += f64::from(stiffness[n as usize] > 0.0);
+        }
+        sum(comm, &mut sums);
+        sums[0] / sums[1]
+    }
+
+    /// What a pair has for its master, in words.
+    pub fn master_name(&self, pair: &Pair) -> &str {
+        match pair.master {
+            Master::Tool(t) => &self.tools[t].name,
+            Master::Surface(k) => &self.surfaces[k].name,
         }
     }
 
@@ -138,9 +285,21 @@ impl Model {
     }
 }
 
-/// Automatic penalty over the stiffness of the slave node: measured to be robust over loading, reversal and sliding; above
-/// a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions turn slowly.
-const PENALTY: f64 = 0.2;
+/// Augmentation over the stiffness of the slave node, or of a softer master: measured to be robust over loading, reversal
+/// and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions
+/// turn slowly.
+const AUGMENTATION: f64 = 0.2;
+
+/// Automatic penalty over the same stiffness.
+fn penalty_share(method: Enforcement) -> f64 {
+    match method {
+        Enforcement::AugmentedLagrangian | Enforcement::Lagrange => AUGMENTATION,
+        // Newton's method does not mind. Each round divides the error by about as much.
+        Enforcement::Uzawa => 1000.0,
+        // Penetrations of some hundredths of what the nodes around give way.
+        Enforcement::Penalty => 100.0,
+    }
+}
 
 /// Every set that the scene names, in the order in which they are first named.
 fn set_names(scene: &Scene) -> Vec<Located<String>> {
@@ -152,6 +311,7 @@ fn set_names(scene: &Scene) -> Vec<Located<String>> {
         }
     };
     scene.contacts.iter().for_each(|c| add(&c.slave));
+    scene.contacts.iter().for_each(|c| add(&c.master));
     for step in &scene.steps {
         step.fix.iter().for_each(|c| add(&c.set));
         step.moves.iter().for_each(|c| add(&c.target));
@@ -189,14 +349,14 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
         }
     }
     global.node_work = vec![0; global.points.len()];
-    for contact in &scene.contacts {
+    for contact in &scene.passes() {
         let slave = names.iter().position(|n| n.value == contact.slave.value).unwrap_or_default();
         for &n in &global.sets[slave].nodes {
             global.node_work[n as usize] = 1;
         }
     }
-    let needs_faces = scene.contacts.iter().map(|c| &c.slave);
-    for name in needs_faces.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set))) {
+    let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
+    for name in of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set))) {
         if names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty()) {
             return Err(Error::input(
                 &name.at,
@@ -206,6 +366,53 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
         }
     }
     Ok(global)
+}
+
+/// Patches, and what nodes avoid by their numbers.
+type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
+
+/// Share of their bulge that patches take with two passes. Smooth surfaces that share the whole of it may curve together
+/// without any node entering the other side: on flat faces the conditions of two passes would depend on each other.
+const BULGE_OF_TWO: f64 = 0.99;
+
+/// The patches of each deformable master, and in self-contact what its nodes avoid, on rank 0, which has the mesh and the
+/// numbers of its nodes over all ranks.
+fn master_patches(
+    scene: &Scene,
+    names: &[Located<String>],
+    mesh: Option<&GlobalMesh>,
+    numbers: &[u64],
+) -> Result<Vec<MasterPatches>> {
+    let passes = scene.passes();
+    let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c, given)));
+    let of_master = |(contact, given): (&scene::Contact, scene::MasterSurface)| {
+        let master = &contact.master;
+        let (Some(mesh), Some(set)) = (mesh, names.iter().position(|n| n.value == master.value)) else {
+            return Ok(Default::default());
+        };
+        let facets = &mesh.sets[set].facets;
+        let mut nodes: Vec<u32> = facets.iter().flat_map(|f| &f.nodes[..f.count as usize]).copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let place = |n: u32| nodes.binary_search(&n).map_or(0, |k| k as u32);
+        let surface = Mesh {
+            source: master.value.clone(),
+            points: nodes.iter().map(|&n| mesh.points[n as usize].into()).collect(),
+            point_ids: nodes.iter().map(|&n| mesh.id[n as usize]).collect(),
+            facets: facets.iter().map(|f| Facet { count: f.count, nodes: f.nodes.map(place), id: f.id }).collect(),
+            ..Mesh::default()
+        };
+        let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
+        let mut patches = MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle)?;
+        if contact.discretization == Discretization::TwoPass {
+            patches.iter_mut().for_each(|patch| patch.bulge = BULGE_OF_TWO);
+        }
+        let points: BTreeMap<u64, Vec3> =
+            numbers.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
+        let avoided = if contact.is_self() { self_contact::avoided(&patches, |n| points[&n]) } else { BTreeMap::new() };
+        Ok((patches, avoided))
+    };
+    masters.map(of_master).collect()
 }
 
 /// The set that `name` (`body` or `body.group`) means in this body; `None` if it is another body's.
@@ -233,8 +440,13 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
         ));
     }
     let facets = found.facets.iter().map(|&k| &mesh.facets[k as usize]);
-    let facets = facets.map(|f| GlobalFacet { count: f.count, nodes: f.nodes }).collect();
+    let facets = facets.map(|f| GlobalFacet { count: f.count, nodes: f.nodes, id: f.id }).collect();
     Ok(Some(GlobalSet { nodes: found.nodes.clone(), facets }))
+}
+
+/// The body of `body` or `body.group`.
+fn body_of(set: &str) -> &str {
+    set.split('.').next().unwrap_or(set)
 }
 
 fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, assert_close, assert_small, mpirun_of};
+use common::{Bench, History, assert_close, assert_small, on_ranks};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nagata::Vec3;
@@ -47,30 +47,10 @@ fn they_press_alike() {
 /// What a rank sees of the part that it fetches is what it would see of the whole.
 #[test]
 fn ranks_see_the_whole() {
-    for ranks in [1, 2, 3] {
-        let test = ["--ignored", "--exact", "on_ranks", "--test-threads", "1"];
-        let done = mpirun_of(ranks, &std::env::current_exe().unwrap()).args(test).output().unwrap();
-        let said = String::from_utf8_lossy(&done.stdout);
-        assert!(
-            done.status.success() && said.contains("1 passed"),
-            "{said}\n{}",
-            String::from_utf8_lossy(&done.stderr)
-        );
-    }
+    on_ranks("ranks_see_the_whole", &[1, 2, 3], see_the_whole);
 }
 
-/// A body for [`ranks_see_the_whole`], which starts it under mpirun.
-#[test]
-#[ignore = "runs under mpirun"]
-fn on_ranks() {
-    let universe = mpi::initialize().unwrap();
-    let report = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        report(info);
-        // The others would wait.
-        SimpleCommunicator::world().abort(101);
-    }));
-    let world = universe.world();
+fn see_the_whole(world: &SimpleCommunicator) {
     let rank = world.rank() as usize;
     // Each rank has points of its own in a third of the box, the last of several ranks none.
     let count = if rank > 0 && rank + 1 == world.size() as usize { 0 } else { 300 };
@@ -89,7 +69,7 @@ fn on_ranks() {
     for (path, points) in [indenter, (die, spread([-90.0, -90.0, -50.0], [90.0, 110.0, 10.0]))] {
         let tool = &load_tools(&path, &[]).unwrap()[0];
         for description in tool.descriptions() {
-            sees_the_whole(&world, tool, description, &points);
+            sees_the_whole(world, tool, description, &points);
         }
     }
 }

@@ -132,6 +132,17 @@ fn a_body_that_nothing_holds_is_singular() {
     }
 }
 
+/// A tool that a body touches but for rounding holds it from the first iteration on.
+#[test]
+fn a_body_that_touches_is_held() {
+    let push = "[[step]]\nincrements = 1\nforce = [{ target = \"block.bottom\", total = [1.0, 0.0, 10.0] }]\n";
+    let scene = format!("{}{push}", &SCENE[..SCENE.find("[[step]]").unwrap()])
+        .replace("[0.0, 0.0, 2.0]", "[0.0, 0.0, 2.000001]");
+    let run = Bench::new(&scene).solve(2, &[]);
+    let history = run.history();
+    assert!((history.last("plate.fz") + 10.0).abs() < 1e-8 && (history.last("plate.fx") + 1.0).abs() < 1e-8);
+}
+
 /// The processes that `parent` has started, lowest first.
 fn children(parent: u32) -> Vec<u32> {
     let parent_of = |pid: u32| {

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::hertz::{Layer, ellipse};
 use common::{Bench, Run, assert_close, assert_small, msh};
 use std::f64::consts::PI;
 
@@ -12,37 +13,12 @@ const RADIUS: f64 = 50.0;
 const SIDE: f64 = 10.0;
 const DEPTH: f64 = 10.0;
 
-fn modulus() -> f64 {
-    YOUNG / (1.0 - POISSON * POISSON)
-}
-
-/// ```text
-///          \  R  /           Quarter of a block on rollers on all sides but the top: one cell of a layer of depth H on a smooth
-///     ______\_o_/______      base, pressed by spheres 2 L apart. Hertz holds for a half space: d = a^2 / R and
-///    |   L       block |     F = 4/3 E* a^3 / R. Under the same load the block's middle goes down by F c more,
-///    |H                |
-///    o o o o o o o o o o       c = lim s->0  sum_k (1 / 4 L^2) g(k) exp(-k^2 s^2 / 2)  -  1 / (E* s sqrt(2 pi))
-/// ```
-/// the first term being the Fourier series of the layer under a load spread as a Gauss curve over s, the second the half
-/// space under the same. k runs over the wave vectors pi (i, j) / L of the cell; a load of wave number k sinks into a
-/// layer on a smooth base by g = 2 / (E* k) (cosh 2kH - 1) / (sinh 2kH + 2kH) (Johnson, Contact Mechanics, 5.8), a
-/// uniform one by g = H (1 + nu) (1 - 2 nu) / (E (1 - nu)), between walls. The rest is of order (a / L)^3.
-fn softness() -> f64 {
-    let spread = 0.02 * SIDE;
-    let count = (8.0 * SIDE / (PI * spread)) as i32;
-    let mut sum = DEPTH * (1.0 + POISSON) * (1.0 - 2.0 * POISSON) / (YOUNG * (1.0 - POISSON));
-    for (i, j) in (-count..=count).flat_map(|i| (-count..=count).map(move |j| (i, j))).filter(|&ij| ij != (0, 0)) {
-        let k = PI / SIDE * f64::from(i).hypot(f64::from(j));
-        let w = 2.0 * (k * DEPTH).min(100.0);
-        sum += 2.0 / (modulus() * k) * (w.cosh() - 1.0) / (w.sinh() + w) * (-0.5 * (k * spread).powi(2)).exp();
-    }
-    sum / (4.0 * SIDE * SIDE) - 1.0 / (modulus() * spread * (2.0 * PI).sqrt())
-}
+const LAYER: Layer = Layer { young: YOUNG, poisson: POISSON, side: SIDE, depth: DEPTH };
 
 /// Force and contact radius at an approach: d = a^2 / R + F c.
 fn expected(approach: f64) -> (f64, f64) {
-    let force = |a: f64| 4.0 / 3.0 * modulus() * a.powi(3) / RADIUS;
-    let a = common::root(0.0, 5.0, |a| a * a / RADIUS + force(a) * softness() - approach);
+    let force = |a: f64| 4.0 / 3.0 * LAYER.modulus() * a.powi(3) / RADIUS;
+    let a = common::root(0.0, 5.0, |a| a * a / RADIUS + force(a) * LAYER.softness() - approach);
     (force(a), a)
 }
 
@@ -95,19 +71,10 @@ fn pressures(run: &Run) -> Vec<(f64, f64)> {
     nodes
 }
 
-/// The radius at which p^2 ~ 1 - r^2 / a^2 vanishes, from a straight line in r^2; the node at the rim is left out.
-fn contact_radius(nodes: &[(f64, f64)]) -> f64 {
-    let nodes = &nodes[..nodes.len() - 1];
-    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| nodes.iter().map(f).sum::<f64>() / nodes.len() as f64;
-    let (x, y) = (mean(&|n| n.0 * n.0), mean(&|n| n.1 * n.1));
-    let slope = mean(&|n| (n.0 * n.0 - x) * (n.1 * n.1 - y)) / mean(&|n| (n.0 * n.0 - x).powi(2));
-    (x - y / slope).sqrt()
-}
-
 #[test]
 fn sphere_on_a_block() {
     let (force, radius) = expected(APPROACH);
-    let half_space = 4.0 / 3.0 * modulus() * RADIUS.sqrt() * APPROACH.powf(1.5);
+    let half_space = 4.0 / 3.0 * LAYER.modulus() * RADIUS.sqrt() * APPROACH.powf(1.5);
     println!("a {radius}, F {force}, on a half space {half_space}");
     for model in ["hooke", "neo-hookean"] {
         let run = scene(MESH.0, MESH.1, model, ANALYTIC).solve(2, &[]);
@@ -118,7 +85,7 @@ fn sphere_on_a_block() {
         let nodes = pressures(&run);
         let rim = nodes.windows(2).last().unwrap();
         let element = rim[1].0 - rim[0].0;
-        assert_small(&format!("{model} contact radius"), (contact_radius(&nodes) - radius) / element, 0.25);
+        assert_small(&format!("{model} contact radius"), (ellipse(&nodes).0 - radius) / element, 0.25);
         assert_close(&format!("{model} pressure"), nodes[0].1, 1.5 * force / (PI * radius * radius), 0.02);
     }
 }
@@ -141,7 +108,7 @@ fn sphere_of_nagata_patches_on_a_block() {
     let force = |run: &Run| run.history().last("ball.fz");
     let off = (side / 4.0 / RADIUS).powi(4) * RADIUS / 128.0 / APPROACH;
     assert_close("force", force(&meshed), force(&analytic), 1.5 * off);
-    let [smooth, exact] = [contact_radius(&pressures(&meshed)), contact_radius(&pressures(&analytic))];
+    let [smooth, exact] = [ellipse(&pressures(&meshed)).0, ellipse(&pressures(&analytic)).0];
     assert_close("contact radius", smooth, exact, 0.01);
     let facets = bench.solve(2, &["--set", "tool.ball.smoothing=facet"]);
     println!("facets: {}", force(&facets) / force(&analytic));

@@ -157,3 +157,90 @@ fn places_with_a_ball() {
 fn places_with_a_mesh() {
     compare("mesh", &PLACES);
 }
+
+/// A rotation by an angle about an axis that no mesh line follows.
+fn turn(v: [f64; 3]) -> [f64; 3] {
+    let (axis, (sin, cos)) = ([2.0 / 7.0, 3.0 / 7.0, 6.0 / 7.0], 0.83f64.sin_cos());
+    let along: f64 = (0..3).map(|d| axis[d] * v[d]).sum();
+    std::array::from_fn(|d| {
+        let (e, f) = ((d + 1) % 3, (d + 2) % 3);
+        v[d] * cos + (axis[e] * v[f] - axis[f] * v[e]) * sin + axis[d] * along * (1.0 - cos)
+    })
+}
+
+/// A block dragged askew over a mound, which is the master, with points and vectors taken to space by `place`.
+fn mound(contact: &str, place: impl Fn([f64; 3]) -> [f64; 3], mesh: impl Fn(&str) -> String) -> Bench {
+    let bench = Bench::new(&format!(
+        r#"
+        [body.mound]
+        mesh = "mound.msh"
+        material = "soft"
+        [body.block]
+        mesh = "block.msh"
+        material = "hard"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [material.hard]
+        model = "neo-hookean"
+        young = 300.0
+        poisson = 0.2
+        [contact.sole]
+        slave = "block.zmin"
+        master = "mound.zmax"
+        friction = 0.3
+        {contact}
+        [[step]]
+        increments = 2
+        fix = [{{ set = "mound.zmin" }}]
+        move = [{{ target = "block.zmax", by = {:?} }}]
+        [[step]]
+        increments = 4
+        fix = [{{ set = "mound.zmin" }}]
+        move = [{{ target = "block.zmax", by = {:?} }}]
+        [solver]
+        tolerance = 1e-13
+        [output]
+        every = 100
+        history = ["mound.zmin", "block.zmax"]
+        "#,
+        place([0.0, 0.0, -0.3]),
+        place([0.9, 0.4, 0.0]),
+    ));
+    let on_mound = |[x, y, z]: [f64; 3]| {
+        let (x, y) = (8.0 * x - 4.0, 7.0 * y - 3.5);
+        place([x, y, z * (3.0 - 0.02 * (x * x + y * y))])
+    };
+    let on_block = |[x, y, z]: [f64; 3]| place([3.1 * x - 1.8, 2.9 * y - 1.6, 3.0 + 2.0 * z]);
+    bench.write("mound.msh", &mesh(&msh::block([5, 4, 2], false, on_mound)));
+    bench.write("block.msh", &mesh(&msh::block([4, 3, 2], false, on_block)));
+    bench
+}
+
+/// Bodies in contact with each other, turned as a whole about an axis askew, and with other numbers of nodes.
+#[test]
+fn turned_and_renumbered_bodies() {
+    for contact in ["", "transfer = \"variational\"", "transfer = \"bilinear\""] {
+        let plain = mound(contact, |x| x, str::to_owned).solve(2, &[]).history();
+        assert!(plain.last("sole.slip") > 2.0);
+        let force = plain.largest_force("block.zmax");
+        let compare = |what: &str, other: &common::History, place: &dyn Fn([f64; 3]) -> [f64; 3]| {
+            assert_eq!(plain.column("iterations"), other.column("iterations"), "{what}");
+            let mut worst = 0.0f64;
+            for set in ["mound.zmin", "block.zmax", "sole"] {
+                let [of_plain, of_other] = [&plain, other]
+                    .map(|history| ["fx", "fy", "fz"].map(|c| history.column(&format!("{set}.{c}")).to_vec()));
+                for k in 0..plain.len() {
+                    let expected = place([0, 1, 2].map(|d| of_plain[d][k]));
+                    worst = (0..3).map(|d| (of_other[d][k] - expected[d]).abs() / force).fold(worst, f64::max);
+                }
+            }
+            assert_small(what, worst, 1e-10);
+        };
+        let turned = mound(contact, turn, str::to_owned).solve(2, &[]).history();
+        compare("turned", &turned, &turn);
+        let renumbered = mound(contact, |x| x, msh::renumbered).solve(2, &[]).history();
+        compare("renumbered", &renumbered, &|x| x);
+    }
+}

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::Bench;
+use common::{Bench, Run, msh};
 
 /// A 3x3x2 block of soft material, its bottom held, its top the slave of `tool`.
 fn scene(element: &str, model: &str, tool: &str, contact: &str, steps: &str) -> String {
@@ -45,7 +45,13 @@ move = [{ target = "punch", by = [0.3, 0.1, 0] }]
 
 /// Runs with PETSc's test and returns the number of Jacobians tested; fails when one is wrong.
 fn check(scene: &str, ranks: usize) -> usize {
-    let run = Bench::new(scene).solve(ranks, &["--", "-snes_test_jacobian"]);
+    check_run(&Bench::new(scene).solve(ranks, TESTED))
+}
+
+/// Arguments for PETSc's test.
+const TESTED: &[&str] = &["--", "-snes_test_jacobian"];
+
+fn check_run(run: &Run) -> usize {
     let errors: Vec<f64> = run
         .stdout
         .lines()
@@ -62,6 +68,18 @@ fn check(scene: &str, ranks: usize) -> usize {
 fn stick_slip_and_gap_on_a_sphere() {
     for friction in ["friction = 0.02", "friction = 0.3", "friction = 2.0"] {
         assert!(check(&scene("hex8", "neo-hookean", SPHERE, friction, PRESS_AND_SLIDE), 2) > 8);
+    }
+}
+
+/// With so small a penalty the local unknown does nothing; with a large one the tangent is that of the residual where it has
+/// settled, as the tests of the element have it.
+#[test]
+fn other_methods() {
+    for method in ["lagrange", "penalty"] {
+        let contact = format!("friction = 0.2\nmethod = \"{method}\"\npenalty = 20.0");
+        assert!(
+            check(&scene("hex8", "neo-hookean", SPHERE, &contact, &PRESS_AND_SLIDE.replace("-0.4", "-0.2")), 2) > 8
+        );
     }
 }
 
@@ -144,4 +162,102 @@ force = [{ target = "punch", total = [0, -2.0, -60.0], directions = "yz" }]
 "#;
     check(&scene("hex8", "neo-hookean", SPHERE, "friction = 0.2", &format!("{press}{drag}")), 2);
     check(&scene("hex8", "neo-hookean", SPHERE, "", press), 2);
+}
+
+/// Two blocks that begin a little inside each other, pressed together and sheared until some nodes slip, with every way of
+/// bringing forces to the master. In one increment: its start, where slipping nodes stand on the edge of their cones, and
+/// prescribed motions, which enter the first iteration linearly, have no derivative.
+#[test]
+fn deformable_masters() {
+    let scene = |contact: &str, upper: &str| {
+        format!(
+            r#"
+[body.lower]
+block = {{ box = {{ size = [6, 6, 2] }}, elements = [3, 3, 1] }}
+material = "soft"
+[body.upper]
+block = {{ box = {{ origin = [1.3, 1.4, 1.97], size = [3, 3, 2] }}, elements = {upper} }}
+material = "soft"
+[material.soft]
+model = "neo-hookean"
+young = 100
+poisson = 0.3
+[contact.between]
+slave = "upper.zmin"
+master = "lower.zmax"
+{contact}
+[[step]]
+increments = 1
+fix = [{{ set = "lower.zmin" }}, {{ set = "upper.zmax", directions = "xy" }}]
+force = [{{ target = "upper.zmax", total = [0, 0, -25] }}]
+body_force = [{{ body = "upper", per_volume = [0.8, 0.2, 0] }}]
+[solver]
+max_iterations = 30
+"#
+        )
+    };
+    let variants = [
+        "",
+        "transfer = \"variational\"",
+        "friction = 0.3",
+        "friction = 0.3\ntransfer = \"variational\"",
+        "friction = 0.2\ntransfer = \"bilinear\"",
+        "friction = 0.3\nsmoothing = \"facet\"",
+        "discretization = \"two-pass\"",
+        "friction = 0.3\ndiscretization = \"two-pass\"",
+        "friction = 0.3\nmethod = \"lagrange\"",
+        "friction = 0.3\nmethod = \"penalty\"\npenalty = 5.0",
+    ];
+    for contact in variants {
+        assert!(check(&scene(contact, "[2, 3, 1]"), 2) > 3, "{contact}");
+    }
+}
+
+/// A hairpin of five elements is pressed together: the patches that a node meets depend on the node itself.
+#[test]
+fn self_contact() {
+    let (inner, outer, leg) = (0.1, 1.1, 2.0);
+    // Two elements a leg, one around the bend, askew so that nodes do not meet nodes.
+    let hairpin = |[s, t, z]: [f64; 3]| {
+        let r = inner + (outer - inner) * t;
+        let i = (5.0 * s).round();
+        let bulge = if i == 2.0 || i == 3.0 { t } else { 0.0 };
+        match i {
+            i if i < 2.5 => [leg * (1.0 - 0.5 * i) - bulge, -r, z],
+            i => [leg * (0.5 * i - 1.5) + 0.1 * (i - 2.0) - bulge, r, z],
+        }
+    };
+    let scene = |contact: &str| {
+        format!(
+            r#"
+[body.strip]
+mesh = "strip.msh"
+material = "soft"
+plane_strain = true
+[material.soft]
+model = "neo-hookean"
+young = 100
+poisson = 0.3
+[contact.inside]
+slave = "strip.ymin"
+master = "strip.ymin"
+feature_angle = 180
+{contact}
+[[step]]
+increments = 1
+fix = [{{ set = "strip.xmin" }}]
+pressure = [{{ set = "strip.ymax", value = 1.2 }}]
+body_force = [{{ body = "strip", per_volume = [0.8, 0, 0] }}]
+[solver]
+max_iterations = 30
+"#
+        )
+    };
+    for contact in ["", "transfer = \"variational\"", "friction = 0.3", "friction = 0.1\nsmoothing = \"facet\""] {
+        let bench = Bench::new(&scene(contact));
+        bench.write("strip.msh", &msh::block([5, 1, 1], false, hairpin));
+        let run = bench.solve(2, TESTED);
+        assert!(check_run(&run) > 3, "{contact}");
+        assert!(run.history().last("inside.active") > 0.0, "{contact}");
+    }
 }

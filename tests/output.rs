@@ -2,6 +2,9 @@
 //!
 //! Each test starts `mpirun` on this same test binary; `rank_program` is then what every rank runs.
 
+mod common;
+
+use common::mpirun_of;
 use mpi::traits::*;
 use nagata::error::{Error, Location, Result};
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
@@ -12,20 +15,14 @@ use nagata::output::summary::Summary;
 use nagata::output::{OutputFolder, RUN};
 use nagata::parallel::{agree, number};
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 
 /// Elements of the slab, a row of cubes.
 const ELEMENTS: u64 = 5;
 
 fn mpirun(ranks: usize, program: &str, folder: &Path) -> Output {
-    let executable = std::env::current_exe().unwrap();
-    Command::new("mpirun")
-        .args(["--bind-to", "none", "--oversubscribe", "--timeout", "60", "-n", &ranks.to_string()])
-        .arg(executable)
+    mpirun_of(ranks, &std::env::current_exe().unwrap())
         .args(["rank_program", "--exact", "--ignored", "--nocapture", "--test-threads=1"])
-        .envs([("OMPI_ALLOW_RUN_AS_ROOT", "1"), ("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")])
-        .envs([("OMPI_MCA_pml", "ob1"), ("OMPI_MCA_btl", "self,vader"), ("OPENBLAS_NUM_THREADS", "1")])
-        .env("OMPI_MCA_io", "^ompio")
         .env("NAGATA_TEST_PROGRAM", program)
         .env("NAGATA_TEST_FOLDER", folder)
         .output()

@@ -212,6 +212,6 @@ fn share(comm: &SimpleCommunicator, count: usize) -> Range<usize> {
 
 /// The rows of all ranks, in the order of the ranks, on all ranks. Collective.
 fn to_all<const N: usize>(comm: &SimpleCommunicator, rows: &[[f64; N]]) -> Vec<[f64; N]> {
-    let parcels = vec![rows.as_flattened().to_vec(); comm.size() as usize];
-    exchange(comm, &parcels).iter().flat_map(|flat| flat.as_chunks::<N>().0.to_vec()).collect()
+    let parcels = (0..comm.size() as usize).map(|rank| (rank, rows.as_flattened().to_vec())).collect();
+    exchange(comm, &parcels).values().flat_map(|flat| flat.as_chunks::<N>().0.to_vec()).collect()
 }

@@ -5,11 +5,11 @@
 //! it has.
 
 use crate::Vec3;
-use crate::contact::{Pose, Tool};
+use crate::contact::{Discretization, Master, Pair, Pose, Tool};
 use crate::error::{Error, Location, Result};
 use crate::model::Model;
 use crate::parallel::sum;
-use crate::scene::{Element, Rotation, Step};
+use crate::scene::{Element, Rotation, Smoothing, Step, Tangent, Transfer};
 use crate::system::assembly;
 use crate::system::dofs::{Prescribed, ToolFreedom};
 use mpi::topology::SimpleCommunicator;
@@ -131,9 +131,25 @@ impl Conditions {
         [0, 1, 2].map(|d| self.prescribed[3 * node as usize + d].is_some() && !self.motions[tool].free[d])
     }
 
-    /// Whether the tangent is symmetric: no friction, no follower pressure, no F-bar.
+    /// How far the step moves an owned node along a direction; NaN where it is free.
+    pub fn move_of(&self, node: u32, d: usize) -> f64 {
+        self.prescribed[3 * node as usize + d].map_or(f64::NAN, |(_, by)| by)
+    }
+
+    /// Whether the tangent is symmetric: no friction, no follower pressure, no F-bar, and forces on deformable masters that
+    /// have a potential.
     pub fn is_symmetric(&self, model: &Model) -> bool {
-        let conservative = model.pairs.iter().all(|p| p.friction == 0.0) && self.pressures.is_empty();
+        // The derivatives of a facet by its own nodes are all that there are.
+        let potential = |pair: &Pair| match pair.master {
+            Master::Tool(_) => true,
+            Master::Surface(k) => {
+                let given = &model.surfaces[k].given;
+                let exact = pair.tangent == Tangent::Exact
+                    && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet);
+                exact || pair.discretization == Discretization::NodeToNode
+            }
+        };
+        let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
         conservative && model.bodies.iter().all(|b| b.element != Element::Hex8Fbar)
     }
 

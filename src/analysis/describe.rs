@@ -1,12 +1,12 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
-use crate::contact::Tool;
+use crate::contact::{BodySurface, Discretization, Tool};
 use crate::error::Result;
 use crate::model::Model;
 use crate::output::summary::Summary;
 use crate::parallel::{agree, sum};
-use crate::scene::{MaterialModel, Scene};
+use crate::scene::{Enforcement, MaterialModel, Scene, Smoothing};
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -31,12 +31,21 @@ pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Strin
 }
 
 /// What a tool is made of, and what to know of it.
-pub fn surface(tool: &Tool) -> String {
+pub fn tool(tool: &Tool) -> String {
     let mut text = format!("tool `{}`: rigid, {}, no nodes in the system", tool.name, tool.surface.summary);
     for warning in &tool.surface.warnings {
         let _ = write!(text, "\n  warning: tool `{}`: {warning}", tool.name);
     }
     text
+}
+
+/// What a deformable master is made of.
+pub fn master(surface: &BodySurface) -> String {
+    let kind = match surface.given.smoothing {
+        Smoothing::Facet => "flat facets",
+        Smoothing::Nagata => "Nagata patches",
+    };
+    format!("master `{}`: deformable, {} {kind}", surface.name, surface.total)
 }
 
 /// The last lines of a log: how much was done, and where to look next.
@@ -73,6 +82,8 @@ pub struct Failure<'a> {
     pub reason: &'a str,
     /// The matrix was singular from the start.
     pub singular: bool,
+    /// Rounds of contact forces did not settle; the reason says where.
+    pub unsettled: bool,
     /// The worst equation, in words.
     pub place: &'a str,
     pub residual: f64,
@@ -88,6 +99,11 @@ pub fn failure(f: &Failure) -> String {
     } else {
         let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
     }
+    if f.unsettled {
+        return text
+            + "\n  help: raise the contact's `penalty` if the method is `uzawa`, load in smaller increments, or take \
+               `augmented-lagrangian`";
+    }
     let _ = write!(text, "\n  worst: {}, residual {:.1e} of the largest force", f.place, f.residual);
     if f.changes > 0 {
         let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
@@ -102,12 +118,10 @@ pub fn failure(f: &Failure) -> String {
     text
 }
 
-/// Warns of slave nodes that start deep in a tool.
-pub fn inside(contact: &str, tool: &str, nodes: usize, depth: f64) -> String {
-    format!(
-        "  warning: contact `{contact}`: {nodes} nodes start inside the tool `{tool}`, up to {depth:.3e} deep; if its mesh \
-         is inside out, set `flip`"
-    )
+/// Warns of slave nodes that start deep in a master.
+pub fn inside(contact: &str, master: &str, is_tool: bool, nodes: usize, depth: f64) -> String {
+    let advice = if is_tool { "if its mesh is inside out, set `flip`" } else { "move the bodies apart" };
+    format!("  warning: contact `{contact}`: {nodes} nodes start inside {master}, up to {depth:.3e} deep; {advice}")
 }
 
 /// Warns of equations that MUMPS replaced.
@@ -122,7 +136,7 @@ pub fn null_pivots(step: &str, count: usize) -> String {
 ///
 /// # Errors
 /// Conditions that contradict each other.
-pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<String> {
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<String> {
     let mut text = format!("{}\n", heading(comm, scene, model));
     for body in &scene.bodies {
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
@@ -136,23 +150,37 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<
         let _ = writeln!(text, "body `{}`: {element}, {}{strain}; no plasticity", body.name.value, kind.unwrap_or("?"));
     }
     for tool in &model.tools {
-        let _ = writeln!(text, "{}", surface(tool));
+        let _ = writeln!(text, "{}", self::tool(tool));
+    }
+    for surface in &model.surfaces {
+        let _ = writeln!(text, "{}", master(surface));
     }
     let slaves = model.slave_counts(comm);
     for (pair, count) in model.pairs.iter().zip(slaves) {
-        let friction = if pair.friction > 0.0 {
-            format!("friction {}, at most 3 multipliers a node", pair.friction)
-        } else {
-            "frictionless, 1 multiplier a node, no slip history".into()
+        let method = match pair.method {
+            Enforcement::Penalty => "penalty",
+            Enforcement::Lagrange => "Lagrange",
+            Enforcement::AugmentedLagrangian => "augmented Lagrangian",
+            Enforcement::Uzawa => "Uzawa",
         };
-        let _ = writeln!(text, "contact `{}`: {count} slave nodes, augmented Lagrangian, {friction}", pair.name);
+        let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
+        let friction = match pair.friction {
+            0.0 => format!("frictionless, {multipliers}, no slip history"),
+            friction => format!("friction {friction}, {multipliers}"),
+        };
+        let by = if pair.discretization == Discretization::NodeToNode { ", each on a node of the master" } else { "" };
+        let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
+    }
+    for warning in &model.warnings {
+        let _ = writeln!(text, "  warning: {warning}");
     }
     let mut last = Conditions::none(model);
     let still = vec![crate::Vec3::zeros(); model.part.points.len()];
     for step in &scene.steps {
         let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
         let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
-        let pattern = Pattern::new(comm, model, &dofs);
+        super::survey(comm, model, &conditions, &dofs, &still);
+        let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize]);
         let mut entries = [pattern.columns.len() as f64];
         sum(comm, &mut entries);
         let symmetric = conditions.is_symmetric(model);

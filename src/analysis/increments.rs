@@ -47,6 +47,11 @@ impl Increments {
         }
     }
 
+    /// Makes the next increment as long as it may be, whatever has failed before.
+    pub fn lengthen(&mut self) {
+        self.size = self.max;
+    }
+
     /// The increment to `end` has failed: halves it. `false` when it would be shorter than the minimum.
     pub fn cut(&mut self, end: f64) -> bool {
         self.size = 0.5 * (end - self.done);

@@ -13,12 +13,12 @@
 mod conditions;
 pub mod describe;
 mod increments;
+mod jump;
 mod newton;
 mod results;
 mod step;
 
-use crate::Vec3;
-use crate::contact::watch_all;
+use crate::contact::{Master, Status, follow_all, watch_all};
 use crate::error::Result;
 use crate::model::Model;
 use crate::output::log::Log;
@@ -26,7 +26,9 @@ use crate::output::phases::{Phase, Phases};
 use crate::output::summary::Summary;
 use crate::output::{self, OutputFolder};
 use crate::parallel::{agree, max, sum};
-use crate::scene::Scene;
+use crate::scene::{Enforcement, Scene};
+use crate::system::DofMap;
+use crate::{Mat3, Vec3};
 use conditions::Conditions;
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
@@ -85,7 +87,9 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     folder.write_scene(comm, options.source, &scene.text)?;
     let mut log = Log::create(&folder, comm, options.quiet)?;
     log.line(&describe::heading(comm, scene, &model));
-    model.tools.iter().for_each(|tool| log.line(&describe::surface(tool)));
+    model.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
+    model.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
+    model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = phases.time(Phase::Output, || Results::create(comm, &folder, scene, &model))?;
     let state = State {
         u: vec![Vec3::zeros(); model.part.points.len()],
@@ -98,6 +102,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut analysis = Analysis { comm, petsc, scene, model, state, results, log, phases: &phases, summary };
     let outcome = analysis.steps(options.steps.unwrap_or(usize::MAX));
     analysis.summary.converged = outcome.is_ok();
+    analysis.summary.search_fetches = analysis.model.surfaces.iter().map(|s| s.fetches).sum();
     analysis.summary.wall_s = begun.elapsed().as_secs_f64();
     analysis.measure_solver();
     analysis.summary.write(&folder, comm, &phases)?;
@@ -120,8 +125,21 @@ fn check_conditions(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> 
     Ok(())
 }
 
-/// Depth of a slave node in a tool, over the size of a slave facet, from which it was hardly meant to start there.
+/// Lets the deformable masters follow displacements `u`, and learn the equations and conditions of their nodes. Collective.
+fn survey(comm: &SimpleCommunicator, model: &mut Model, conditions: &Conditions, dofs: &DofMap, u: &[Vec3]) {
+    let Model { part, surfaces, pairs, .. } = model;
+    let place = |n: u32| part.points[n as usize] + u[n as usize];
+    follow_all(comm, surfaces, pairs, place);
+    for surface in surfaces {
+        surface.learn(comm, place, &dofs.node, |n, d| conditions.move_of(n, d));
+    }
+}
+
+/// Depth of a slave node in a master, over the size of a slave facet, from which it was hardly meant to start there.
 const DEEP: f64 = 0.1;
+
+/// Gap over the size of a slave facet that is none.
+const TOUCHING: f64 = 1e-9;
 
 /// Force of the scene while nothing acts yet, over the largest nodal stiffness times the element size: far below any force
 /// of interest, well above rounding.
@@ -139,14 +157,31 @@ impl Analysis<'_> {
 
     /// Projects every slave node where it stands: the first slip origins. Warns of those deep in a tool. Collective.
     fn look_around(&mut self) {
-        let Model { part, tools, pairs, .. } = &mut self.model;
-        watch_all(self.comm, tools, pairs, |n| part.points[n as usize]);
+        self.model.turn_slaves(&self.state.u);
+        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let place = |n: u32| part.points[n as usize];
+        watch_all(self.comm, tools, pairs, place);
+        follow_all(self.comm, surfaces, pairs, place);
         for pair in pairs {
-            let tool = &tools[pair.tool];
-            for slave in &mut pair.slaves {
-                let position = part.points[slave.node as usize];
-                slave.trial.projection = tool.project(&position, pair.reach, None);
-                slave.commit(Vec3::zeros(), &tool.committed, &position);
+            for s in 0..pair.slaves.len() {
+                let position = place(pair.slaves[s].node);
+                let projection = match pair.master {
+                    Master::Tool(t) => tools[t].project(&position, pair.reach, None),
+                    Master::Surface(k) => pair.project(&surfaces[k], s, &position, None),
+                };
+                let slave = &mut pair.slaves[s];
+                slave.trial.projection = projection;
+                // An active set begins with what touches; nothing else may hold a body.
+                let touches = projection.is_some_and(|p| p.gap <= TOUCHING * pair.facet_size);
+                if touches && pair.method == Enforcement::Lagrange {
+                    slave.trial.status = Status::Stick;
+                }
+                match pair.master {
+                    Master::Tool(t) => slave.commit(pair.method, Vec3::zeros(), &tools[t].committed, &position),
+                    Master::Surface(_) => {
+                        slave.commit_on_surface(pair.method, Vec3::zeros(), &Mat3::identity(), &position);
+                    }
+                }
             }
             let depths = pair.slaves.iter().filter_map(|s| s.trial.projection).map(|p| -p.gap);
             let deep: Vec<f64> = depths.filter(|depth| *depth > DEEP * pair.facet_size).collect();
@@ -154,7 +189,12 @@ impl Analysis<'_> {
             sum(self.comm, &mut count);
             max(self.comm, &mut deepest);
             if count[0] > 0.0 {
-                self.log.line(&describe::inside(&pair.name, &tool.name, count[0] as usize, deepest[0]));
+                let master = match pair.master {
+                    Master::Tool(t) => format!("the tool `{}`", tools[t].name),
+                    Master::Surface(k) => format!("`{}`", surfaces[k].name),
+                };
+                let is_tool = matches!(pair.master, Master::Tool(_));
+                self.log.line(&describe::inside(&pair.name, &master, is_tool, count[0] as usize, deepest[0]));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
 use crate::Vec3;
-use crate::contact::Status;
+use crate::contact::{Master, Status};
 use crate::error::Result;
 use crate::mesh::SolidShape;
 use crate::model::Model;
@@ -10,7 +10,9 @@ use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, Grid
 use crate::output::history::History;
 use crate::parallel::{max, number, sum};
 use crate::partition::PartFacet;
+use crate::partition::parcels::{bounds, grown, hull};
 use crate::scene::Scene;
+use crate::surface::Tessellation;
 use crate::system::assembly;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -43,6 +45,8 @@ pub struct Results {
     bodies: Vec<Shown>,
     contacts: Vec<Shown>,
     tools: Vec<(GridId, Vec<Vec3>)>,
+    /// Deformable masters, with the initial positions of their points.
+    masters: Vec<(GridId, Vec<Vec3>)>,
     watched: Vec<String>,
 }
 
@@ -84,7 +88,8 @@ impl Results {
             )?);
         }
         let tools = add_tools(comm, &mut fields, model)?;
-        Ok(Self { history, fields, bodies, contacts, tools, watched })
+        let masters = add_masters(comm, &mut fields, model)?;
+        Ok(Self { history, fields, bodies, contacts, tools, masters, watched })
     }
 
     /// Adds the row of a converged increment. Collective.
@@ -112,22 +117,32 @@ impl Results {
             row.extend(sums[..3].iter().map(|u| u / sums[6]));
             row.extend(&sums[3..6]);
         }
-        for pair in &model.pairs {
-            let areas = slave_areas(model, pair.set, at.u);
+        for pair in model.pairs.iter().filter(|p| !p.is_second) {
             let mut counts = [0.0; 3];
             let mut most = [0.0f64; 2];
-            for slave in &pair.slaves {
-                counts[0] += f64::from(slave.accepted.status != Status::Gap);
-                counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
-                counts[2] += f64::from(slave.accepted.status == Status::Slip);
-                if let Some(p) = &slave.accepted.projection {
-                    most[0] = most[0].max(-p.gap);
-                    most[1] = most[1].max(-slave.accepted.force.dot(&p.normal) / areas[slave.node as usize]);
+            let mut force = [0.0; 3];
+            for pass in std::iter::once(pair).chain(pair.other.map(|other| &model.pairs[other])) {
+                let areas = slave_areas(model, pass.set, at.u);
+                // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
+                let sign = if pass.is_second { 1.0 } else { -1.0 };
+                for slave in &pass.slaves {
+                    (0..3).for_each(|d| force[d] += sign * slave.accepted.force[d]);
+                    counts[0] += f64::from(slave.accepted.status != Status::Gap);
+                    counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
+                    counts[2] += f64::from(slave.accepted.status == Status::Slip);
+                    if let Some(p) = &slave.accepted.projection {
+                        most[0] = most[0].max(-p.gap);
+                        most[1] = most[1].max(slave.accepted.on_node().dot(&p.normal) / areas[slave.node as usize]);
+                    }
                 }
             }
             sum(comm, &mut counts);
             max(comm, &mut most);
             row.extend(counts.iter().chain(&most));
+            if let Master::Surface(_) = pair.master {
+                sum(comm, &mut force);
+                row.extend(force);
+            }
         }
         self.history.row(comm, at.step, at.number, at.time, at.iterations, &row)
     }
@@ -154,6 +169,11 @@ impl Results {
         }
         for ((grid, points), tool) in self.tools.iter().zip(&model.tools) {
             let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
+            grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
+        }
+        for ((grid, points), surface) in self.masters.iter().zip(&model.surfaces) {
+            let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
+            let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
             grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
         }
         let fields: Vec<(Vec<Field>, Vec<Field>)> =
@@ -188,9 +208,12 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
     let names = model.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
     let mut columns: Vec<String> =
         names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
-    for pair in &model.pairs {
+    for pair in model.pairs.iter().filter(|p| !p.is_second) {
         let quantities = ["active", "stick", "slip", "max_penetration", "max_pressure"];
         columns.extend(quantities.map(|c| format!("{}.{c}", pair.name)));
+        if let Master::Surface(_) = pair.master {
+            columns.extend(["fx", "fy", "fz"].map(|c| format!("{}.{c}", pair.name)));
+        }
     }
     columns
 }
@@ -219,7 +242,7 @@ fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3]) -> Col
     shown.nodes.iter().for_each(|&n| sharing[model.part.tie[n as usize] as usize] += 1.0);
     let tie = |n: u32| model.part.tie[n as usize] as usize;
     let projections = || trials.iter().map(|t| t.and_then(|t| t.projection));
-    let force = |k: usize| trials[k].map_or(Vec3::zeros(), |t| -t.force);
+    let force = |k: usize| trials[k].map_or(Vec3::zeros(), |t| t.on_node());
     let traction = |k: usize| force(k) / areas[tie(shown.nodes[k])];
     let all = 0..shown.nodes.len();
     let normals = || projections().map(|p| p.map_or(Vec3::zeros(), |p| p.normal));
@@ -275,32 +298,43 @@ fn show(
 
 /// Writes the tools as the solver sees them. Collective.
 fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
-    let mut clip = [f64::NEG_INFINITY; 6];
-    for x in &model.part.points[..model.part.owned] {
-        for d in 0..3 {
-            clip[d] = clip[d].max(-x[d]);
-            clip[3 + d] = clip[3 + d].max(x[d]);
-        }
-    }
-    max(comm, &mut clip);
-    let (lo, hi) = (-Vec3::from_column_slice(&clip[..3]), Vec3::from_column_slice(&clip[3..]));
-    let margin = 0.25 * (hi - lo).norm();
-    let clip = (lo.add_scalar(-margin), hi.add_scalar(margin));
+    let whole = hull(comm, bounds(model.part.points[..model.part.owned].iter().copied()));
+    let (lo, hi) = whole.unwrap_or_default();
+    let clip = grown((lo, hi), 0.25 * (hi - lo).norm());
     let mut tools = Vec::new();
     for tool in &model.tools {
         let surface = tool.surface.tessellate(comm.rank(), PIECES, &clip);
-        let (first, _) = number(comm, surface.points.len() as u64);
-        let cell = |shape: CellShape, corners: &[u32]| {
-            let mut nodes = [0; 8];
-            corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = first + u64::from(n));
-            Cell { shape, nodes }
-        };
-        let triangles = surface.triangles.iter().map(|t| cell(CellShape::Triangle, t));
-        let quads = surface.quads.iter().map(|q| cell(CellShape::Quadrilateral, q));
-        let cells: Vec<Cell> = triangles.chain(quads).collect();
-        let points = surface.points.iter().map(|x| Vec3::from(*x)).collect();
-        let name = format!("tool.{}", tool.name);
-        tools.push((fields.add_grid(comm, &Grid { name: &name, points: &surface.points, cells: &cells })?, points));
+        tools.push(add_surface(comm, fields, &format!("tool.{}", tool.name), &surface)?);
     }
     Ok(tools)
+}
+
+/// Writes the deformable masters as they begin. Collective.
+fn add_masters(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
+    let pairs = model.pairs.iter().filter(|p| matches!(p.master, Master::Surface(_)));
+    let masters = model.surfaces.iter().zip(pairs).map(|(surface, pair)| {
+        let begins = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize]);
+        add_surface(comm, fields, &format!("master.{}", pair.name), &begins)
+    });
+    masters.collect()
+}
+
+/// Writes a tessellated surface, and gives its points. Collective.
+fn add_surface(
+    comm: &SimpleCommunicator,
+    fields: &mut Fields,
+    name: &str,
+    surface: &Tessellation,
+) -> Result<(GridId, Vec<Vec3>)> {
+    let (first, _) = number(comm, surface.points.len() as u64);
+    let cell = |shape: CellShape, corners: &[u32]| {
+        let mut nodes = [0; 8];
+        corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = first + u64::from(n));
+        Cell { shape, nodes }
+    };
+    let triangles = surface.triangles.iter().map(|t| cell(CellShape::Triangle, t));
+    let quads = surface.quads.iter().map(|q| cell(CellShape::Quadrilateral, q));
+    let cells: Vec<Cell> = triangles.chain(quads).collect();
+    let points = surface.points.iter().map(|x| Vec3::from(*x)).collect();
+    Ok((fields.add_grid(comm, &Grid { name, points: &surface.points, cells: &cells })?, points))
 }

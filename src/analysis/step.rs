@@ -2,33 +2,39 @@
 
 use super::conditions::Conditions;
 use super::increments::Increments;
-use super::newton::{Newton, Start};
+use super::newton::{Newton, Round, Start};
 use super::{Analysis, describe, results};
-use crate::Vec3;
-use crate::contact::{Pose, Status, watch_all};
+use crate::contact::{Master, Pose, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
-use crate::scene::Step;
+use crate::scene::{Smoothing, Step};
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern};
+use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
 
+/// Failures in succession after which there may be no equilibrium near.
+const JUMP_AFTER: usize = 2;
+
+/// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
+const ENOUGH_WITH_DRAG: usize = 7;
+
 /// What stays the same over a step.
-struct Frame<'a> {
-    step: &'a Step,
+pub(super) struct Frame<'a> {
+    pub(super) step: &'a Step,
     conditions: Conditions,
     dofs: DofMap,
     pattern: Pattern,
     /// Poses of the tools at its start.
     poses: Vec<Pose>,
     /// Force-driven translations of the tools so far in it.
-    offsets: Vec<Vec3>,
+    pub(super) offsets: Vec<Vec3>,
     /// Unknowns at the last converged ends of increments of this step, at most two, with their fractions of the step.
-    past: Vec<(f64, Vec<f64>)>,
+    pub(super) past: Vec<(f64, Vec<f64>)>,
 }
 
 impl Frame<'_> {
@@ -49,7 +55,7 @@ impl Frame<'_> {
 }
 
 /// A converged increment, before it is accepted.
-struct Converged {
+pub(super) struct Converged {
     u: Vec<Vec3>,
     forces: Vec<Vec3>,
     tool_forces: Vec<Vec3>,
@@ -59,19 +65,22 @@ struct Converged {
     trace: Vec<f64>,
     changes: Vec<usize>,
     calmed: Vec<u32>,
+    rounds: usize,
 }
 
 /// How an attempt at an increment ended.
-enum Attempt {
+pub(super) enum Attempt {
     Converged(Box<Converged>),
     Failed(Failed),
 }
 
 /// An attempt that did not converge.
-struct Failed {
+pub(super) struct Failed {
     reason: String,
     /// The matrix was singular from the start: a shorter increment does not help.
     singular: bool,
+    /// Newton's method converged, but not the rounds around it.
+    unsettled: bool,
     /// The iteration began from an extrapolation; the same increment may do from the converged state.
     extrapolated: bool,
     /// The worst equation of this rank, with its residual.
@@ -90,7 +99,7 @@ impl Analysis<'_> {
         let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, &self.state.u, last))?;
         conditions.hand_over(last, &self.state.tool_forces);
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
-        let pattern = self.phases.time(Phase::Assembly, || Pattern::new(self.comm, &self.model, &dofs));
+        let pattern = self.pattern(&conditions, &dofs);
         let poses = self.model.tools.iter().map(|t| t.committed).collect();
         let offsets = vec![Vec3::zeros(); self.model.tools.len()];
         let mut frame = Frame { step, conditions, dofs, pattern, poses, offsets, past: Vec::new() };
@@ -108,19 +117,25 @@ impl Analysis<'_> {
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let mut x = Vector::zeros(self.petsc, frame.dofs.count)?;
 
-        let start = self.state.time;
+        let (start, analyses) = (self.state.time, self.summary.analyses);
         let mut increments = Increments::new(&step.increment, step.duration);
         let mut since_written = 0;
         let mut warned = false;
+        let mut failures = 0;
         while let Some(end) = increments.next() {
-            let outcome = self.attempt(&mut frame, &mut snes, &mut x, end)?;
+            let outcome = match failures {
+                ..JUMP_AFTER => self.attempt(&mut frame, &mut snes, &mut x, end, 0.0)?,
+                _ => self.jump(&mut frame, &mut snes, &mut x, end)?,
+            };
+            self.summary.analyses = analyses + snes.linear_statistics().analyses;
             match outcome {
                 Attempt::Converged(converged) => {
+                    failures = 0;
                     let iterations = converged.trace.len() - 1;
                     let size = (end - increments.done) * step.duration;
                     frame.remember(end, &x.array()?);
                     let busy = self.is_busy();
-                    increments.accept(end, iterations, busy);
+                    increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
                     self.state.time = start + end * step.duration;
                     since_written += 1;
                     let last = increments.next().is_none();
@@ -137,6 +152,7 @@ impl Analysis<'_> {
                 Attempt::Failed(failed) if failed.extrapolated => frame.past.clear(),
                 Attempt::Failed(failed) => {
                     self.summary.cutbacks += 1;
+                    failures += 1;
                     let size = (end - increments.done) * step.duration;
                     if failed.singular || !increments.cut(end) {
                         if since_written > 0 {
@@ -148,6 +164,9 @@ impl Analysis<'_> {
                     let line =
                         format!("  {}: {} with increment {size:.3e}; cut to a half", step.name.value, failed.reason);
                     self.log.line(&line);
+                    if failures == JUMP_AFTER {
+                        increments.lengthen();
+                    }
                 }
             }
         }
@@ -155,10 +174,28 @@ impl Analysis<'_> {
         Ok(())
     }
 
+    /// The pattern of a step. Collective.
+    fn pattern(&mut self, conditions: &Conditions, dofs: &DofMap) -> Pattern {
+        let begun = Instant::now();
+        super::survey(self.comm, &mut self.model, conditions, dofs, &self.state.u);
+        let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+        let pattern = Pattern::new(self.comm, &self.model, dofs, place);
+        self.phases.add(Phase::Assembly, begun.elapsed());
+        pattern
+    }
+
     /// Tries one increment to fraction `end` of the step. A search that proves too narrow is widened and the iteration goes
-    /// on from where it is. Collective.
-    fn attempt(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
+    /// on from where it is. All that moves has the `drag` of so much force per length. Collective.
+    pub(super) fn attempt(
+        &mut self,
+        frame: &mut Frame,
+        snes: &mut Snes,
+        x: &mut Vector,
+        end: f64,
+        drag: f64,
+    ) -> Result<Attempt> {
         self.watch_ahead(frame, end);
+        let max_iterations = self.scene.solver.max_iterations;
         let (log, number) = (&self.log, self.summary.increments + 1);
         let watcher = |iteration| log.iteration(&frame.step.name.value, number, iteration);
         let start = Start {
@@ -167,12 +204,13 @@ impl Analysis<'_> {
             offsets: &frame.offsets,
             s: end,
             tolerance: self.scene.solver.tolerance,
-            max_iterations: self.scene.solver.max_iterations,
+            max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
             scale: self.state.scale,
             watcher: &watcher,
         };
         // Between facets the solution jumps: extrapolated, it would be sought on the facet that a node is about to leave.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
+        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted)
+            && self.model.surfaces.iter().all(|s| s.given.smoothing != Smoothing::Facet);
         let trial = frame.extrapolated(end).filter(|_| smooth);
         let extrapolated = trial.is_some();
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
@@ -180,11 +218,12 @@ impl Analysis<'_> {
             self.comm,
             &mut self.model,
             &frame.dofs,
-            &frame.pattern,
+            &mut frame.pattern,
             &frame.conditions,
             self.phases,
             &start,
         );
+        newton.set_drag(drag);
         match trial {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),
@@ -193,20 +232,26 @@ impl Analysis<'_> {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
             if outcome.reason != Reason::Converged {
-                let changes = newton.changes.last().copied().unwrap_or(0);
-                break Attempt::Failed(Failed {
-                    reason: told(&outcome.reason, self.scene.solver.max_iterations),
-                    singular: is_singular(&outcome.reason) && newton.trace.len() <= 1,
-                    extrapolated,
-                    worst: newton.worst,
-                    changes,
-                });
+                let reason = told(&outcome.reason, max_iterations);
+                let singular = is_singular(&outcome.reason) && newton.trace.len() <= 1;
+                break Attempt::Failed(failed(&newton, reason, singular, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
-            if !newton.widen_search() {
-                break Attempt::Converged(Box::new(converged(&newton, &x.array()?)));
+            if newton.widen_search() {
+                continue;
+            }
+            match newton.end_round() {
+                Round::Again => {}
+                // Constraints that gave way are tightened once.
+                Round::Done if newton.tighten(&x.array()?) => {}
+                Round::Done => break Attempt::Converged(Box::new(converged(&newton, &x.array()?))),
+                Round::Failed(reason) => {
+                    break Attempt::Failed(Failed { unsettled: true, ..failed(&newton, reason, false, extrapolated) });
+                }
             }
         };
+        self.summary.outer_iterations += newton.rounds.count;
+        self.summary.pattern_rebuilds += newton.rebuilds;
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
@@ -216,29 +261,44 @@ impl Analysis<'_> {
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
         let begun = Instant::now();
-        let Model { part, tools, pairs, .. } = &mut self.model;
+        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
         frame.conditions.place_tools(tools, &frame.poses, &frame.offsets, end);
-        watch_all(self.comm, tools, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
+        let place = |n: u32| part.points[n as usize] + self.state.u[n as usize];
+        watch_all(self.comm, tools, pairs, place);
+        follow_all(self.comm, surfaces, pairs, place);
         self.phases.add(Phase::Search, begun.elapsed());
     }
 
-    /// Makes a converged increment the state, and reports it. Collective.
-    fn accept(&mut self, frame: &mut Frame, converged: Converged, size: f64, write: bool) -> Result<()> {
+    /// Makes a converged increment the state. Collective.
+    pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) {
         for tool in &mut self.model.tools {
             tool.committed = tool.trial;
         }
-        let Model { part, tools, pairs, .. } = &mut self.model;
+        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
         for (pair, multipliers) in pairs.iter_mut().zip(&converged.multipliers) {
             for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
                 let node = slave.node as usize;
                 let position = part.points[node] + converged.u[node];
-                slave.commit(*multiplier, &tools[pair.tool].committed, &position);
+                match pair.master {
+                    Master::Tool(t) => slave.commit(pair.method, *multiplier, &tools[t].committed, &position),
+                    Master::Surface(k) => {
+                        let frame = slave.trial.projection.and_then(|p| surfaces[k].frame(&p));
+                        let frame = frame.unwrap_or_else(Mat3::identity);
+                        slave.commit_on_surface(pair.method, *multiplier, &frame, &position);
+                    }
+                }
             }
         }
-        frame.offsets = converged.offsets;
-        self.state.u = converged.u;
-        self.state.tool_forces = converged.tool_forces;
+        frame.offsets.clone_from(&converged.offsets);
+        self.state.u.clone_from(&converged.u);
+        self.model.turn_slaves(&self.state.u);
+        self.state.tool_forces.clone_from(&converged.tool_forces);
         self.state.scale = converged.scale;
+    }
+
+    /// Makes a converged increment the state, and reports it. Collective.
+    fn accept(&mut self, frame: &mut Frame, converged: Converged, size: f64, write: bool) -> Result<()> {
+        self.commit(frame, &converged);
         self.summary.increments += 1;
         let step = &frame.step.name.value;
         let (number, time) = (self.summary.increments, self.state.time);
@@ -258,7 +318,7 @@ impl Analysis<'_> {
             self.results.write_fields(self.comm, &self.model, time, &self.state.u)?;
         }
         self.phases.add(Phase::Output, begun.elapsed());
-        let note = self.note(converged.calmed.len());
+        let note = self.note(converged.calmed.len(), converged.rounds);
         self.log.increment(&log::Increment { step, number, time, size, iterations, note: &note });
         self.log.record(&describe::trace(&converged.trace, &converged.changes));
         if let Some(name) = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n))) {
@@ -285,7 +345,7 @@ impl Analysis<'_> {
     }
 
     /// Contact in a few words. Collective.
-    fn note(&self, calmed: usize) -> String {
+    fn note(&self, calmed: usize, rounds: usize) -> String {
         let mut counts = [0.0, 0.0, calmed as f64];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             counts[0] += f64::from(slave.trial.status != Status::Gap);
@@ -293,6 +353,9 @@ impl Analysis<'_> {
         }
         sum(self.comm, &mut counts);
         let mut note = format!("{} in contact, {} slip", counts[0], counts[1]);
+        if rounds > 0 {
+            note += &format!(", {rounds} outer");
+        }
         if counts[2] > 0.0 {
             note += &format!(", {} calmed", counts[2]);
         }
@@ -310,6 +373,7 @@ impl Analysis<'_> {
             time: self.state.time,
             reason: &failed.reason,
             singular: failed.singular,
+            unsettled: failed.unsettled,
             place: place.as_deref().unwrap_or("an unknown equation"),
             residual: largest[0] / self.state.scale,
             changes: failed.changes,
@@ -330,12 +394,24 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
         trace: newton.trace.clone(),
         changes: newton.changes.clone(),
         calmed: newton.calmed.clone(),
+        rounds: newton.rounds.count,
     }
 }
 
-/// Whether MUMPS found equations that determine nothing.
+/// What is told of an iterate that is no solution.
+fn failed(newton: &Newton, reason: String, singular: bool, extrapolated: bool) -> Failed {
+    let changes = newton.changes.last().copied().unwrap_or(0);
+    Failed { reason, singular, unsettled: false, extrapolated, worst: newton.worst, changes }
+}
+
+/// Whether there are equations that determine nothing: MUMPS found them, or what it solved is no solution.
 fn is_singular(reason: &Reason) -> bool {
-    matches!(reason, Reason::Linear(LinearFailure::Singular(..) | LinearFailure::Inaccurate { null_pivots: 1.., .. }))
+    let Reason::Linear(failure) = reason else { return false };
+    match failure {
+        LinearFailure::Singular(..) => true,
+        LinearFailure::Inaccurate { relative_residual, null_pivots } => *null_pivots > 0 || *relative_residual > 1e-2,
+        _ => false,
+    }
 }
 
 /// Why an increment failed, in the user's terms.

@@ -1,257 +1,78 @@
-//! The contact element of one slave node: augmented Lagrangian with Coulomb friction, residual and exact tangent.
+//! The contact element of one slave node and a rigid tool: residual and exact tangent.
 //!
-//! With the gap g and outward normal n of the master at the closest point x̄, the multiplier λ (the nodal contact force,
-//! N; λ·n <= 0 in contact) and the slip g_t = (I - nn)(x̄ - x̃) since the last converged increment (x̃ the contact point
-//! of then, carried along by the master; eqs. (6)-(7) of Neto, Oliveira and Menezes), the augmented multiplier is
+//! The residual of the slave node is the force F of [`super::law`], that of the multiplier -(λ - F). The multiplier's
+//! unknown is λ' = λ / ε_n, a length, so that every block of the tangent is of the size of ε_n and every residual is a
+//! force.
 //!
-//!   λ̂_n = λ·n + ε_n g,   λ̂_t = (I - nn) λ + ε_t g_t,
-//!
-//! and the contact force F on the master (its opposite acts on the slave) by status (eqs. (63)-(65)):
-//!
-//!   gap    λ̂_n > 0              F = 0
-//!   stick  |λ̂_t| <= -μ λ̂_n      F = λ̂_n n + λ̂_t
-//!   slip   otherwise            F = λ̂_n (n - μ t),  t = λ̂_t / |λ̂_t|
-//!
-//! The residual of the slave node is F, that of the multiplier -(λ - F). The multiplier's unknown is λ' = λ / ε_n, a
-//! length, so that every block of the tangent is of the size of ε_n and every residual is a force.
-//!
-//! The tangent is exact for a rigid master: with N = ∂n/∂x (which has the curvature of the surface) ∂x̄/∂x = I - nn - gN,
-//! and the master's own motion enters with the opposite sign, since only the relative position matters.
-//!
-//! A direction in which neither the node nor the tool can give way makes no condition of its own:
-//!
-//! - Where the node stands still relative to the tool (a plane of symmetry, plane strain), it meets the tool's section
-//!   with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and, the
-//!   normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
-//!   the force has that of N n.
-//! - Where it is drawn along the tool, it cannot stick.
+//! The tangent is exact for a rigid master: with N = ∂n/∂x (which has the curvature of the surface) and ∂g/∂x = n,
+//! ∂x̄/∂x = I - nn - gN, and the master's own motion enters with the opposite sign, since only the relative position
+//! matters.
 //!
 //! Without friction one multiplier λ_n a node suffices; the element then derives from a potential and its tangent is
 //! symmetric.
 
+use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes};
+use crate::scene::Tangent;
 use crate::surface::Projection;
 use crate::{Mat3, Vec3};
 
-/// What a slave node does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[repr(u8)]
-pub enum Status {
-    #[default]
-    Gap = 0,
-    Stick = 1,
-    Slip = 2,
-}
-
-impl Status {
-    /// The status in words; without friction what touches neither sticks nor slips.
-    pub fn name(self, friction: f64) -> &'static str {
-        match self {
-            Self::Gap => "not touching",
-            _ if friction == 0.0 => "touching",
-            Self::Stick => "sticking",
-            Self::Slip => "slipping",
-        }
-    }
-}
-
-/// Parameters of the law at a slave node.
+/// Residual and tangent of a slave node; forces and forces per length. Without friction the multiplier is its first
+/// component.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Law {
-    /// Coulomb coefficient μ.
-    pub friction: f64,
-    /// Normal penalty ε_n, force per length.
-    pub normal: f64,
-    /// Tangential penalty ε_t, force per length.
-    pub tangential: f64,
-}
-
-/// Residual and tangent of a frictional slave node; forces and forces per length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frictional {
-    pub status: Status,
-    /// F: the residual of the slave's displacement.
-    pub force: Vec3,
-    /// -(λ - F): the residual of the multiplier.
-    pub multiplier_residual: Vec3,
-    /// ∂F/∂x: the displacement row; also the multiplier row with respect to x.
+pub struct Element {
+    /// Its force is the residual of the slave's displacement, its constraint that of the multiplier.
+    pub response: Response,
+    /// ∂F/∂x; of the load where a local unknown is eliminated.
     pub force_position: Mat3,
     /// ∂F/∂λ'.
     pub force_multiplier: Mat3,
-    /// ∂(-(λ - F))/∂λ'.
-    pub multiplier_multiplier: Mat3,
-    /// Slip since the last converged increment, g_t.
-    pub slip: Vec3,
+    /// The same of the residual of the multiplier.
+    pub constraint_position: Mat3,
+    pub constraint_multiplier: Mat3,
 }
 
-/// Residual and tangent of a frictionless slave node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frictionless {
-    pub status: Status,
-    /// F: the residual of the slave's displacement.
-    pub force: Vec3,
-    /// ε_n g in contact, -λ_n in the gap: the residual of the multiplier.
-    pub multiplier_residual: f64,
-    /// ∂F/∂x, symmetric.
-    pub force_position: Mat3,
-    /// ∂F/∂λ', also the multiplier row with respect to x.
-    pub force_multiplier: Vec3,
-    /// ∂(residual of the multiplier)/∂λ'.
-    pub multiplier_multiplier: f64,
-}
-
-/// Directions in which neither a slave node nor its tool can give way.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Guide {
-    /// The node stands still relative to the tool.
-    pub held: [bool; 3],
-    /// The node is drawn along the tool.
-    pub drawn: [bool; 3],
-}
-
-impl Guide {
-    /// Whether the node, or the tool, can give way to a force along `normal`. What cannot does not feel the tool.
-    pub fn gives_way(&self, normal: &Vec3) -> bool {
-        const ACROSS: f64 = 1e-6;
-        (0..3).any(|d| !self.held[d] && !self.drawn[d] && normal[d].abs() > ACROSS)
+/// The projection with what the tangent is to know of it: with a fixed frame nothing of the turn of the normal, eqs. (68)-(70).
+pub fn framed(projection: Projection, tangent: Tangent) -> Projection {
+    match tangent {
+        Tangent::Exact => projection,
+        Tangent::FixedFrame => Projection { normal_gradient: Mat3::zeros(), ..projection },
     }
 }
 
-/// The tool as a guided node meets it: its section with the directions that are not held.
-struct Section {
-    normal: Vec3,
-    normal_position: Mat3,
-    tangential: Mat3,
-    gap: f64,
-    gap_position: Vec3,
-    /// From the slip origin to the closest point.
-    path: Vec3,
-    /// Its derivative, tangential part.
-    path_position: Mat3,
-    /// Normal force over λ̂_n, and its derivative.
-    lean: f64,
-    lean_position: Vec3,
-}
-
-impl Section {
-    fn new(p: &Projection, anchor: Vec3, held: [bool; 3]) -> Self {
-        let free = Mat3::from_diagonal(&Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 })));
-        let length = (free * p.normal).norm();
-        let normal = free * p.normal / length;
-        let turn = free * p.normal_gradient * free;
-        let tangential = free - normal * normal.transpose();
-        let length_position = turn * normal;
-        Self {
-            normal,
-            normal_position: tangential * turn / length,
-            tangential,
-            gap: p.gap / length,
-            gap_position: normal - length_position * (p.gap / length.powi(2)),
-            path: free * (p.point - anchor),
-            path_position: tangential - tangential * turn * p.gap,
-            lean: 1.0 / length,
-            lean_position: -length_position / length.powi(2),
-        }
-    }
-}
-
-/// The element with friction. `multiplier` is λ (N), `anchor` x̃; without a projection the node is in the gap.
-pub fn frictional(
+/// The element, with friction or without. `anchor` is x̃; without a projection the node is in the gap.
+pub fn element(
     law: Law,
-    multiplier: Vec3,
+    multiplier: &Multiplier,
     projection: Option<&Projection>,
     anchor: Vec3,
     guide: &Guide,
-) -> Frictional {
-    let gap = Frictional {
-        status: Status::Gap,
-        force: Vec3::zeros(),
-        multiplier_residual: -multiplier,
-        force_position: Mat3::zeros(),
-        force_multiplier: Mat3::zeros(),
-        multiplier_multiplier: Mat3::identity() * -law.normal,
-        slip: Vec3::zeros(),
-    };
-    let Some(p) = projection else { return gap };
-    let section = Section::new(p, anchor, guide.held);
-    let Section { normal: n, normal_position: dn, tangential, path, .. } = section;
-    let slip = tangential * path;
-    let slip_position = section.path_position - n * dn.tr_mul(&path).transpose() - dn * n.dot(&path);
-
-    let normal_multiplier = multiplier.dot(&n);
-    let lambda_n = normal_multiplier + law.normal * section.gap;
-    let lambda_t = tangential * multiplier + law.tangential * slip;
-    if lambda_n > 0.0 {
-        return Frictional { slip, ..gap };
-    }
-    let turned = dn.tr_mul(&multiplier);
-    let lambda_n_position = turned + law.normal * section.gap_position;
-    let lambda_t_position = slip_position * law.tangential - n * turned.transpose() - dn * normal_multiplier;
-    let size = lambda_t.norm();
-    let friction = law.friction * section.lean;
-    let bound = -friction * lambda_n;
-    // Beyond the rounding of positions.
-    let drawn = (0..3).any(|d| guide.drawn[d] && slip[d].abs() > 1e-12 * p.point.amax());
-
-    let (status, force, force_position, force_lambda);
-    // A node that slipped last stands on the cone to rounding, and is taken to slip on.
-    if size <= bound * (1.0 - 1e-9) && !drawn {
-        status = Status::Stick;
-        force = n * lambda_n + lambda_t;
-        force_position = n * lambda_n_position.transpose() + dn * lambda_n + lambda_t_position;
-        force_lambda = Mat3::identity();
-    } else {
-        let t = lambda_t / size;
-        let direction = n - friction * t;
-        let turn = (Mat3::identity() - t * t.transpose()) * (bound / size);
-        let leaning = t * section.lean_position.transpose() * (law.friction * lambda_n);
-        status = Status::Slip;
-        force = direction * lambda_n;
-        force_position = direction * lambda_n_position.transpose() + dn * lambda_n + turn * lambda_t_position - leaning;
-        force_lambda = direction * n.transpose() + turn * tangential;
-    }
-    let across = p.normal * (lambda_n * section.lean);
-    let reaction = Vec3::from_fn(|d, _| if guide.held[d] { across[d] } else { 0.0 });
-    Frictional {
-        status,
-        force: force + reaction,
-        multiplier_residual: force - multiplier,
-        force_position,
-        force_multiplier: force_lambda * law.normal,
-        multiplier_multiplier: (force_lambda - Mat3::identity()) * law.normal,
-        slip,
+) -> Element {
+    let place = projection.map(|p| Place { gap: p.gap, normal: p.normal, point: p.point, origin: anchor });
+    let response = law::respond(law, multiplier, place.as_ref(), guide);
+    let by_position = |slopes| projection.map_or(Mat3::zeros(), |p| by_position(slopes, p));
+    let constraint_position = by_position(&response.constraint_by);
+    // Without a local unknown the inverse is zero.
+    let solved = response.force_by.multiplier * response.inverse;
+    Element {
+        response,
+        force_position: by_position(&response.force_by) - solved * constraint_position,
+        force_multiplier: response.force_by.multiplier * law.normal,
+        constraint_position,
+        constraint_multiplier: response.constraint_by.multiplier * law.normal,
     }
 }
 
-/// The element without friction. `multiplier` is λ_n (N).
-pub fn frictionless(law: Law, multiplier: f64, projection: Option<&Projection>) -> Frictionless {
-    match projection {
-        Some(p) if multiplier + law.normal * p.gap <= 0.0 => {
-            let lambda_n = multiplier + law.normal * p.gap;
-            Frictionless {
-                status: Status::Slip,
-                force: p.normal * lambda_n,
-                multiplier_residual: law.normal * p.gap,
-                force_position: p.normal * p.normal.transpose() * law.normal + p.normal_gradient * lambda_n,
-                force_multiplier: p.normal * law.normal,
-                multiplier_multiplier: 0.0,
-            }
-        }
-        _ => Frictionless {
-            status: Status::Gap,
-            force: Vec3::zeros(),
-            multiplier_residual: -multiplier,
-            force_position: Mat3::zeros(),
-            force_multiplier: Vec3::zeros(),
-            multiplier_multiplier: -law.normal,
-        },
-    }
+/// The derivative by x of what has these slopes. It does not change with the path along n.
+fn by_position(by: &Slopes, p: &Projection) -> Mat3 {
+    by.gap * p.normal.transpose() + by.path + (by.normal - by.path * p.gap) * p.normal_gradient
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Status;
 
-    const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0 };
+    const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0 };
 
     /// Projection onto a sphere of radius 3 about the origin, solid or hollow, or onto the plane z = 2.9.
     #[derive(Clone, Copy, Debug)]
@@ -307,49 +128,75 @@ mod tests {
         nalgebra::SMatrix::from_columns(&columns)
     }
 
+    /// The ways in which λ can enter: augmented, and as the force under each active set. The law is that of the state.
+    fn kinds(lambda: Vec3) -> [Multiplier; 4] {
+        let [gap, stick, slip] = [Status::Gap, Status::Stick, Status::Slip].map(|set| Multiplier::Force(lambda, set));
+        [Multiplier::Augmented(lambda), gap, stick, slip]
+    }
+
+    /// The same kind with another λ or σ.
+    fn with(multiplier: &Multiplier, lambda: Vec3) -> Multiplier {
+        match *multiplier {
+            Multiplier::Augmented(_) => Multiplier::Augmented(lambda),
+            Multiplier::Force(_, set) => Multiplier::Force(lambda, set),
+            Multiplier::Held { gap, tangential, .. } => Multiplier::Held { gap, tangential, force: lambda },
+        }
+    }
+
+    /// Largest errors over the normal penalty, among the free directions, of the four blocks against differences.
+    fn errors(law: Law, master: Master, x: Vec3, multiplier: &Multiplier, origin: Vec3, guide: &Guide) -> f64 {
+        let at = |x: Vec3, multiplier: &Multiplier| element(law, multiplier, Some(&master.project(x)), origin, guide);
+        let e = at(x, multiplier);
+        let lambda = match *multiplier {
+            Multiplier::Augmented(lambda) | Multiplier::Force(lambda, _) => lambda,
+            Multiplier::Held { force, .. } => force,
+        };
+        // What was eliminated is put back.
+        let solved = e.response.force_by.multiplier * e.response.inverse * e.constraint_position;
+        let pairs = [
+            (e.force_position + solved, gradient(|x| at(x, multiplier).response.force, x)),
+            (e.constraint_position, gradient(|x| at(x, multiplier).response.constraint, x)),
+            (e.force_multiplier, gradient(|l| at(x, &with(multiplier, l)).response.force, lambda) * law.normal),
+            (
+                e.constraint_multiplier,
+                gradient(|l| at(x, &with(multiplier, l)).response.constraint, lambda) * law.normal,
+            ),
+        ];
+        let free = guide.held.map(|held| if held { 0.0 } else { 1.0 });
+        let error = |(a, b): &(Mat3, Mat3)| (a - b).map_with_location(|i, j, v| v * free[i] * free[j]).amax();
+        pairs.iter().map(error).fold(0.0, f64::max) / law.normal
+    }
+
     #[test]
-    fn the_frictional_tangent_is_the_derivative_of_the_residual() {
+    fn the_tangent_is_the_derivative_of_the_residual() {
         for master in [Master::Sphere, Master::Bore, Master::Plane] {
             for (status, x, lambda, origin) in states(master) {
-                let at = |x: Vec3, lambda: Vec3| {
-                    frictional(LAW, lambda, Some(&master.project(x)), origin, &Guide::default())
-                };
-                let e = at(x, lambda);
-                assert_eq!(e.status, status, "{master:?}");
-                let of_x = gradient(|x| at(x, lambda).force, x);
-                let of_lambda = gradient(|l| at(x, l).force, lambda) * LAW.normal;
-                let row = gradient(|l| at(x, l).multiplier_residual, lambda) * LAW.normal;
-                let row_x = gradient(|x| at(x, lambda).multiplier_residual, x);
-                let error = |a: Mat3, b: Mat3| (a - b).amax() / LAW.normal;
-                assert!(
-                    error(e.force_position, of_x) < 2e-10,
-                    "{master:?} {status:?}: {}",
-                    error(e.force_position, of_x)
-                );
-                assert!(error(e.force_position, row_x) < 2e-10, "{master:?} {status:?}");
-                assert!(error(e.force_multiplier, of_lambda) < 2e-10, "{master:?} {status:?}");
-                assert!(error(e.multiplier_multiplier, row) < 2e-10, "{master:?} {status:?}");
+                for multiplier in kinds(lambda) {
+                    let e = element(LAW, &multiplier, Some(&master.project(x)), origin, &Guide::default());
+                    let expected = if let Multiplier::Force(_, set) = multiplier { set } else { status };
+                    assert_eq!((e.response.status, e.response.asked), (expected, status), "{master:?}");
+                    let error = errors(LAW, master, x, &multiplier, origin, &Guide::default());
+                    assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+                }
             }
         }
     }
 
     #[test]
     fn the_frictionless_tangent_is_symmetric_and_the_derivative_of_the_residual() {
+        let law = Law { friction: 0.0, ..LAW };
         for master in [Master::Sphere, Master::Bore, Master::Plane] {
             let x = master.penetrating();
-            for lambda in [-7.0, 30.0] {
-                let at = |x: Vec3, lambda: f64| frictionless(LAW, lambda, Some(&master.project(x)));
-                let e = at(x, lambda);
-                assert_eq!(e.status == Status::Gap, lambda > 0.0);
-                assert!((gradient(|x| at(x, lambda).force, x) - e.force_position).amax() < 1e-8);
-                assert_eq!(e.force_position, e.force_position.transpose());
-                let row = gradient(|x| nalgebra::Vector1::new(at(x, lambda).multiplier_residual), x);
-                assert!((row.transpose() - e.force_multiplier).amax() < 1e-8);
-                let slope = |f: &dyn Fn(f64) -> f64| (f(lambda + 1.0) - f(lambda - 1.0)) / 2.0 * LAW.normal;
-                let by_multiplier = slope(&|l| at(x, l).multiplier_residual);
-                assert!((by_multiplier - e.multiplier_multiplier).abs() < 1e-11);
-                for d in 0..3 {
-                    assert!((slope(&|l| at(x, l).force[d]) - e.force_multiplier[d]).abs() < 1e-11);
+            for lambda in [-7.0, 30.0].map(|l| Vec3::x() * l) {
+                let held = Multiplier::Held { gap: 0.01, tangential: Vec3::zeros(), force: lambda };
+                for multiplier in kinds(lambda).into_iter().chain([held]) {
+                    let e = element(law, &multiplier, Some(&master.project(x)), Vec3::zeros(), &Guide::default());
+                    let error = errors(law, master, x, &multiplier, Vec3::zeros(), &Guide::default());
+                    assert!(error < 2e-10, "{master:?} {multiplier:?}: {error:e}");
+                    let skew = (e.force_position - e.force_position.transpose()).amax();
+                    assert!(skew < 1e-13);
+                    let share = if multiplier == held { 1.0 - law.normal / law.penalty } else { 1.0 };
+                    assert!((e.force_multiplier - e.constraint_position.transpose() * share).amax() < 1e-13);
                 }
             }
         }
@@ -365,20 +212,61 @@ mod tests {
             let free = Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 }));
             for (_, x, lambda, origin) in states(master) {
                 let lambda = lambda.component_mul(&free);
-                let at = |x: Vec3, l: Vec3| frictional(LAW, l, Some(&master.project(x)), origin, &guide);
-                let e = at(x, lambda);
-                let error = |a: Mat3, b: Mat3| {
-                    let among_free = (a - b).map_with_location(|i, j, v| v * free[i] * free[j]);
-                    among_free.amax() / LAW.normal
-                };
-                let what = format!("{master:?} {held:?} {:?}", e.status);
-                assert!(error(e.force_position, gradient(|x| at(x, lambda).force, x)) < 5e-10, "{what}");
-                let row_x = gradient(|x| at(x, lambda).multiplier_residual, x);
-                assert!(error(e.force_position, row_x) < 5e-10, "{what}");
-                let of_lambda = gradient(|l| at(x, l).force, lambda) * LAW.normal;
-                assert!(error(e.force_multiplier, of_lambda) < 5e-10, "{what}");
-                let row = gradient(|l| at(x, l).multiplier_residual, lambda) * LAW.normal;
-                assert!(error(e.multiplier_multiplier, row) < 5e-10, "{what}");
+                let tangential = Vec3::new(0.2, 0.4, 0.1);
+                let local = Multiplier::Held { gap: -0.02, tangential, force: lambda };
+                for multiplier in kinds(lambda).into_iter().chain([local]) {
+                    let error = errors(LAW, master, x, &multiplier, origin, &guide);
+                    assert!(error < 5e-10, "{master:?} {held:?} {multiplier:?}: {error:e}");
+                }
+            }
+        }
+    }
+
+    /// σ at which its residual is zero, from a first guess.
+    fn settled(law: Law, master: Master, x: Vec3, held: &Multiplier, origin: Vec3) -> Element {
+        let mut multiplier = *held;
+        for _ in 0..30 {
+            let e = element(law, &multiplier, Some(&master.project(x)), origin, &Guide::default());
+            let Multiplier::Held { force, .. } = multiplier else { unreachable!() };
+            if e.response.constraint.amax() < 1e-14 * (1.0 + force.amax()) {
+                return e;
+            }
+            multiplier = with(held, force - e.response.inverse * e.response.constraint);
+        }
+        panic!("{multiplier:?} does not settle");
+    }
+
+    /// The local unknown and the augmentation below the penalty change nothing: F = λ + ε g, returned to the cone.
+    #[test]
+    fn with_the_local_unknown_the_penalty_law_is_as_it_is() {
+        let (gap, tangential) = (-0.02, Vec3::new(0.9, -0.4, 0.3));
+        for penalty in [LAW.normal, 100.0, 1e4] {
+            let law = Law { penalty, tangential: LAW.normal, ..LAW };
+            for master in [Master::Sphere, Master::Bore, Master::Plane] {
+                let x = master.penetrating();
+                let (p, mut seen) = (master.project(x), [false; 3]);
+                for slip in [1e-4, 0.3] {
+                    let origin = p.point + Vec3::new(0.5, 1.2, 0.1) * slip;
+                    let force = p.normal * (penalty * (p.gap + gap));
+                    let held = Multiplier::Held { gap, tangential, force };
+                    let of = |x: Vec3| settled(law, master, x, &held, origin);
+                    let e = of(x);
+                    let normal = penalty * (p.gap + gap);
+                    let along = |v: Vec3| v - p.normal * p.normal.dot(&v);
+                    let trial = along(tangential + (p.point - origin) * penalty);
+                    let bound = -law.friction * normal;
+                    let expected = p.normal * normal + trial * (bound / trial.norm()).min(1.0);
+                    assert!((e.response.force - expected).norm() < 1e-11 * expected.norm());
+                    assert!((e.response.load - expected).norm() < 1e-11 * expected.norm());
+                    // Steps that are short against the elastic slip.
+                    let by = |y: Vec3| of(x + y * (10.0 / penalty)).response.load / 10.0;
+                    let error = (gradient(by, Vec3::zeros()) - e.force_position / penalty).amax();
+                    assert!(error < 3e-8, "{master:?} {:?} {penalty}: {error:e}", e.response.status);
+                    seen[e.response.status as usize] = true;
+                    assert_eq!(e.response.status == Status::Stick, trial.norm() < bound);
+                }
+                assert!(seen[1] || penalty < 1e3);
+                assert!(seen[2]);
             }
         }
     }
@@ -391,7 +279,7 @@ mod tests {
         let law = Law { friction: 1e-12, ..LAW };
         let guide = Guide { held: [true, false, false], drawn: [false; 3] };
         let pressed = Vec3::new(0.0, p.normal.y, p.normal.z) * -5.0;
-        let e = frictional(law, pressed, Some(&p), origin, &guide);
+        let e = element(law, &Multiplier::Augmented(pressed), Some(&p), origin, &guide).response;
         assert!(e.status == Status::Slip && e.force.normalize().dot(&p.normal) < -1.0 + 1e-11);
         assert!(guide.gives_way(&p.normal) && !guide.gives_way(&Vec3::x()));
     }
@@ -400,7 +288,9 @@ mod tests {
     fn a_drawn_node_cannot_stick() {
         let (status, x, lambda, origin) = states(Master::Sphere)[1];
         let p = Master::Sphere.project(x);
-        let at = |drawn| frictional(LAW, lambda, Some(&p), origin, &Guide { held: [false; 3], drawn });
+        let multiplier = Multiplier::Augmented(lambda);
+        let guide = |drawn| Guide { held: [false; 3], drawn };
+        let at = |drawn| element(LAW, &multiplier, Some(&p), origin, &guide(drawn)).response;
         assert_eq!((status, at([false; 3]).status), (Status::Stick, Status::Stick));
         let e = at([false, true, false]);
         let normal = e.force.dot(&p.normal);
@@ -412,19 +302,21 @@ mod tests {
     fn slipping_friction_obeys_coulomb_and_opposes_the_slip() {
         let (_, x, lambda, origin) = states(Master::Sphere)[2];
         let p = Master::Sphere.project(x);
-        let e = frictional(LAW, lambda, Some(&p), origin, &Guide::default());
+        let at = |lambda| element(LAW, &Multiplier::Augmented(lambda), Some(&p), origin, &Guide::default()).response;
+        let e = at(lambda);
         let normal = e.force.dot(&p.normal);
         let tangential = e.force - p.normal * normal;
         assert!((tangential.norm() + LAW.friction * normal).abs() < 1e-14);
         // On the slave acts -F; with a multiplier of zero the only tangential force is that of the slip.
-        let pressed = frictional(LAW, -0.5 * p.normal, Some(&p), origin, &Guide::default());
+        let pressed = at(-0.5 * p.normal);
         assert!((-pressed.force).dot(&pressed.slip) < 0.0);
     }
 
     #[test]
     fn without_a_projection_the_multiplier_goes_to_zero() {
-        let e = frictional(LAW, Vec3::new(1.0, 2.0, 3.0), None, Vec3::zeros(), &Guide::default());
+        let lambda = Multiplier::Augmented(Vec3::new(1.0, 2.0, 3.0));
+        let e = element(LAW, &lambda, None, Vec3::zeros(), &Guide::default()).response;
         assert_eq!((e.status, e.force), (Status::Gap, Vec3::zeros()));
-        assert_eq!(e.multiplier_residual, -Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(e.constraint, -Vec3::new(1.0, 2.0, 3.0));
     }
 }

@@ -1,43 +1,147 @@
-//! Contact of slave nodes with rigid tools.
+//! Contact of slave nodes with rigid tools and with the faces of deformable bodies.
 //!
-//! - [`element`]: the augmented-Lagrangian contact element of one slave node, residual and exact tangent
+//! - [`law`]: Coulomb friction by multipliers and penalties, what the contact elements have in common
+//! - [`element`]: the element of a slave node and a rigid tool, residual and exact tangent
+//! - [`deformable`]: the element of a slave node and a patch of a deformable master
 //! - [`pose`]: where a tool is
 //! - [`search`]: tools in their place, and which part of them a rank watches
+//! - [`self_contact`]: which patches of its own surface a node may meet
+//! - [`body_surface`]: a deformable master surface that moves with its nodes, wherever they are owned
+//! - [`mates`]: contact from node to node
+//! - [`guidance`]: whether slave and master are the right way round
 //! - here: the tools, the contact pairs, and the state of their slave nodes
 
+pub mod body_surface;
+pub mod deformable;
 pub mod element;
+pub mod guidance;
+pub mod law;
+pub mod mates;
 pub mod pose;
 pub mod search;
+pub mod self_contact;
 
-pub use element::{Guide, Law, Status};
+pub use body_surface::{BodySurface, follow_all};
+pub use law::{Guide, Law, Multiplier, Response, Status};
+pub use mates::Mate;
 pub use pose::Pose;
 pub use search::{Tool, watch_all};
+pub use self_contact::Avoided;
 
-use crate::Vec3;
-use crate::surface::Projection;
+use crate::scene::Enforcement;
+pub use crate::scene::{Discretization, Tangent};
+use crate::surface::projection::Foot;
+use crate::surface::{Patch, Projection};
+use crate::{Mat3, Vec3};
 
-/// A contact pair on this rank: the owned nodes of a slave surface against a tool.
+/// What a slave surface meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Master {
+    /// A rigid tool, by its index.
+    Tool(usize),
+    /// The faces of a body, by the index of the surface.
+    Surface(usize),
+}
+
+/// A contact pair on this rank: the owned nodes of a slave surface against a master.
 #[derive(Clone, Debug)]
 pub struct Pair {
     pub name: String,
-    /// Index of the tool.
-    pub tool: usize,
+    pub master: Master,
+    /// Both sides are bodies in plane strain: nothing happens along z.
+    pub planar: bool,
     /// Coulomb coefficient.
     pub friction: f64,
+    pub tangent: Tangent,
+    pub method: Enforcement,
     /// Index of the slave surface in the part's sets.
     pub set: usize,
     pub slaves: Vec<Slave>,
-    /// Distance from the tool within which a slave node is projected.
+    /// Distance from the master within which a slave node is projected.
     pub reach: f64,
     /// Longest edge of the slave facets.
     pub facet_size: f64,
+    /// Both sides are on one body: only faces that look at each other can meet.
+    pub within_body: bool,
+    /// Within a body the outward unit normals of the slave nodes at the last converged increment.
+    pub outward: Vec<Vec3>,
+    pub discretization: Discretization,
+    /// Index of the pair that is the other pass of the same contact.
+    pub other: Option<usize>,
+    /// It is the second pass, which yields where nodes of both sides coincide.
+    pub is_second: bool,
+    /// In self-contact what each slave node must not meet; else empty.
+    pub avoided: Vec<Avoided>,
 }
 
 impl Pair {
-    /// Multipliers that a slave node may have: one without friction, three with.
-    pub fn width(&self) -> usize {
-        if self.friction > 0.0 { 3 } else { 1 }
+    /// Closest point of the deformable master `surface` to slave node `slave` at `position`; the search starts at `warm`.
+    ///
+    /// A node stays on the extension of the patch that it comes from: where patches meet there is a small kink, between
+    /// whose sides an iteration could go to and fro. Outside a sharp edge it meets one of the edge's sides.
+    pub fn project(
+        &self,
+        surface: &BodySurface,
+        slave: usize,
+        position: &Vec3,
+        warm: Option<(u32, [f64; 2])>,
+    ) -> Option<Projection> {
+        if let Some(mate) = &self.slaves[slave].mate {
+            return mate.project(surface, position);
+        }
+        let admitted = |patch: &Patch, foot: &Foot| {
+            let normal = foot.local.area_vector().normalize();
+            match (self.outward.get(slave), self.avoided.get(slave)) {
+                (Some(o), Some(avoided)) => avoided.allows(position, o, patch.id, &foot.local.point, &normal),
+                _ => true,
+            }
+        };
+        let found = surface.shapes().closest_of(position, self.reach, warm, &admitted)?;
+        let found = surface.shapes().beside_edge(position, &found).unwrap_or(found);
+        let same = |p: &Projection| {
+            (p.point - found.point).norm() < SAME * surface.facet_size && p.normal.dot(&found.normal) > 1.0 - SAME
+        };
+        let last = warm.filter(|(id, _)| *id != found.patch);
+        let stays = last.and_then(|(id, xi)| surface.shapes().on_piece(position, id, xi)).filter(same);
+        Some(stays.unwrap_or(found))
+            .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
+
+    /// The slave at an owned node, if there is one.
+    pub fn slave_at(&mut self, node: u32) -> Option<&mut Slave> {
+        self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &mut self.slaves[s])
+    }
+
+    /// Whether a surface meets itself.
+    pub fn is_self(&self) -> bool {
+        !self.avoided.is_empty()
+    }
+
+    /// How far a slave node may move in one iteration.
+    pub fn longest_step(&self) -> f64 {
+        self.avoided.iter().map(Avoided::longest_step).fold(1.5 * self.facet_size, f64::min)
+    }
+
+    /// Multipliers that a slave node may have as unknowns: none when they are held, one without friction, three with.
+    pub fn width(&self) -> usize {
+        match self.method.holds_multipliers() {
+            true => 0,
+            false if self.friction > 0.0 => 3,
+            false => 1,
+        }
+    }
+}
+
+/// How much projections onto a patch and its neighbour may differ, over the facet size, to be of the same place.
+const SAME: f64 = 0.1;
+
+/// The projection of a slave node in the first iteration of an increment: a gap that is but rounding, against the size of
+/// the slave facets, is closed. Bodies that are meshed to touch are as far apart as the mesh file rounds, and one that
+/// only a force drives would have no support. Further iterations see the gap as it is.
+pub fn touching(projection: Projection, facet_size: f64) -> Projection {
+    const ROUNDING: f64 = 1e-4;
+    let closed = projection.gap < ROUNDING * facet_size;
+    Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
 }
 
 /// A slave node and its history.
@@ -46,6 +150,14 @@ pub struct Slave {
     /// Owned local node.
     pub node: u32,
     pub law: Law,
+    /// The one node of the master that it meets, in contact from node to node.
+    pub mate: Option<Mate>,
+    /// Penalties in the law at the start of an increment.
+    augmentation: f64,
+    /// The multiplier, where it is no unknown.
+    pub held: Held,
+    /// The force, where it is a local unknown.
+    pub local: Local,
     /// State of the last converged increment.
     pub committed: History,
     /// State of the current iterate.
@@ -59,48 +171,179 @@ pub struct Slave {
 pub struct History {
     /// Nodal contact force λ, N; without friction λ_n stands in the first entry.
     pub multiplier: Vec3,
-    /// Closest point, in the tool's frame: the slip origin. Kept for every node in reach, in contact or not.
+    /// Closest point on a tool, in its frame: the slip origin. Kept for every node in reach, in contact or not.
     pub anchor: Option<Vec3>,
-    /// Where the node itself was, in the tool's frame.
+    /// Where the node itself was, in the tool's frame; with a deformable master in space.
     pub place: Option<Vec3>,
-    /// Patch and parameters of the anchor, where the next projection starts.
+    /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
+    /// origin.
     pub warm: Option<(u32, [f64; 2])>,
     pub status: Status,
+    /// What a multiplier that is no unknown begins the next increment with.
+    pub held: Held,
+}
+
+/// A multiplier that is held while Newton's method runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Held {
+    /// λ_n / ε: a gap that is added.
+    pub gap: f64,
+    /// A part of λ_t, in space.
+    pub tangential: Vec3,
+    /// A part that the master carries along: in the frame of the tool, or of the slip origin on a deformable master.
+    pub carried: Vec3,
+}
+
+/// A local unknown, the force of a slave node, as a linear function of positions: what the last tangent has for it.
+#[derive(Clone, Debug, Default)]
+pub struct Local {
+    /// σ where the positions are those of then.
+    pub force: Vec3,
+    /// Derivatives by the positions of the slave node, relative to a tool, and of master nodes by their global numbers,
+    /// with these positions.
+    pub by: Vec<(Option<u64>, Mat3, Vec3)>,
+}
+
+impl Local {
+    /// σ at other positions.
+    pub fn at(&self, slave: &Vec3, node: impl Fn(u64) -> Option<Vec3>) -> Vec3 {
+        let moved = |(n, by, then): &(Option<u64>, Mat3, Vec3)| {
+            let now = n.map_or(Some(*slave), &node).unwrap_or(*then);
+            by * (now - then)
+        };
+        self.force + self.by.iter().map(moved).sum::<Vec3>()
+    }
+
+    /// Takes over a tangent: the unknown `force` with its response.
+    pub fn learn(&mut self, force: Vec3, response: &Response) {
+        self.by.clear();
+        self.force = force - response.inverse * response.constraint;
+    }
 }
 
 /// The current iterate of a slave node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
     pub status: Status,
-    /// F: contact force on the tool, N.
+    /// F: contact force on the master, N.
     pub force: Vec3,
+    /// What the other pass of a contact, or other nodes in self-contact, add to F at this node: its opposite is the force that
+    /// the node gets as one of the master.
+    pub received: Vec3,
+    /// It stands where a node of the master does, and in the second pass leaves the contact to that one.
+    pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
+    /// In self-contact the multiplier at which the constraint does not give way, N.
+    pub rest: Vec3,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
     pub changed: bool,
     /// How often that happened in succession.
     pub flips: u32,
+    /// With an active set: the status that gap and multiplier ask for in its place, and by how much that changes the
+    /// residual of the multiplier, N.
+    pub asked: Status,
+    pub violation: f64,
+    /// The local unknown, and the position of the node relative to a tool.
+    pub sigma: Vec3,
+    pub relative: Vec3,
+    /// Residual of the multiplier, or of the local unknown, N.
+    pub local: f64,
 }
 
 impl Trial {
-    /// Takes over the status and force of a new iterate.
-    pub fn update(&mut self, status: Status, force: Vec3) {
-        let tangential = |f: Vec3| self.projection.map_or(f, |p| f - p.normal * p.normal.dot(&f));
-        let turned = status == Status::Slip && self.status == Status::Slip && tangential(self.force).dot(&force) < 0.0;
+    /// The contact force on the node, its own and what it receives as a node of the master.
+    pub fn on_node(&self) -> Vec3 {
+        -(self.force + self.received)
+    }
+
+    /// Takes over the response of a new iterate.
+    pub fn update(&mut self, &Response { status, force, slip, constraint, asked, violation, .. }: &Response) {
+        // Beyond rounding, for without friction there is nothing else.
+        let turned = |p: &Projection| {
+            let tangential = self.force - p.normal * p.normal.dot(&self.force);
+            tangential.dot(&force) < -1e-12 * force.norm_squared()
+        };
+        let slips = status == Status::Slip && self.status == Status::Slip;
+        let turned = slips && self.projection.as_ref().is_some_and(turned);
         self.changed = status != self.status || turned;
         self.flips = if self.changed { self.flips + 1 } else { 0 };
-        self.status = status;
-        self.force = force;
+        (self.status, self.force, self.slip) = (status, force, slip);
+        (self.asked, self.violation, self.local) = (asked, violation, constraint.amax());
+    }
+
+    /// The force along the surface.
+    pub fn traction(&self) -> Vec3 {
+        self.projection.map_or(Vec3::zeros(), |p| self.force - p.normal * p.normal.dot(&self.force))
     }
 }
 
 impl Slave {
-    /// A node with its penalty, force per length.
-    pub fn new(node: u32, friction: f64, penalty: f64) -> Self {
-        let law = Law { friction, normal: penalty, tangential: penalty };
-        Self { node, law, committed: History::default(), trial: Trial::default(), accepted: Trial::default() }
+    /// A node with its penalty and, where multipliers are held, the augmentation below it, force per length.
+    pub fn new(node: u32, friction: f64, penalty: f64, augmentation: f64) -> Self {
+        let augmentation = augmentation.min(penalty);
+        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty };
+        let (committed, trial, accepted) = (History::default(), Trial::default(), Trial::default());
+        let (held, local) = (Held::default(), Local::default());
+        Self { node, law, mate: None, augmentation, held, local, committed, trial, accepted }
+    }
+
+    /// Begins an increment from the last converged one.
+    pub fn begin(&mut self) {
+        let (status, yields) = (self.committed.status, self.accepted.yields);
+        self.trial = Trial { status, yields, ..Trial::default() };
+        (self.law.normal, self.law.tangential) = (self.augmentation, self.augmentation);
+        self.held = self.committed.held;
+        self.local.force = self.committed.multiplier;
+        self.local.by.clear();
+    }
+
+    /// Reduces the friction penalty, with local unknowns all of the augmentation; `false` when it is low. The solution does
+    /// not depend on it.
+    pub fn calm(&mut self, method: Enforcement) -> bool {
+        let can = self.law.friction > 0.0 && self.law.tangential > 1e-3 * self.augmentation;
+        if can {
+            self.law.tangential *= 0.1;
+            if method.holds_multipliers() {
+                self.law.normal = self.law.tangential;
+            }
+        }
+        can
+    }
+
+    /// The multiplier of `method`, where `lambda` is that of the unknowns, and `carried` the part of one that is held
+    /// which a tool carries along, in space, beside the local unknown `force`.
+    pub fn multiplier(&self, method: Enforcement, lambda: Vec3, carried: Vec3, force: Vec3) -> Multiplier {
+        let Held { gap, tangential, .. } = self.held;
+        match method {
+            Enforcement::AugmentedLagrangian => Multiplier::Augmented(lambda),
+            Enforcement::Lagrange => Multiplier::Force(lambda, self.trial.status),
+            _ => Multiplier::Held { gap, tangential: tangential + carried, force },
+        }
+    }
+
+    /// What the multiplier becomes when it takes over the force of the iterate, for now.
+    pub fn taken_over(&self) -> Held {
+        match (self.trial.status, self.trial.projection) {
+            (Status::Stick | Status::Slip, Some(p)) => {
+                let friction = if self.law.friction > 0.0 { self.trial.traction() } else { Vec3::zeros() };
+                Held { gap: self.held.gap + p.gap, tangential: friction, carried: Vec3::zeros() }
+            }
+            _ => Held::default(),
+        }
+    }
+
+    /// The multiplier at the beginning of the next increment, with the master's `frame` as it is now: the friction force,
+    /// carried along; for Uzawa's method also the normal force.
+    fn handed_on(&self, method: Enforcement, frame: &Mat3) -> Held {
+        let Held { gap, tangential, .. } = self.taken_over();
+        match (method, frame.try_inverse()) {
+            (Enforcement::Penalty, Some(inverse)) => Held { carried: inverse * tangential, ..Held::default() },
+            (Enforcement::Uzawa, Some(inverse)) => Held { gap, carried: inverse * tangential, ..Held::default() },
+            _ => Held::default(),
+        }
     }
 
     /// The slip origin in space for a tool at `pose`: where the contact point of the last converged increment is now; for
@@ -109,11 +352,49 @@ impl Slave {
         self.committed.anchor.or(self.committed.place).map_or(Vec3::zeros(), |origin| pose.outward(&origin))
     }
 
+    /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
+    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen
+    /// from the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
+    pub fn is_beside(
+        &self,
+        start: Option<Vec3>,
+        position: &Vec3,
+        at: &Projection,
+        facet_size: f64,
+        gap: impl Fn(&Vec3) -> Option<f64>,
+    ) -> bool {
+        const BEHIND: f64 = 1e-6;
+        const MOST: f64 = 32.0;
+        let Some(start) = start.filter(|_| at.gap < 0.0 && self.committed.warm.is_none()) else { return false };
+        if (start - at.point).dot(&at.normal) >= -BEHIND * facet_size {
+            return false;
+        }
+        let way = position - start;
+        // Steps of a facet: within one, start and end tell enough.
+        let steps = (way.norm() / facet_size).min(MOST) as usize;
+        (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
+    }
+
+    /// Accepts the current iterate on a deformable master, which carries the slip origin by itself and has `frame` at the
+    /// contact point.
+    pub fn commit_on_surface(&mut self, method: Enforcement, multiplier: Vec3, frame: &Mat3, position: &Vec3) {
+        self.accepted = self.trial;
+        self.committed = History {
+            held: self.handed_on(method, frame),
+            multiplier,
+            anchor: None,
+            place: Some(*position),
+            warm: self.trial.projection.map(|p| (p.patch, p.xi)),
+            status: self.trial.status,
+        };
+    }
+
     /// Accepts the current iterate: remembers the projection with the tool at `pose` and the node at `position`.
-    pub fn commit(&mut self, multiplier: Vec3, pose: &Pose, position: &Vec3) {
+    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, pose: &Pose, position: &Vec3) {
         self.accepted = self.trial;
         let projection = self.trial.projection;
         self.committed = History {
+            held: self.handed_on(method, &pose.rotation),
             multiplier,
             anchor: projection.map(|p| pose.inward(&p.point)),
             place: Some(pose.inward(position)),

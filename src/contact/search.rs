@@ -1,6 +1,6 @@
 //! A rigid tool on this rank: where it is, and its surface as far as this rank's slave nodes can meet it.
 
-use super::{Pair, Pose};
+use super::{Master, Pair, Pose};
 use crate::Vec3;
 use crate::error::Result;
 use crate::scene;
@@ -50,11 +50,15 @@ impl Tool {
     }
 }
 
-/// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Collective.
-pub fn watch_all(comm: &SimpleCommunicator, tools: &mut [Tool], pairs: &[Pair], place: impl Fn(u32) -> Vec3) {
+/// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Says whether
+/// pieces had to be fetched. Collective.
+pub fn watch_all(comm: &SimpleCommunicator, tools: &mut [Tool], pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
+    let mut fetched = false;
     for (t, tool) in tools.iter_mut().enumerate() {
-        let of_tool = || pairs.iter().filter(|pair| pair.tool == t);
-        let points = of_tool().flat_map(|pair| &pair.slaves).map(|slave| tool.trial.inward(&place(slave.node)));
-        tool.surface.watch(comm, points, of_tool().map(|pair| pair.reach).fold(0.0, f64::max));
+        let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
+        let slaves = of_tool().flat_map(|pair| &pair.slaves);
+        let points: Vec<Vec3> = slaves.map(|slave| tool.trial.inward(&place(slave.node))).collect();
+        fetched |= tool.surface.watch(comm, &points, of_tool().map(|pair| pair.reach).fold(0.0, f64::max));
     }
+    fetched
 }

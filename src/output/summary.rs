@@ -23,8 +23,18 @@ pub struct Summary {
     pub increments: usize,
     /// Increments that failed and were tried again in smaller ones.
     pub cutbacks: usize,
+    /// Increments in which the structure jumped to another equilibrium.
+    pub jumps: usize,
     /// Newton iterations, those of failed increments included.
     pub iterations: usize,
+    /// Updates of held multipliers and of active sets, those of failed increments included.
+    pub outer_iterations: usize,
+    /// Times that the sparsity pattern was built anew for contact with deformable masters.
+    pub pattern_rebuilds: usize,
+    /// Symbolic factorizations: one a step and one a new pattern, and more where the workspace did not suffice.
+    pub analyses: usize,
+    /// Times that patches of deformable masters were fetched.
+    pub search_fetches: usize,
     /// Wall time, s.
     pub wall_s: f64,
     /// Kind of the matrix, as in "symmetric indefinite".
@@ -66,7 +76,12 @@ impl Summary {
             "elements": self.elements,
             "increments": self.increments,
             "cutbacks": self.cutbacks,
+            "jumps": self.jumps,
             "iterations": self.iterations,
+            "outer_iterations": self.outer_iterations,
+            "pattern_rebuilds": self.pattern_rebuilds,
+            "analyses": self.analyses,
+            "search_fetches": self.search_fetches,
             "wall_s": milli(self.wall_s),
             "phases_s": phases,
             "peak_memory_mb": milli(memory),
@@ -100,7 +115,8 @@ mod tests {
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
-            "converged scene version ranks dofs multipliers elements increments cutbacks iterations \
+            "converged scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
+             pattern_rebuilds analyses search_fetches \
              wall_s phases_s peak_memory_mb matrix linear_solver"
                 .split_whitespace()
                 .collect();

@@ -6,7 +6,7 @@ use super::{Part, PartFacet, PartSet, PartSolid};
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::{Solid, SolidShape};
-use crate::parallel::{agree, exchange};
+use crate::parallel::{Parcels, agree, scatter, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -40,20 +40,26 @@ pub struct GlobalSet {
 pub struct GlobalFacet {
     pub count: u8,
     pub nodes: [u32; 4],
+    /// Its number in the mesh file, for messages.
+    pub id: u64,
 }
 
-/// Partitions the mesh that rank 0 holds (the others pass `None`) and gives every rank its part. Collective.
+/// Partitions the mesh that rank 0 holds (the others pass `None`) and gives every rank its part. Rank 0 also gets the
+/// number over all ranks, as in [`Part::starts`], of each node of its mesh. Collective.
 ///
 /// # Errors
 /// METIS's own, on all ranks.
-pub fn distribute(comm: &SimpleCommunicator, mesh: Option<&GlobalMesh>) -> Result<Part> {
+pub fn distribute(comm: &SimpleCommunicator, mesh: Option<&GlobalMesh>) -> Result<(Part, Vec<u64>)> {
     let size = comm.size() as usize;
-    let parcels = agree(comm, mesh.map_or(Ok(vec![Parcel::default(); size]), |m| cut(m, size)))?;
-    let numbers = exchange(comm, &parcels.iter().map(|p| p.numbers.clone()).collect::<Vec<_>>()).swap_remove(0);
-    let points = exchange(comm, &parcels.iter().map(|p| p.points.clone()).collect::<Vec<_>>()).swap_remove(0);
-    let (mut part, wanted) = unpack(&numbers, &points, size);
+    let nothing = || (Vec::new(), Vec::new());
+    let (parcels, numbering) = agree(comm, mesh.map_or_else(|| Ok(nothing()), |m| cut(m, size)))?;
+    let (numbers, points): (Vec<_>, Vec<_>) = parcels.into_iter().map(|p| (p.numbers, p.points)).unzip();
+    let numbers = scatter(comm, &numbers.into_iter().enumerate().collect());
+    let points = scatter(comm, &points.into_iter().enumerate().collect());
+    let (mut part, wanted) = unpack(&numbers, &points);
     part.halo = Halo::new(comm, &wanted);
-    Ok(part)
+    part.starts = starts(comm, part.owned as u64);
+    Ok((part, numbering))
 }
 
 /// A part on its way: flat, because it travels by MPI. [`cut`] writes it and [`unpack`] reads it in the same order.
@@ -63,8 +69,8 @@ struct Parcel {
     points: Vec<f64>,
 }
 
-/// Makes the parcel of every rank.
-fn cut(mesh: &GlobalMesh, size: usize) -> Result<Vec<Parcel>> {
+/// Makes the parcel of every rank, and numbers the nodes over all ranks.
+fn cut(mesh: &GlobalMesh, size: usize) -> Result<(Vec<Parcel>, Vec<u64>)> {
     let mut first = vec![0i32];
     let mut nodes = Vec::new();
     for solid in &mesh.solids {
@@ -81,8 +87,10 @@ fn cut(mesh: &GlobalMesh, size: usize) -> Result<Vec<Parcel>> {
         place[node] = count[rank as usize];
         count[rank as usize] += 1;
     }
+    let first: Vec<u64> = count.iter().scan(0, |end, &n| Some(std::mem::replace(end, *end + u64::from(n)))).collect();
+    let numbers = owner.iter().zip(&place).map(|(&rank, &k)| first[rank as usize] + u64::from(k)).collect();
     let numbering = Numbering { owner, place };
-    Ok((0..size).map(|rank| parcel(mesh, &numbering, rank as i32)).collect())
+    Ok(((0..size).map(|rank| parcel(mesh, &numbering, rank as i32)).collect(), numbers))
 }
 
 /// The numbering of nodes over all ranks.
@@ -150,7 +158,7 @@ fn parcel(mesh: &GlobalMesh, numbering: &Numbering, rank: i32) -> Parcel {
 }
 
 /// Reads a parcel; also returns for each rank the halo nodes that it owns, as (local node, index among its own).
-fn unpack(numbers: &[u64], points: &[f64], size: usize) -> (Part, Vec<Vec<(u32, u32)>>) {
+fn unpack(numbers: &[u64], points: &[f64]) -> (Part, Parcels<(u32, u32)>) {
     let mut rest = numbers.iter().copied();
     let mut next = || rest.next().unwrap_or_default();
     let mut part = Part { owned: next() as usize, ..Part::default() };
@@ -158,11 +166,11 @@ fn unpack(numbers: &[u64], points: &[f64], size: usize) -> (Part, Vec<Vec<(u32, 
     part.total_nodes = next();
     part.total_solids = next();
     let solids = next() as usize;
-    let mut wanted = vec![Vec::new(); size];
+    let mut wanted = Parcels::new();
     for (local, x) in (0..held).zip(points.chunks_exact(3)) {
         let (of, place) = (next() as usize, next() as u32);
         if local >= part.owned {
-            wanted[of].push((local as u32, place));
+            wanted.entry(of).or_insert_with(Vec::new).push((local as u32, place));
         }
         part.body.push(next() as u32);
         part.id.push(next());

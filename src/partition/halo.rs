@@ -1,25 +1,28 @@
 //! The halo: values of nodes that other ranks own.
 
-use crate::parallel::exchange;
+use crate::parallel::{Parcels, Route, exchange};
 use mpi::datatype::Equivalence;
 use mpi::topology::SimpleCommunicator;
 
 /// Who sends which owned nodes to whom, and where they land.
 #[derive(Clone, Debug, Default)]
 pub struct Halo {
-    /// For each rank the owned local nodes that it sees.
-    send: Vec<Vec<u32>>,
-    /// For each rank the local halo nodes that it owns.
-    receive: Vec<Vec<u32>>,
+    /// The owned local nodes that each rank sees, one rank after the other.
+    send: Vec<u32>,
+    /// The local halo nodes that each rank owns.
+    receive: Vec<u32>,
+    route: Route,
 }
 
 impl Halo {
     /// Sets up the exchange for a part whose halo nodes `wanted[r]`, as (local node, index among the owned nodes of rank
     /// r), belong to rank r. Collective.
-    pub fn new(comm: &SimpleCommunicator, wanted: &[Vec<(u32, u32)>]) -> Self {
-        let ask: Vec<Vec<u32>> = wanted.iter().map(|w| w.iter().map(|&(_, theirs)| theirs).collect()).collect();
-        let receive = wanted.iter().map(|w| w.iter().map(|&(mine, _)| mine).collect()).collect();
-        Self { send: exchange(comm, &ask), receive }
+    pub fn new(comm: &SimpleCommunicator, wanted: &Parcels<(u32, u32)>) -> Self {
+        let ask: Parcels<u32> =
+            wanted.iter().map(|(&r, w)| (r, w.iter().map(|&(_, theirs)| theirs).collect())).collect();
+        let receive = wanted.values().flatten().map(|&(mine, _)| mine).collect();
+        let send = exchange(comm, &ask);
+        Self { route: Route::new(&send, &ask), send: send.into_values().flatten().collect(), receive }
     }
 
     /// Overwrites the halo entries of a node field, `width` values a node, with those of the owners. Collective.
@@ -27,20 +30,11 @@ impl Halo {
     where
         T: Equivalence + Copy + Default,
     {
-        if self.send.len() < 2 {
-            return;
-        }
-        let parcels: Vec<Vec<T>> = self
-            .send
-            .iter()
-            .map(|nodes| {
-                nodes.iter().flat_map(|&n| &field[n as usize * width..(n as usize + 1) * width]).copied().collect()
-            })
-            .collect();
-        for (nodes, values) in self.receive.iter().zip(exchange(comm, &parcels)) {
-            for (&node, value) in nodes.iter().zip(values.chunks_exact(width)) {
-                field[node as usize * width..(node as usize + 1) * width].copy_from_slice(value);
-            }
+        let of_node = |n: u32| n as usize * width..(n as usize + 1) * width;
+        let sent: Vec<T> = self.send.iter().flat_map(|&n| &field[of_node(n)]).copied().collect();
+        let received = self.route.send(comm, width, &sent);
+        for (&node, values) in self.receive.iter().zip(received.chunks_exact(width)) {
+            field[of_node(node)].copy_from_slice(values);
         }
     }
 }

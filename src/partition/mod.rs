@@ -2,15 +2,22 @@
 //!
 //! Rank 0 reads the whole mesh, partitions it and sends every rank its part; nobody keeps the whole. A rank owns nodes,
 //! holds every element that touches one of them, and sees the other nodes of those elements as its halo. It can then
-//! assemble its own rows of any finite-element matrix without sending matrix entries.
+//! assemble its own rows of any finite-element matrix without sending matrix entries. Surfaces are seen farther than that:
+//! [`Gather`] fetches values of nodes wherever they are owned, [`parcels`] deals out the pieces of a surface, and
+//! [`directory`] finds which of them come near the points of which rank.
 
+pub mod directory;
 mod distribute;
+mod gather;
 mod graph;
 mod halo;
+pub mod parcels;
 
 pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, distribute};
+pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
 pub use halo::Halo;
+pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
 use crate::mesh::SolidShape;
@@ -76,6 +83,8 @@ pub struct Part {
     /// In the order in which they were given to [`distribute`].
     pub sets: Vec<PartSet>,
     pub halo: Halo,
+    /// Nodes have numbers over all ranks: rank r owns `starts[r]..starts[r + 1]`, in the order of its local nodes.
+    pub starts: Vec<u64>,
     /// Nodes of the whole mesh.
     pub total_nodes: u64,
     /// Elements of the whole mesh.

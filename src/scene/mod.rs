@@ -92,11 +92,26 @@
 //! | key | value |
 //! |---|---|
 //! | `slave` * | FACES |
-//! | `master` * | NAME of a tool |
+//! | `master` * | NAME of a tool, or FACES; the slave itself for self-contact |
 //! | `friction` = `0.0` | Coulomb coefficient, 0 or more; 0 is frictionless |
-//! | `method` = `"augmented-lagrangian"` | the only one |
-//! | `penalty` = `"auto"` | or a number, force per length |
+//! | `method` = `"augmented-lagrangian"` | or `"lagrange"`, `"uzawa"`, `"penalty"` |
+//! | `penalty` = `"auto"` | or a number, force per length; see [`Contact::penalty`] |
 //! | `reach` = by the meshes | how far a slave node may be from the master and still be watched |
+//! | `tangent` = `"exact"` | or `"fixed-frame"`: as if normals and weights stood still during an iteration |
+//!
+//! In self-contact only:
+//!
+//! | key | value |
+//! |---|---|
+//! | `thickness` = `"auto"` | of a sheet with both of its sides in the surface: a node less than half of it below a face has penetrated it, one that is deeper is on the other side of the sheet. By default as measured at each node on the initial mesh |
+//!
+//! With a master on a body only:
+//!
+//! | key | value |
+//! |---|---|
+//! | `smoothing` = `"nagata"` | `"nagata"` or `"facet"` |
+//! | `feature_angle` = `40.0` | degrees; an edge whose facets' normals differ by more stays sharp |
+//! | `transfer` = `"patch"` | how contact forces go to the master's nodes: by the derivatives of the patch with its nodal normals held, which passes an even pressure on evenly; `"variational"`, with all it depends on, which conserves moments and keeps frictionless systems symmetric, but is uneven at the ends of the surface; or `"bilinear"` weights |
 //!
 //! ## `[[step]]`: conditions that act together, one step after the other (one or more)
 //!
@@ -126,6 +141,7 @@
 //! | `max_iterations` = `15` | Newton iterations before an increment is cut |
 //! | `force_floor` = by the stiffness | the force that counts while there is none |
 
+mod contacts;
 mod descriptions;
 mod names;
 mod overrides;
@@ -273,14 +289,107 @@ pub struct Contact {
     pub name: Located<String>,
     /// `body.group`.
     pub slave: Located<String>,
-    /// A tool.
+    /// A tool, or `body.group`.
     pub master: Located<String>,
+    /// How the master acts when it is on a body; `None` for a tool.
+    pub surface: Option<MasterSurface>,
+    pub discretization: Discretization,
     /// Coulomb coefficient; 0 is frictionless.
     pub friction: f64,
-    /// `None` is "auto": a fifth of the stiffness of the slave node. Force per length.
+    pub method: Enforcement,
+    /// Force per length. `None` is "auto": the stiffness of the slave node, or of a softer master, times 0.2 with multipliers
+    /// as unknowns, 1000 for Uzawa's method, 100 for the penalty method.
     pub penalty: Option<f64>,
     /// How far a slave node may be from the master and still be watched; `None` chooses it from the meshes.
     pub reach: Option<f64>,
+    pub tangent: Tangent,
+    /// Of a sheet both of whose sides are in self-contact; `None` measures it.
+    pub thickness: Option<f64>,
+}
+
+impl Contact {
+    /// Whether a surface meets itself.
+    pub fn is_self(&self) -> bool {
+        self.slave.value == self.master.value
+    }
+}
+
+/// Which nodes are kept out of what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Discretization {
+    /// The slave's nodes out of the master's surface.
+    #[default]
+    OnePass,
+    /// These, and the master's nodes out of the slave's surface.
+    TwoPass,
+    /// Each node of the slave out of the node of the master that it lies on, for small sliding on conforming meshes.
+    NodeToNode,
+}
+
+/// How contact is enforced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Enforcement {
+    /// Forces grow with penetration and slip; no multipliers.
+    Penalty,
+    /// Multipliers are the forces, under an active set that is fixed while Newton's method runs.
+    Lagrange,
+    /// Multipliers and penalty together in one system.
+    #[default]
+    AugmentedLagrangian,
+    /// Multipliers are held while Newton's method runs, and take over the forces after it.
+    Uzawa,
+}
+
+impl Enforcement {
+    /// Every method with what the user calls it.
+    pub const KEYS: [(&'static str, Self); 4] = [
+        ("penalty", Self::Penalty),
+        ("lagrange", Self::Lagrange),
+        ("augmented-lagrangian", Self::AugmentedLagrangian),
+        ("uzawa", Self::Uzawa),
+    ];
+
+    /// What the user calls it.
+    pub fn key(self) -> &'static str {
+        Self::KEYS.iter().find(|(_, method)| *method == self).map_or("", |(key, _)| key)
+    }
+
+    /// Whether multipliers are no unknowns.
+    pub fn holds_multipliers(self) -> bool {
+        matches!(self, Self::Penalty | Self::Uzawa)
+    }
+}
+
+/// The faces of a body as a master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MasterSurface {
+    pub smoothing: Smoothing,
+    /// Edges whose facets' normals differ by more stay sharp, degrees.
+    pub feature_angle: f64,
+    /// How the contact force goes to the master's nodes.
+    pub transfer: Transfer,
+}
+
+/// How a force on a point of a deformable master is spread over the nodes: node j gets W_j^T F.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Transfer {
+    /// By the areas opposite to the patch's own nodes, eqs. (60)-(61) of the node-to-Nagata paper: W_j = w_j I.
+    Bilinear,
+    /// By the derivative of the patch by its own nodes at fixed nodal normals.
+    #[default]
+    Patch,
+    /// By the derivative of the patch by all nodes: keeps force and moment, and makes frictionless tangents symmetric.
+    Variational,
+}
+
+/// Which tangent contact elements have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tangent {
+    /// The derivative of the residual.
+    #[default]
+    Exact,
+    /// That of the paper, eqs. (68)-(70): as if normal, weights and slip origin stood still.
+    FixedFrame,
 }
 
 /// A step: the conditions listed act during it, and only they do.

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, Contact, Element, FaceGroup, Located, Material, MaterialModel, MeshSource, Output, Scene,
-    Solver, Tool, overrides, steps, tools,
+    Block, BlockShape, Body, Element, FaceGroup, Located, Material, MaterialModel, MeshSource, Output, Scene, Solver,
+    Tool, contacts, overrides, steps, tools,
 };
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -102,7 +102,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         materials: materials.collect::<Result<_>>()?,
         tools: tools.collect::<Result<_>>()?,
         bodies: bodies.collect::<Result<_>>()?,
-        contacts: all_contacts(contacts, &names)?,
+        contacts: contacts::read(contacts, &names)?,
         steps: steps::read(&root, &names)?,
         output: output(&root, &names)?,
         solver: solver(&root)?,
@@ -246,39 +246,6 @@ fn material_model(item: &Item) -> Result<MaterialModel> {
     let help =
         if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
     Ok(model(young, poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?))
-}
-
-fn all_contacts(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
-    let mut contacts: Vec<Contact> = Vec::new();
-    for (name, item) in items {
-        let next = contact(name, &item, names)?;
-        let same = |other: &&Contact| other.slave.value == next.slave.value && other.master.value == next.master.value;
-        if let Some(first) = contacts.iter().find(same) {
-            let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
-            return Err(Error::input(&next.slave.at, what, "remove one of them"));
-        }
-        contacts.push(next);
-    }
-    Ok(contacts)
-}
-
-fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
-    let table = item.table(&["slave", "master", "friction", "method", "penalty", "reach"])?;
-    table.optional("method", |item| item.choice(&[("augmented-lagrangian", ())]))?;
-    let friction = |item: &Item| {
-        item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
-    };
-    let penalty = |item: &Item| {
-        if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
-    };
-    Ok(Contact {
-        name,
-        slave: names.faces(&table.require("slave", "\"BODY.GROUP\"")?)?,
-        master: names.master(&table.require("master", "\"TOOL\"")?)?,
-        friction: table.optional("friction", friction)?.unwrap_or(0.0),
-        penalty: table.optional("penalty", penalty)?.flatten(),
-        reach: table.optional("reach", Item::positive)?,
-    })
 }
 
 fn output(root: &Table, names: &Names) -> Result<Output> {

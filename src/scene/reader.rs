@@ -76,6 +76,11 @@ impl<'a> Item<'a> {
         self.number_that_is("above 0", |value| value > 0.0, "")
     }
 
+    /// The angle between normals up to which an edge is smooth, degrees.
+    pub fn feature_angle(&self) -> Result<f64> {
+        self.number_that_is("above 0 and at most 180", |value| value > 0.0 && value <= 180.0, "it is in degrees")
+    }
+
     /// An integer from 1.
     pub fn count(&self) -> Result<usize> {
         let Value::Leaf(toml::Value::Integer(value)) = self.node.value else {

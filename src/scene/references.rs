@@ -57,30 +57,30 @@ impl Names {
         }
     }
 
-    /// A tool, the only master that a contact can have.
+    /// A tool, or faces of a body.
     pub fn master(&self, item: &Item) -> Result<Located<String>> {
         let name = item.string()?;
-        if self.tools.iter().any(|known| known == name) {
+        if self.is_tool(name) {
             return item.located_string();
         }
         if self.has_body(body_of(name)) {
-            let what = "is on a body: deformable masters are not available yet; the master must be a tool";
-            return Err(item.error(
-                what,
-                match self.tools.is_empty() {
-                    true => "add a table `[tool.NAME]`".to_string(),
-                    false => format!("tools: {}", self.tools.join(", ")),
-                },
-            ));
+            return self.faces(item);
         }
-        Err(unknown(item, "tool", name, &self.tools))
+        let known = self.tools.iter().chain(&self.bodies).map(String::as_str);
+        let what = format!("names the unknown tool or body `{}`", body_of(name));
+        Err(item.error(what, did_you_mean(body_of(name), known)))
+    }
+
+    /// Whether a tool is called so.
+    pub fn is_tool(&self, name: &str) -> bool {
+        self.tools.iter().any(|known| known == name)
     }
 
     /// `body` or `body.group`; `instead` helps those who name a tool.
     pub fn set(&self, item: &Item, instead: &str) -> Result<Located<String>> {
         let name = item.string()?;
         let body = body_of(name);
-        if self.tools.iter().any(|known| known == body) {
+        if self.is_tool(body) {
             return Err(item.error(format!("must be `body` or `body.group`; `{body}` is a tool"), instead));
         }
         if !self.has_body(body) {
@@ -113,7 +113,7 @@ impl Names {
     /// A tool, `body` or `body.group`.
     pub fn target(&self, item: &Item) -> Result<(Located<String>, Target)> {
         let name = item.string()?;
-        if self.tools.iter().any(|known| known == name) {
+        if self.is_tool(name) {
             return Ok((item.located_string()?, Target::Tool));
         }
         if !self.has_body(body_of(name)) {

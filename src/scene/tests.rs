@@ -318,7 +318,8 @@ fn overrides_that_name_nothing_are_refused() {
     assert_eq!(
         message_set("contact.top.fricton=0.1"),
         "--set contact.top.fricton=0.1: unknown key `fricton` in contact.top\n  \
-         help: did you mean `friction`? (known: slave, master, friction, method, penalty, reach)"
+         help: did you mean `friction`? (known: slave, master, discretization, friction, method, penalty, reach, \
+         thickness, tangent, smoothing, feature_angle, transfer)"
     );
     assert_eq!(
         message_set("body.slb.material=steel"),
@@ -511,11 +512,6 @@ fn references_are_checked() {
          help: did you mean `rubber`? (known: rubber, steel)"
     );
     assert_eq!(
-        message("master = \"indenter\"", "master = \"slab.side\""),
-        "in/test.toml:25:10: contact.top.master is on a body: deformable masters are not available yet; the master must \
-         be a tool\n  | master = \"slab.side\"\n  help: tools: indenter, floor"
-    );
-    assert_eq!(
         message("target = \"indenter\"", "target = \"intender\""),
         "in/test.toml:31:21: step.press.move.0.target names the unknown tool or body `intender`\n  \
          | move = [ { target = \"intender\", by = [0.0, -10.0, 0.0] } ]\n  \
@@ -523,7 +519,7 @@ fn references_are_checked() {
     );
     assert_eq!(
         reason("master = \"indenter\"", "master = \"flor\""),
-        "contact.top.master names the unknown tool `flor`"
+        "contact.top.master names the unknown tool or body `flor`"
     );
     assert_eq!(
         reason("slave = \"slab.top\"", "slave = \"slap.top\""),
@@ -541,8 +537,8 @@ fn references_are_checked() {
     assert!(message_set("step.1.name=press").contains("two steps are named `press`"));
     assert!(message_set("contact.b={ slave = \"slab.top\", master = \"indenter\" }").contains("repeats the pair"));
     assert!(
-        message_set("contact.top.method=\"penalty\"")
-            .contains("cannot be \"penalty\"\n  help: known: augmented-lagrangian")
+        message_set("contact.top.method=\"mortar\"")
+            .contains("cannot be \"mortar\"\n  help: known: penalty, lagrange, augmented-lagrangian, uzawa")
     );
     assert!(message_set("output.history=[\"slab\", \"slab\"]").contains("output.history.1 repeats `slab`"));
     assert!(message_set("output.history=[\"floor\"]").contains("tools always are in the history"));
@@ -750,4 +746,36 @@ fn places_count_characters_and_survive_other_line_ends() {
     assert_eq!(refusal(read(&text, &[])), at);
     let wide = message("mesh = \"slab.msh\"", "block = { faces = { \"é\" = \"é\" }, el = 1 }");
     assert!(wide.starts_with("in/test.toml:4:34: unknown key `el` in body.slab.block"), "{wide}");
+}
+
+#[test]
+fn a_master_may_be_on_a_body() {
+    assert_eq!(read(SCENE, &[]).unwrap().contacts[0].surface, None);
+    let scene = read(&SCENE.replacen("master = \"indenter\"", "master = \"slab.side\"", 1), &[]).unwrap();
+    assert_eq!(scene.contacts[0].master.value, "slab.side");
+    let default = MasterSurface { smoothing: Smoothing::Nagata, feature_angle: 40.0, transfer: Transfer::Patch };
+    assert_eq!((scene.contacts[0].surface, scene.contacts[0].tangent), (Some(default), Tangent::Exact));
+    let all = "master = \"slab.side\"\nsmoothing = \"facet\"\nfeature_angle = 20\ntransfer = \"bilinear\"\n\
+               tangent = \"fixed-frame\"";
+    let scene = read(&SCENE.replacen("master = \"indenter\"", all, 1), &[]).unwrap();
+    let other = MasterSurface { smoothing: Smoothing::Facet, feature_angle: 20.0, transfer: Transfer::Bilinear };
+    assert_eq!((scene.contacts[0].surface, scene.contacts[0].tangent), (Some(other), Tangent::FixedFrame));
+}
+
+#[test]
+fn what_a_tool_has_and_a_body_lacks_is_told() {
+    assert_eq!(
+        message("master = \"indenter\"", "master = \"indenter\"\ntransfer = \"patch\""),
+        "in/test.toml:26:12: contact.top.transfer means nothing for a tool\n  | transfer = \"patch\"\n  \
+         help: it is for a master on a body; remove it"
+    );
+    for key in ["smoothing = \"nagata\"", "feature_angle = 30"] {
+        let both = format!("master = \"indenter\"\n{key}");
+        assert!(reason("master = \"indenter\"", &both).ends_with("means nothing for a tool"));
+    }
+    assert_eq!(reason("master = \"indenter\"", "master = \"slab\""), "contact.top.master must be faces, `body.group`");
+    let thickness = "master = \"slab.side\"\nthickness = 1";
+    assert!(reason("master = \"indenter\"", thickness).ends_with("thickness means nothing between two surfaces"));
+    let wrong = "master = \"slab.side\"\ntransfer = \"mortar\"";
+    assert_eq!(reason("master = \"indenter\"", wrong), "contact.top.transfer cannot be \"mortar\"");
 }

@@ -23,9 +23,6 @@ const ORTHOGONAL: f64 = 1e-6;
 pub(super) fn read(name: Located<String>, item: &Item, directory: &Path) -> Result<Tool> {
     let others = ["mesh", "nurbs", "bezier", "smoothing", "feature_angle", "flip"];
     let table = item.table(&[&others[..3], &SHAPES, &others[3..], &OF_MESH, &OF_CAD].concat())?;
-    let angle = |item: &Item| {
-        item.number_that_is("above 0 and at most 180", |value| value > 0.0 && value <= 180.0, "it is in degrees")
-    };
     let given = SHAPES.iter().filter_map(|key| table.get(key).map(|item| (*key, item)));
     let mut tool = Tool {
         name,
@@ -34,7 +31,7 @@ pub(super) fn read(name: Located<String>, item: &Item, directory: &Path) -> Resu
         bezier: table.optional("bezier", |file| cad_file(&table, file, directory))?,
         shapes: given.map(|(key, item)| shape(key, &item)).collect::<Result<_>>()?,
         smoothing: Located { value: Description::Mesh(Smoothing::Nagata), at: table.at().clone() },
-        feature_angle: table.optional("feature_angle", angle)?.unwrap_or(40.0),
+        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(40.0),
         flip: table.optional("flip", Item::boolean)?.unwrap_or(false),
     };
     check_use(&table, &tool)?;

@@ -21,6 +21,7 @@ pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, options: &NormalOpti
 /// [`patches_from_mesh`], and the number of edges whose normals at both ends no quadratic curve meets.
 pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: bool) -> Result<(Vec<Patch>, usize)> {
     let facets = Facets::new(mesh, flip)?;
+    let on_boundary = boundary_nodes(&facets);
     let (edges, coefficients, inflected) = match smoothing {
         Smoothing::Facet => (facet_edges(&facets), vec![[Vec3::zeros(); 4]; facets.nodes.len()], 0),
         Smoothing::Nagata => {
@@ -29,11 +30,6 @@ pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: 
             (normals.edges, coefficients, inflected)
         }
     };
-    let mut on_boundary = vec![false; facets.points.len()];
-    for (f, k) in facets.corners().filter(|(f, k)| facets.across[*f][*k].is_none()) {
-        on_boundary[facets.node(f, k)] = true;
-        on_boundary[facets.node(f, k + 1)] = true;
-    }
     let patch = |f: usize| Patch {
         id: f as u32,
         count: facets.counts[f],
@@ -45,8 +41,18 @@ pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: 
     Ok(((0..facets.nodes.len()).map(patch).collect(), inflected))
 }
 
+/// Nodes where the surface ends.
+pub(super) fn boundary_nodes(facets: &Facets) -> Vec<bool> {
+    let mut on_boundary = vec![false; facets.points.len()];
+    for (f, k) in facets.corners().filter(|(f, k)| facets.across[*f][*k].is_none()) {
+        on_boundary[facets.node(f, k)] = true;
+        on_boundary[facets.node(f, k + 1)] = true;
+    }
+    on_boundary
+}
+
 /// Between facets an edge is smooth only when they lie in one plane there.
-fn facet_edges(facets: &Facets) -> Vec<[Edge; 4]> {
+pub(super) fn facet_edges(facets: &Facets) -> Vec<[Edge; 4]> {
     let flat = |f: usize, k: usize, g: usize, j: usize| angle(&facets.corner(f, k).0, &facets.corner(g, j).0) < 1e-6;
     let kind = |f: usize, k: usize| match facets.across[f][k] {
         None => Edge::Boundary,

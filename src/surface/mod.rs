@@ -4,8 +4,9 @@
 //! corner of every facet a nodal normal, [`nagata`] turns the normals at the ends of an edge into the curvature of that
 //! edge. A [`patch`] is a facet with curved edges; a flat facet is a patch whose edges are straight. [`projection`]
 //! finds the closest point of one [`piece`] of a surface, [`piece_set`] that of a whole surface; [`from_mesh`] goes all the
-//! way from a mesh to its patches. [`analytic`] has the shapes with closed forms, [`nurbs`] the curves and surfaces of CAD,
-//! [`face`] a surface cut to its loops, and [`faces`] sews those together and makes pieces of them.
+//! way from a mesh to its patches. [`moving`] has patches whose nodes move, with their derivatives. [`analytic`] has the
+//! shapes with closed forms, [`nurbs`] the curves and surfaces of CAD, [`face`] a surface cut to its loops, and [`faces`]
+//! sews those together and makes pieces of them.
 
 pub mod analytic;
 pub mod cell;
@@ -14,8 +15,10 @@ pub mod face;
 pub mod faces;
 pub mod facets;
 pub mod from_mesh;
+pub mod moving;
 pub mod nagata;
 pub mod normals;
+mod numbers;
 pub mod nurbs;
 pub mod parametric;
 pub mod patch;
@@ -31,6 +34,7 @@ pub use analytic::Analytic;
 pub use face::Face;
 pub use faces::{FaceSet, SewnFace, sew};
 pub use from_mesh::{patches_from_mesh, smooth};
+pub use moving::{MovingPatch, Transfer};
 pub use normals::{NormalOptions, Weight};
 pub use nurbs::{Bezier, Curve, CurveLocal, KnotVector, Nurbs};
 pub use parametric::{Closest, Local, Parametric};

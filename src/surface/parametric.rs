@@ -3,7 +3,7 @@
 use crate::Vec3;
 
 /// A point of a surface with its first and second derivatives in the parameters.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Local {
     pub point: Vec3,
     pub tangents: [Vec3; 2],

@@ -16,6 +16,7 @@
 //! Both interpolate the edge curves, so patches that share two nodes and their normals meet without a gap. With c = 0
 //! they are the flat or bilinear facet.
 
+use super::numbers::{flags, from_flags};
 use super::parametric::{Closest, Local, Parametric};
 use super::piece::{EXTENSION, Edge, Piece, Polygon};
 use super::projection::Extent;
@@ -118,29 +119,23 @@ impl Patch {
         for (k, v) in self.nodes.iter().chain(&self.coefficients).enumerate() {
             array[3 * k..3 * k + 3].copy_from_slice(v.as_slice());
         }
-        let flags = (0..4)
-            .fold(0, |flags, k| flags | (self.edges[k] as u32) << (2 * k) | (self.on_boundary[k] as u32) << (8 + k));
         array[24] = self.id as f64;
         array[25] = self.count as f64;
-        array[26] = flags as f64;
+        array[26] = flags(&self.edges, &self.on_boundary);
         array
     }
 
     /// The patch of [`Self::to_array`].
     pub fn from_array(array: &[f64; Self::LEN]) -> Self {
         let vector = |k: usize| Vec3::new(array[3 * k], array[3 * k + 1], array[3 * k + 2]);
-        let flags = array[26] as u32;
+        let (edges, on_boundary) = from_flags(array[26]);
         Self {
             id: array[24] as u32,
             count: array[25] as u8,
             nodes: std::array::from_fn(vector),
             coefficients: std::array::from_fn(|k| vector(4 + k)),
-            edges: std::array::from_fn(|k| match flags >> (2 * k) & 3 {
-                0 => Edge::Boundary,
-                1 => Edge::Smooth,
-                _ => Edge::Sharp,
-            }),
-            on_boundary: std::array::from_fn(|k| flags >> (8 + k) & 1 == 1),
+            edges,
+            on_boundary,
         }
     }
 }

@@ -23,10 +23,14 @@ impl Tessellation {
     pub fn of_patches(patches: &[Patch], n: usize) -> Self {
         let mut cells = Self::default();
         for patch in patches {
-            let n = if patch.is_facet() { 1 } else { n.max(1) };
-            if patch.count == 3 { cells.add_triangle(patch, n) } else { cells.add_quad(patch, n) }
+            cells.add_patch(patch, if patch.is_facet() { 1 } else { n.max(1) });
         }
         cells
+    }
+
+    /// A patch in `n` by `n` cells, flat or not.
+    pub fn add_patch(&mut self, patch: &Patch, n: usize) {
+        if patch.count == 3 { self.add_triangle(patch, n) } else { self.add_quad(patch, n) }
     }
 
     /// A surface between the values of its parameters, in rising order.

@@ -4,9 +4,9 @@
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
 use crate::Vec3;
-use crate::contact::Pair;
+use crate::contact::Master;
 use crate::model::Model;
-use crate::parallel::number;
+use crate::parallel::{number, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -21,14 +21,18 @@ pub type Prescribed = Option<(f64, f64)>;
 pub struct DofMap {
     /// Equations of the displacements of every local node.
     pub node: Vec<[i64; 3]>,
-    /// For each pair and slave node its multiplier equations; without friction only the first.
+    /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
+    /// For each pair and slave node the components that a contact force can have on a tool.
+    pub carried: Vec<Vec<[bool; 3]>>,
     /// For each tool the equations of its free translations.
     pub tool: Vec<[i64; 3]>,
     /// Global number of this rank's first equation.
     pub first: i64,
     /// Equations of this rank.
     pub count: usize,
+    /// Where each rank's equations begin, and the end.
+    pub starts: Vec<i64>,
     /// Equations, and multipliers among them, of all ranks.
     pub total: u64,
     pub total_multipliers: u64,
@@ -56,9 +60,11 @@ impl DofMap {
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
+            carried: model.pairs.iter().map(|p| vec![[true; 3]; p.slaves.len()]).collect(),
             tool: vec![[NONE; 3]; tools.len()],
             first: 0,
             count: 0,
+            starts: Vec::new(),
             total: 0,
             total_multipliers: 0,
         };
@@ -78,8 +84,13 @@ impl DofMap {
             }
             for &(p, s) in slaves {
                 let pair = &model.pairs[p];
-                let carried = carried(pair, &prescribed, &tools[pair.tool]);
-                for d in (0..3).filter(|&d| carried[d]) {
+                let carried = match pair.master {
+                    Master::Tool(t) => carried(&prescribed, &tools[t], pair.friction > 0.0),
+                    Master::Surface(_) => [true, true, !pair.planar],
+                };
+                map.carried[p][s] = carried;
+                let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
+                for d in (0..3).filter(|&d| carried[d] && wanted[d]) {
                     map.multiplier[p][s][d] = number();
                     multipliers += 1;
                 }
@@ -100,8 +111,8 @@ impl DofMap {
     fn finish(&mut self, comm: &SimpleCommunicator, model: &Model, count: usize, multipliers: usize) {
         let part = &model.part;
         self.count = count;
-        let (before, all) = number(comm, count as u64);
-        (self.first, self.total) = (before as i64, all);
+        self.starts = starts(comm, count as u64).iter().map(|&n| n as i64).collect();
+        (self.first, self.total) = (self.starts[comm.rank() as usize], self.starts[comm.size() as usize] as u64);
         self.total_multipliers = number(comm, multipliers as u64).1;
         let first = self.first;
         let globalise = |equation: &mut i64| {
@@ -173,14 +184,14 @@ pub fn node_name(model: &Model, node: u32) -> String {
     format!("{} of body `{body}` at ({:.6}, {:.6}, {:.6})", model.part.id[at], x.x, x.y, x.z)
 }
 
-/// Components of the multiplier that a slave node needs: none when neither it nor the tool can give way in any direction;
-/// else one without friction; with friction all but those along which it stands still relative to the tool.
-fn carried(pair: &Pair, prescribed: &[Prescribed; 3], tool: &ToolFreedom) -> [bool; 3] {
+/// Components of a contact force that a slave node can have: none when neither it nor the tool can give way in any
+/// direction; with friction not those along which it stands still relative to the tool.
+fn carried(prescribed: &[Prescribed; 3], tool: &ToolFreedom, frictional: bool) -> [bool; 3] {
     let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !tool.free[d]);
     let held = |d: usize| locked[d] && tool.moves[d].is_some() && prescribed[d].map(|(_, by)| by) == tool.moves[d];
-    match (locked, pair.width()) {
+    match (locked, frictional) {
         ([true, true, true], _) => [false; 3],
-        (_, 1) => [true, false, false],
+        (_, false) => [true; 3],
         _ => [0, 1, 2].map(|d| !held(d)),
     }
 }

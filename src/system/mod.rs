@@ -2,10 +2,14 @@
 //!
 //! - [`dofs`]: equation numbers of displacements, multipliers and free tool motions
 //! - [`pattern`]: the compressed-row pattern and the place of every element's entries in it
+//! - [`candidates`]: the patches of deformable masters that the pattern provides for
+//! - [`foreign`]: entries that contact elements have in rows of other ranks
 //! - [`assembly`]: structural residual and tangent of this rank's rows
 
 pub mod assembly;
+pub mod candidates;
 pub mod dofs;
+pub mod foreign;
 pub mod pattern;
 
 pub use assembly::nodal_stiffness;

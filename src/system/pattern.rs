@@ -4,11 +4,17 @@
 //! entries is found once for each (row, node) and then only looked up.
 
 use super::assembly::carrying;
+use super::candidates::Candidates;
 use super::dofs::{DofMap, NONE};
+use super::foreign::Foreign;
+use crate::Vec3;
+use crate::contact::Master;
 use crate::model::Model;
-use crate::parallel::exchange;
+use crate::parallel::{Parcels, exchange};
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::*;
+
+/// Length from which a row is rid of repetitions: long before it is crowded with them.
+const CROWDED: usize = 600;
 
 /// No entry.
 pub const NOWHERE: u32 = u32::MAX;
@@ -24,11 +30,16 @@ pub struct Pattern {
     elements: Vec<Vec<u32>>,
     /// For each local node and direction the position among its free directions, or -1.
     shift: Vec<[i8; 3]>,
+    /// Entries of contact elements of this rank in rows of others.
+    pub foreign: Foreign,
+    /// What it provides for.
+    pub candidates: Candidates,
 }
 
 impl Pattern {
-    /// Builds the pattern of a step. Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap) -> Self {
+    /// Builds the pattern for elements and contact, with slave nodes at `place` and deformable masters as they are.
+    /// Collective.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap, place: impl Fn(u32) -> Vec3) -> Self {
         let part = &model.part;
         let mut rows: Vec<Vec<i32>> = vec![Vec::new(); dofs.count];
         for solid in &part.solids {
@@ -37,9 +48,8 @@ impl Pattern {
             for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
                 rows[row].extend(&columns);
             }
-            // Long before a row is crowded with repetitions of its neighbours.
             for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
-                if rows[row].len() > 600 {
+                if rows[row].len() > CROWDED {
                     tidy(&mut rows[row]);
                 }
             }
@@ -48,22 +58,34 @@ impl Pattern {
         for (pair, multipliers) in model.pairs.iter().zip(&dofs.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(multipliers) {
                 let of_node: Vec<i32> = free(&dofs.node[slave.node as usize]).chain(free(equations)).collect();
-                let tool: Vec<i32> = free(&dofs.tool[pair.tool]).collect();
+                let mut tool = Vec::new();
+                if let Master::Tool(t) = pair.master {
+                    tool.extend(free(&dofs.tool[t]));
+                    of_tools[t].extend(&of_node);
+                }
                 for &row in &of_node {
                     let row = &mut rows[(i64::from(row) - dofs.first) as usize];
                     row.extend(of_node.iter().chain(&tool));
                 }
-                of_tools[pair.tool].extend(&of_node);
             }
         }
         tool_rows(comm, dofs, &of_tools, &mut rows);
+        let candidates = Candidates::new(&model.pairs, &model.surfaces, place);
+        let groups = candidates.groups(&model.pairs, &model.surfaces, dofs);
+        let (foreign, received) = Foreign::new(comm, add_groups(dofs, &groups, &mut rows), &dofs.starts);
+        for [row, column] in &received {
+            rows[(i64::from(*row) - dofs.first) as usize].push(*column);
+        }
         rows.iter_mut().for_each(tidy);
-        let mut pattern = Self { offsets: vec![0], ..Self::default() };
+        let mut pattern = Self { offsets: vec![0], foreign, candidates, ..Self::default() };
         for row in &rows {
             pattern.columns.extend(row);
             pattern.offsets.push(pattern.columns.len() as i32);
         }
         pattern.find_places(model, dofs);
+        let local = |[row, column]: &[i32; 2]| pattern.place((i64::from(*row) - dofs.first) as usize, *column);
+        let places = received.iter().map(local).collect();
+        pattern.foreign.receive_at(places);
         pattern
     }
 
@@ -140,6 +162,26 @@ impl Pattern {
     }
 }
 
+/// Couples the equations of each group in the rows of this rank, and returns the entries in rows of others.
+fn add_groups(dofs: &DofMap, groups: &[Vec<i64>], rows: &mut [Vec<i32>]) -> Vec<[i32; 2]> {
+    let mut foreign = Vec::new();
+    for group in groups {
+        let columns: Vec<i32> = group.iter().map(|&e| e as i32).collect();
+        for (&row, &number) in group.iter().zip(&columns) {
+            match dofs.local(row) {
+                Some(local) => {
+                    rows[local].extend(&columns);
+                    if rows[local].len() > CROWDED {
+                        tidy(&mut rows[local]);
+                    }
+                }
+                None => foreign.extend(columns.iter().map(|&column| [number, column])),
+            }
+        }
+    }
+    foreign
+}
+
 fn free(equations: &[i64; 3]) -> impl Iterator<Item = i32> + '_ {
     equations.iter().filter(|&&e| e != NONE).map(|&e| e as i32)
 }
@@ -155,11 +197,9 @@ fn tool_rows(comm: &SimpleCommunicator, dofs: &DofMap, of_tools: &[Vec<i32>], ro
         if free(equations).next().is_none() {
             continue;
         }
-        let mut parcels = vec![Vec::new(); comm.size() as usize];
-        parcels[0] = columns.clone();
-        let all = exchange(comm, &parcels).concat();
+        let all = exchange(comm, &Parcels::from([(0, columns.clone())]));
         for row in equations.iter().filter_map(|&e| dofs.local(e)) {
-            rows[row].extend(all.iter().copied().chain(free(equations)));
+            rows[row].extend(all.values().flatten().copied().chain(free(equations)));
         }
     }
 }

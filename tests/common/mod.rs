@@ -2,8 +2,11 @@
 
 #![allow(dead_code)] // each test file uses its part
 
+pub mod hertz;
 pub mod msh;
 
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
 use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::fs;
@@ -92,9 +95,44 @@ pub fn mpirun_of(ranks: usize, program: &Path) -> Command {
         .env("OMPI_MCA_pml", "ob1")
         .env("OMPI_MCA_btl", "self,vader")
         .env("OMPI_MCA_mpi_yield_when_idle", "1")
+        .env("OMPI_MCA_orte_tmpdir_base", SESSIONS.with(|folder| folder.path().to_owned()))
         .env("OPENBLAS_NUM_THREADS", "1")
         .env("SCOTCH_PTHREAD_NUMBER", "1");
     command
+}
+
+thread_local! {
+    /// Where the runs of a test keep their sessions: those that end at one place take it from those that start.
+    static SESSIONS: tempfile::TempDir = tempfile::tempdir().unwrap();
+}
+
+/// Runs `body` on each of these numbers of ranks, by starting the test that calls it, alone, in this program again under
+/// `mpirun`. A rank that fails ends all.
+pub fn on_ranks(test: &str, ranks: &[usize], body: impl FnOnce(&SimpleCommunicator)) {
+    if is_worker() {
+        let universe = mpi::initialize().unwrap();
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| {
+            report(info);
+            // The others would wait.
+            SimpleCommunicator::world().abort(101);
+        }));
+        return body(&universe.world());
+    }
+    for &count in ranks {
+        let mut command = mpirun_of(count, &std::env::current_exe().unwrap());
+        let done =
+            command.args(["--exact", test, "--test-threads", "1", "--nocapture"]).env(WORKER, "1").output().unwrap();
+        let [said, failed] = [&done.stdout, &done.stderr].map(|bytes| String::from_utf8_lossy(bytes));
+        assert!(done.status.success() && said.contains("1 passed"), "`{test}` on {count} ranks\n{said}\n{failed}");
+    }
+}
+
+const WORKER: &str = "NAGATA_TEST_WORKER";
+
+/// Whether this process was started by [`on_ranks`].
+pub fn is_worker() -> bool {
+    std::env::var_os(WORKER).is_some()
 }
 
 impl Run {
@@ -188,6 +226,11 @@ impl History {
         self.columns.get(name).unwrap_or_else(|| panic!("no column {name} in {:?}", self.columns.keys()))
     }
 
+    /// Whether it has a tool or set.
+    pub fn has(&self, name: &str) -> bool {
+        self.columns.contains_key(&format!("{name}.fx"))
+    }
+
     pub fn last(&self, name: &str) -> f64 {
         *self.column(name).last().unwrap()
     }
@@ -216,6 +259,12 @@ impl History {
             }
         }
         worst
+    }
+
+    /// All columns but one.
+    pub fn without(mut self, column: &str) -> Self {
+        assert!(self.columns.remove(column).is_some(), "no column `{column}`");
+        self
     }
 
     /// Largest difference to another history over the largest value of the quantity (force, displacement, count) of a

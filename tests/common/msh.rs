@@ -78,6 +78,27 @@ pub fn surface(n: usize, place: impl Fn(f64, f64) -> [f64; 3]) -> String {
     render(&[(2, "surface")], &points, &elements)
 }
 
+/// The same mesh with its nodes numbered and listed otherwise.
+pub fn renumbered(mesh: &str) -> String {
+    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
+    let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
+    let mut nodes: Vec<&str> = nodes.lines().skip(1).collect();
+    nodes.reverse();
+    // Numbers with gaps, far from the old order.
+    let number = |old: &str| 3 + 7 * (old.parse::<usize>().unwrap() * 7919 % 10_007);
+    let mut text = format!("{head}$Nodes\n{}\n", nodes.len());
+    for (old, place) in nodes.iter().map(|line| line.split_once(' ').unwrap()) {
+        let _ = writeln!(text, "{} {place}", number(old));
+    }
+    text += "$EndNodes\n$Elements\n";
+    for line in elements.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        let new = words.iter().enumerate().map(|(k, w)| if k < 5 { w.to_string() } else { number(w).to_string() });
+        let _ = writeln!(text, "{}", new.collect::<Vec<_>>().join(" "));
+    }
+    text
+}
+
 /// Elements are (Gmsh type, number of the group, nodes from 1).
 fn render(names: &[(usize, &str)], points: &[[f64; 3]], elements: &[(usize, usize, Vec<usize>)]) -> String {
     let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());

@@ -2,23 +2,31 @@
 //!
 //! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
 //! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
-//! the last converged increment. [`contact`] has the part of the contact elements.
+//! the last converged increment. [`contact`] has the part of the contact elements on tools, [`deformable`] that of those
+//! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`drag`] what helps a jump along.
 
 mod contact;
+mod deformable;
+mod drag;
+mod rounds;
 
 use super::conditions::Conditions;
 use crate::Vec3;
-use crate::contact::{Pose, Slave};
+use crate::contact::element::Element;
+use crate::contact::{Pair, Pose, Slave};
 use crate::model::Model;
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{any, max, sum};
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
-use contact::Element;
+use deformable::{Meeting, Workspace};
+use drag::Drag;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::{Evaluation, Iterate, Jacobian, Problem, Verdict};
+pub use rounds::Round;
+use rounds::Rounds;
 use std::time::Instant;
 
 /// Rounding of a nodal force over the largest nodal stiffness times the element size, or times the largest displacement
@@ -30,7 +38,7 @@ pub struct Newton<'a> {
     pub comm: &'a SimpleCommunicator,
     pub model: &'a mut Model,
     pub dofs: &'a DofMap,
-    pub pattern: &'a Pattern,
+    pub pattern: &'a mut Pattern,
     pub conditions: &'a Conditions,
     pub phases: &'a Phases,
     /// Poses of the tools at the start of the step.
@@ -62,7 +70,16 @@ pub struct Newton<'a> {
     pub worst: (usize, f64),
     /// Nodes of this rank whose friction penalty was reduced because they kept flipping.
     pub calmed: Vec<u32>,
+    /// How often the pattern was built anew.
+    pub rebuilds: usize,
+    /// The constraints of self-contact give way about the multipliers of a converged iterate.
+    tightened: bool,
+    /// Outer iterations of this increment.
+    pub rounds: Rounds,
     elements: Vec<Vec<Option<Element>>>,
+    meetings: Vec<Vec<Option<Meeting>>>,
+    workspace: Workspace,
+    drag: Drag,
     /// Contact force on each tool.
     pub tool_forces: Vec<Vec3>,
     /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
@@ -96,24 +113,24 @@ impl<'a> Newton<'a> {
         comm: &'a SimpleCommunicator,
         model: &'a mut Model,
         dofs: &'a DofMap,
-        pattern: &'a Pattern,
+        pattern: &'a mut Pattern,
         conditions: &'a Conditions,
         phases: &'a Phases,
         start: &Start<'a>,
     ) -> Self {
         let elements = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
+        let meetings = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
+        let values = vec![0.0; pattern.columns.len()];
         let tools = model.tools.len();
         let owned = model.part.owned;
         for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.trial = Default::default();
-            slave.trial.status = slave.committed.status;
-            slave.law.tangential = slave.law.normal;
+            slave.begin();
         }
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
         };
         let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
-        Self {
+        let mut newton = Self {
             comm,
             model,
             dofs,
@@ -135,7 +152,13 @@ impl<'a> Newton<'a> {
             changes: Vec::new(),
             worst: (0, 0.0),
             calmed: Vec::new(),
+            rebuilds: 0,
+            tightened: false,
+            rounds: Rounds::default(),
             elements,
+            meetings,
+            workspace: Workspace::default(),
+            drag: Drag::default(),
             tool_forces: vec![Vec3::zeros(); tools],
             clearances: vec![0.0; tools],
             predicting: true,
@@ -143,8 +166,10 @@ impl<'a> Newton<'a> {
             residual_max: f64::INFINITY,
             rounding: 0.0,
             evaluated_at: Vec::new(),
-            values: vec![0.0; pattern.columns.len()],
-        }
+            values,
+        };
+        newton.learn();
+        newton
     }
 
     /// Starts from given unknowns, with the prescribed displacements of the end of the increment.
@@ -234,6 +259,7 @@ impl<'a> Newton<'a> {
         r.fill(0.0);
         let begun = Instant::now();
         self.add_contact(x, ahead.as_deref(), r, &mut largest);
+        self.add_deformable(x, ahead.as_deref(), r, &mut largest);
         self.phases.add(Phase::Search, begun.elapsed());
         for n in 0..self.model.part.owned {
             for d in 0..3 {
@@ -242,13 +268,15 @@ impl<'a> Newton<'a> {
                 }
             }
         }
+        self.add_drag(x, r);
+        let local = self.largest_local();
         self.worst = r.iter().enumerate().fold((0, 0.0), |w, (k, v)| if v.abs() > w.1 { (k, v.abs()) } else { w });
         let farthest = self.u.iter().map(|u| u.amax()).fold(self.model.size, f64::max);
-        let mut reduced = [self.worst.1, largest, farthest];
+        let mut reduced = [self.worst.1.max(local), largest, farthest, self.stiffest()];
         max(self.comm, &mut reduced);
         self.residual_max = reduced[0];
         self.scale = self.seen.max(reduced[1]);
-        self.rounding = ROUNDING * self.model.stiffness * reduced[2];
+        self.rounding = ROUNDING * reduced[3] * reduced[2];
         self.evaluated_at.clear();
         self.evaluated_at.extend(x);
         sound
@@ -266,6 +294,18 @@ impl<'a> Newton<'a> {
         }
         update_halo(self.model, self.comm, &mut ahead);
         ahead
+    }
+
+    /// Largest stiffness that makes forces of positions on this rank, that of held multipliers' penalties included.
+    fn stiffest(&self) -> f64 {
+        let held = self.model.pairs.iter().filter(|p| p.method.holds_multipliers());
+        held.flat_map(|p| &p.slaves).map(|s| s.law.penalty).fold(self.model.stiffness, f64::max)
+    }
+
+    /// Largest residual of a local unknown of this rank.
+    fn largest_local(&self) -> f64 {
+        let held = self.model.pairs.iter().filter(|p| p.method.holds_multipliers());
+        held.flat_map(|p| &p.slaves).map(|s| s.trial.local).fold(0.0, f64::max)
     }
 
     fn add_loads(&self, forces: &mut [Vec3], largest: &mut f64) {
@@ -286,10 +326,12 @@ impl Newton<'_> {
         self.values.fill(0.0);
         assembly::add_tangent(self.model, self.pattern, &self.u, &mut self.values);
         for (set, ramp) in &self.conditions.pressures {
-            let system = (self.dofs, self.pattern);
+            let system = (self.dofs, &*self.pattern);
             assembly::subtract_pressure_tangent(self.model, (set, ramp.at(self.s)), &self.u, system, &mut self.values);
         }
         self.add_contact_tangent();
+        self.add_deformable_tangent();
+        self.add_drag_tangent();
     }
 }
 
@@ -304,9 +346,11 @@ impl Problem for Newton<'_> {
             self.evaluate(x, &mut r);
         }
         let begun = Instant::now();
+        let is_new = self.widen_pattern();
         self.tangent();
         self.phases.add(Phase::Assembly, begun.elapsed());
-        Ok(Jacobian::Values(&self.values))
+        let (Pattern { offsets, columns, .. }, values) = (&*self.pattern, &self.values);
+        Ok(if is_new { Jacobian::Pattern { row_offsets: offsets, columns, values } } else { Jacobian::Values(values) })
     }
 
     fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
@@ -317,7 +361,7 @@ impl Problem for Newton<'_> {
         sum(self.comm, &mut changes);
         self.trace.push(self.residual_max / self.scale);
         self.changes.push(changes[0] as usize);
-        let small = self.residual_max <= (self.tolerance * self.scale).max(self.rounding);
+        let small = self.residual_max <= self.limit();
         if !self.residual_max.is_finite() {
             return Ok(Verdict::Diverged);
         }
@@ -336,10 +380,10 @@ impl Problem for Newton<'_> {
     /// Shortens a step that would move a slave node by more than a facet or turn an element inside out.
     fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
         self.predicting = false;
-        let mut longest = [0.0f64; 1];
-        let mut cap = f64::INFINITY;
+        // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too.
+        let mut longest = [0.0, f64::NEG_INFINITY];
         for pair in &self.model.pairs {
-            cap = cap.min(1.5 * pair.facet_size);
+            longest[1] = longest[1].max(-pair.longest_step());
             for slave in &pair.slaves {
                 for d in 0..3 {
                     if let Some(k) = self.dofs.local(self.dofs.node[slave.node as usize][d]) {
@@ -349,6 +393,7 @@ impl Problem for Newton<'_> {
             }
         }
         max(self.comm, &mut longest);
+        let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
         for _ in 0..6 {
             if !self.would_invert(x, step, factor) {
@@ -364,13 +409,15 @@ impl Problem for Newton<'_> {
 }
 
 impl Newton<'_> {
-    /// The multipliers at the unknowns `x`, N.
+    /// The multipliers at the unknowns `x`, N; those that are held are the forces.
     pub fn multipliers(&self, x: &[f64]) -> Vec<Vec<Vec3>> {
         let of = |slave: &Slave, equations: &[i64; 3]| {
             Vec3::from_fn(|d, _| self.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal))
         };
         let pairs = self.model.pairs.iter().zip(&self.dofs.multiplier);
-        pairs.map(|(pair, all)| pair.slaves.iter().zip(all).map(|(s, e)| of(s, e)).collect()).collect()
+        let forces = |pair: &Pair| pair.slaves.iter().map(|s| s.trial.force).collect();
+        let unknowns = |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(s, e)).collect();
+        pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
     }
 
     /// Whether an element is inverted at x - factor step, on any rank. Collective.

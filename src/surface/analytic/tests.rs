@@ -217,7 +217,7 @@ proptest! {
     }
 }
 
-/// The rules of corners: those of `patch_set` for the same shape.
+/// The rules of corners: those of `piece_set` for the same shape.
 #[test]
 fn corners_of_an_extruded_profile() {
     let sweep = Sweep::Extruded { origin: Vec3::zeros(), x: Vec3::x(), y: Vec3::y(), length: None };

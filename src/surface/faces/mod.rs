@@ -1,9 +1,9 @@
 //! Faces of CAD models, made ready for projection.
 //!
 //! [`sew`] finds out, once and on one rank, what lies beyond the borders of the faces; the [`SewnFace`]s that it gives are
-//! plain numbers, and any selection of them makes a [`FaceSet`]. There every surface is cut into [`Cell`](super::cell)s,
-//! Bézier patches that curve little, and those that the loops cross carry the stretches of rim in them. A set is searched
-//! like the patches of a mesh: see [`super::piece_set`] for the questions and what their answers mean.
+//! plain numbers, and any selection of them makes a [`FaceSet`]. There every surface is cut into cells, Bézier patches that
+//! curve little, and those that the loops cross carry the stretches of rim in them. A set is searched like the patches of
+//! a mesh: see [`super::piece_set`] for the questions and what their answers mean.
 
 mod border;
 mod curves;

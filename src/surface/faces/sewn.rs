@@ -1,6 +1,7 @@
 //! A face with what it needs to know of its neighbours, and its way through numbers to another rank.
 
 use crate::Vec3;
+use crate::surface::numbers::Numbers;
 use crate::surface::nurbs::{Curve, KnotVector, Nurbs};
 use crate::surface::piece::Edge;
 use nalgebra::Vector2;
@@ -80,7 +81,7 @@ impl SewnFace {
     pub fn from_numbers(mut numbers: &[f64]) -> Vec<Self> {
         let mut faces = Vec::new();
         while let Some((own, rest)) = numbers.first().and_then(|len| numbers.split_at_checked(*len as usize)) {
-            let Some(face) = own.get(1..).and_then(|own| Reader(own).face()) else { break };
+            let Some(face) = own.get(1..).and_then(|own| Numbers(own).face()) else { break };
             faces.push(face);
             numbers = rest;
         }
@@ -88,36 +89,14 @@ impl SewnFace {
     }
 }
 
-/// Numbers still to be read.
-struct Reader<'a>(&'a [f64]);
-
-impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> Option<&'a [f64]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    fn number(&mut self) -> Option<f64> {
-        self.take(1).map(|n| n[0])
-    }
-
-    fn vectors<const D: usize>(&mut self, count: usize) -> Option<Vec<nalgebra::SVector<f64, D>>> {
-        let numbers = self.take(count.checked_mul(D)?)?;
-        Some(numbers.chunks_exact(D).map(nalgebra::SVector::from_column_slice).collect())
-    }
-
+impl Numbers<'_> {
     fn knots(&mut self) -> Option<KnotVector> {
-        let [degree, count] = [self.number()? as usize, self.number()? as usize];
+        let [degree, count] = [self.count()?, self.count()?];
         KnotVector::new(degree, self.take(count)?.to_vec()).ok()
     }
 
-    fn vector(&mut self) -> Option<Vec3> {
-        self.take(3).map(Vec3::from_column_slice)
-    }
-
     fn rim(&mut self) -> Option<Rim> {
-        let (count, edge, gap) = (self.number()? as usize, self.number()?, self.number()?);
+        let (count, edge, gap) = (self.count()?, self.number()?, self.number()?);
         let points: Vec<Vector2<f64>> = self.vectors(count)?;
         let weights = self.take(count)?.to_vec();
         let curve = Curve::new(KnotVector::bezier(count.checked_sub(1)?), points, weights).ok()?;
@@ -138,7 +117,7 @@ impl<'a> Reader<'a> {
         let count = knots[0].count() * knots[1].count();
         let points = self.vectors(count)?;
         let surface = Nurbs::new(knots, points, self.take(count)?.to_vec()).ok()?;
-        let count = self.number()? as usize;
+        let count = self.count()?;
         let rims = (0..count).map(|_| self.rim()).collect::<Option<_>>()?;
         Some(SewnFace { id, first, surface, trimmed, feature_angle, bounds, rims })
     }

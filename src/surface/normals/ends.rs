@@ -13,28 +13,58 @@ const AROUND: f64 = 270.0 * std::f64::consts::PI / 180.0;
 /// Conditions along directions closer together than this, as a ratio of eigenvalues, count as one.
 const CUT: f64 = 1e-3;
 
-/// Moves the normals of fans at the ends of the surface as (*) asks.
-pub fn extrapolate_ends(facets: &Facets, fans: &Groups, counts: &[[bool; 4]], normals: &mut [Vec3], largest: f64) {
+/// What the normal of a fan at an end of the surface was extrapolated from.
+pub struct End {
+    /// The neighbours inside the surface, each once.
+    pub neighbours: Vec<Neighbour>,
+    /// In how many directions, 1 or 2, they have conditions (*).
+    pub directions: usize,
+}
+
+/// A neighbour with a condition (*).
+#[derive(Clone, Copy)]
+pub struct Neighbour {
+    pub node: usize,
+    pub fan: usize,
+    /// Of its condition in two combinations of all, a right-handed pair of principal directions; per edge length.
+    pub weights: [f64; 2],
+}
+
+/// Moves the normals of fans at the ends of the surface as (*) asks, and says which and by what.
+pub fn extrapolate_ends(
+    facets: &Facets,
+    fans: &Groups,
+    counts: &[[bool; 4]],
+    normals: &mut [Vec3],
+    largest: f64,
+) -> Vec<Option<End>> {
     let (mean, mut ranks) = (normals.to_vec(), end_ranks(facets, fans));
+    let mut ends: Vec<Option<End>> = (0..fans.count).map(|_| None).collect();
     // Fans along an end with neighbours in two directions first: then they are neighbours for the others.
     for (rank, all) in [(1, false), (1, true), (2, true)] {
         let mut conditions = vec![Conditions::default(); fans.count];
+        let mut edges: Vec<Vec<(usize, usize, Vec3)>> = vec![Vec::new(); fans.count];
         for (f, k) in facets.corners().filter(|(f, k)| counts[*f][*k] && ranks[fans.of(*f, *k)] == rank) {
             for other in facets.beside(f, k) {
                 let (here, there) = (fans.of(f, k), fans.of(f, other));
                 if ranks[there] < rank {
-                    let d = (facets.point(f, other) - facets.point(f, k)).normalize();
-                    conditions[here].add(&mean[here], &normals[there], &d);
+                    let edge = facets.point(f, other) - facets.point(f, k);
+                    conditions[here].add(&mean[here], &normals[there], &edge.normalize());
+                    edges[here].push((facets.node(f, other), there, edge));
                 }
             }
         }
         for fan in 0..fans.count {
             if conditions[fan].directions() > if all { 0 } else { 1 } {
-                normals[fan] = conditions[fan].solve(&mean[fan], largest);
                 ranks[fan] = if all { rank } else { 0 };
+                if let Some(normal) = conditions[fan].solve(&mean[fan], largest) {
+                    normals[fan] = normal;
+                    ends[fan] = Some(conditions[fan].end(&mean[fan], &edges[fan]));
+                }
             }
         }
     }
+    ends
 }
 
 /// 0 for fans that need no extrapolation, 1 along the ends of the surface, 2 at their corners.
@@ -80,8 +110,8 @@ impl Conditions {
     }
 
     /// The normal that meets the conditions and is closest to the linear extrapolation from the neighbours through the
-    /// mean, 2m - n_u; the mean when that would be further from it than `largest`.
-    fn solve(&self, mean: &Vec3, largest: f64) -> Vec3 {
+    /// mean, 2m - n_u; `None` when that would be further from the mean than `largest`.
+    fn solve(&self, mean: &Vec3, largest: f64) -> Option<Vec3> {
         let eigen = self.matrix.symmetric_eigen();
         let cut = CUT * eigen.eigenvalues.max();
         let inverse = |right: Vector2<f64>| -> Vector2<f64> {
@@ -96,8 +126,25 @@ impl Conditions {
             p = guess + inverse(self.values - self.lean * height - self.matrix * guess);
         }
         if p.norm() > largest.min(0.5).sin() {
-            return *mean;
+            return None;
         }
-        a * p.x + b * p.y + mean * (1.0 - p.norm_squared()).sqrt()
+        Some(a * p.x + b * p.y + mean * (1.0 - p.norm_squared()).sqrt())
+    }
+
+    /// The conditions of `edges` (node, fan, vector) combined along the principal directions of all.
+    fn end(&self, mean: &Vec3, edges: &[(usize, usize, Vec3)]) -> End {
+        let eigen = self.matrix.symmetric_eigen();
+        let first = eigen.eigenvectors.column(if eigen.eigenvalues[0] > eigen.eigenvalues[1] { 0 } else { 1 });
+        let [a, b] = tangents(mean);
+        let principal = [a * first.x + b * first.y, b * first.x - a * first.y];
+        let mut neighbours: Vec<Neighbour> = Vec::new();
+        for (node, fan, edge) in edges {
+            let weights = principal.map(|v| v.dot(edge) / edge.norm_squared());
+            match neighbours.iter_mut().find(|u| u.node == *node && u.fan == *fan) {
+                Some(u) => u.weights = std::array::from_fn(|s| u.weights[s] + weights[s]),
+                None => neighbours.push(Neighbour { node: *node, fan: *fan, weights }),
+            }
+        }
+        End { neighbours, directions: self.directions() }
     }
 }

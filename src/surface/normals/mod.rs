@@ -33,9 +33,9 @@
 //! Normals that are known from elsewhere replace the means and rules 2 and 3. In symmetry planes the mirror image of
 //! the mesh counts as there.
 
-mod ends;
+pub mod ends;
 mod given;
-mod groups;
+pub mod groups;
 mod options;
 mod sharp;
 mod straight;
@@ -48,6 +48,7 @@ use super::piece::Edge;
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::Mesh;
+use ends::End;
 use groups::Groups;
 pub use options::NormalOptions;
 use sharp::SharpEdges;
@@ -59,6 +60,17 @@ pub struct Normals {
     /// Unit normal of each corner of each facet.
     pub corners: Vec<[Vec3; 4]>,
     pub edges: Vec<[Edge; 4]>,
+}
+
+/// Mean normals, and how they came about.
+pub struct Means {
+    pub normals: Normals,
+    /// The corners that share a normal.
+    pub fans: Groups,
+    /// Whether a corner counts in the mean of its fan.
+    pub counts: Vec<[bool; 4]>,
+    /// How the fans at ends of the surface were extrapolated; the others have the mean.
+    pub ends: Vec<Option<End>>,
 }
 
 impl Normals {
@@ -75,26 +87,13 @@ impl Normals {
         };
         let feature_angle = options.feature_angle.to_radians();
         let normals = match &options.given {
-            None => Self::mean(&whole.facets, options.weight, feature_angle, is_sharp),
+            None => Means::new(&whole.facets, options.weight, feature_angle, is_sharp).normals,
             Some(given) => {
                 let corners = whole.spread(given::sorted(mesh, facets, given)?);
                 given::normals(&whole.facets, &corners, feature_angle, is_sharp)
             }
         };
         Ok((whole.facets, normals))
-    }
-
-    /// Mean normals with the rules for junctions and ends; edges that turn by more than `feature_angle` (radians) or
-    /// are said to be (facet, number) are sharp.
-    pub fn mean(facets: &Facets, weight: Weight, feature_angle: f64, is_sharp: impl Fn(usize, usize) -> bool) -> Self {
-        let turns = |f: usize, k: usize| facets.turn(f, k).is_some_and(|turn| turn > feature_angle);
-        let mut edges = kinds(facets, |f, k| turns(f, k) || is_sharp(f, k));
-        let junctions = straight::classify(facets, &mut edges);
-        let fans = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth);
-        let mut normals = fans.mean(facets, weight, |_| true);
-        let counts = straight::straight_sides(facets, weight, &edges, &junctions, &fans, &mut normals);
-        ends::extrapolate_ends(facets, &fans, &counts, &mut normals, feature_angle);
-        Self { corners: fans.spread(facets, &normals), edges }
     }
 
     /// Number of edges whose normals lean the same way, so that the surface meets them in part only.
@@ -104,6 +103,22 @@ impl Normals {
             once && is_inflected(&facets.edge(*f, *k), &self.corners[*f][*k], &self.corners[*f][next])
         };
         facets.corners().filter(inflected).count()
+    }
+}
+
+impl Means {
+    /// Mean normals with the rules for junctions and ends; edges that turn by more than `feature_angle` (radians) or
+    /// are said to be (facet, number) are sharp.
+    pub fn new(facets: &Facets, weight: Weight, feature_angle: f64, is_sharp: impl Fn(usize, usize) -> bool) -> Self {
+        let turns = |f: usize, k: usize| facets.turn(f, k).is_some_and(|turn| turn > feature_angle);
+        let mut edges = kinds(facets, |f, k| turns(f, k) || is_sharp(f, k));
+        let junctions = straight::classify(facets, &mut edges);
+        let fans = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth);
+        let mut normals = fans.mean(facets, weight, |_| true);
+        let counts = straight::straight_sides(facets, weight, &edges, &junctions, &fans, &mut normals);
+        let ends = ends::extrapolate_ends(facets, &fans, &counts, &mut normals, feature_angle);
+        let normals = Normals { corners: fans.spread(facets, &normals), edges };
+        Self { normals, fans, counts, ends }
     }
 }
 
@@ -131,7 +146,7 @@ mod tests {
 
     fn normals(mesh: &Mesh) -> (Facets, Normals) {
         let facets = Facets::new(mesh, false).unwrap();
-        let normals = Normals::mean(&facets, Weight::default(), 40f64.to_radians(), |_, _| false);
+        let normals = Means::new(&facets, Weight::default(), 40f64.to_radians(), |_, _| false).normals;
         (facets, normals)
     }
 
@@ -149,7 +164,7 @@ mod tests {
     fn rms_errors(mesh: &Mesh, exact: impl Fn(&Vec3) -> Vec3) -> Vec<f64> {
         let facets = Facets::new(mesh, false).unwrap();
         let error = |weight: Weight| {
-            let normals = Normals::mean(&facets, weight, 90f64.to_radians(), |_, _| false);
+            let normals = Means::new(&facets, weight, 90f64.to_radians(), |_, _| false).normals;
             let errors = facets.corners().map(|(f, k)| (normals.corners[f][k], exact(facets.point(f, k))));
             let inside: Vec<f64> =
                 errors.filter(|(_, n)| *n != Vec3::zeros()).map(|(m, n)| (m - n).norm_squared()).collect();
@@ -258,7 +273,7 @@ mod tests {
         let profile: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 1.0], [3.0, 2.0], [3.0, 3.0]];
         for triangles in [false, true] {
             let facets = Facets::new(&strip(&profile, 2, triangles), false).unwrap();
-            let normals = Normals::mean(&facets, Weight::default(), 50f64.to_radians(), |_, _| false);
+            let normals = Means::new(&facets, Weight::default(), 50f64.to_radians(), |_, _| false).normals;
             for (f, k) in facets.corners() {
                 let exact = if facets.point(f, k).x > 2.5 { Vec3::x() } else { -Vec3::y() };
                 assert!((normals.corners[f][k] - exact).norm() < 1e-14);

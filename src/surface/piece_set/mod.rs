@@ -6,8 +6,8 @@
 //! in a thin tool the nearer side. What it means depends on where it is:
 //!
 //! - inside a piece: gap and normal are those of the piece;
-//! - on a smooth edge: both pieces are extended by [`EXTENSION`] and the one that needs less of it is taken. Beyond
-//!   that, far from the surface, the edge counts as sharp;
+//! - on a smooth edge: both pieces are extended by [`EXTENSION`](super::EXTENSION) and the one that needs less of it is
+//!   taken. Beyond that, far from the surface, the edge counts as sharp;
 //! - on a sharp edge or corner: the normal points from the edge to x. Inside or outside is told by the sum of the
 //!   normals of the pieces around, weighted by their angles (Baerentzen and Aanaes 2005, IEEE Trans. Vis. Comput.
 //!   Graph. 11, 243-253);
@@ -19,6 +19,10 @@
 //! meet at a distance, and then the closest of them gives way, beyond its smooth edge, to one that needs less extension
 //! and is no further away than that.
 //!
+//! [`PieceSet::beside_edge`] is another view of what is outside a sharp edge: there the direction from the edge to x turns
+//! the faster the closer x is, and means nothing on the edge; the sides of the edge, extended, have normals that stay. Of
+//! them the one counts that x is farthest from: the gap is continuous, and contact is with one side or the other.
+//!
 //! Nothing depends on the order of the pieces: equal distances go to the least extension, then to the lower id. The
 //! piece of the last projection is kept when it is as close within a millionth of its size.
 //!
@@ -29,25 +33,30 @@
 mod search;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 pub use search::settle;
 
 use super::patch::Patch;
 use super::piece::Piece;
-use super::projection::{Extent, Projection};
+use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
 use search::{Question, Search};
+use tree::Tree;
 
-type Leaf = GeomWithData<Rectangle<[f64; 3]>, u32>;
+/// How far beyond a sharp edge a piece may be used, in its own parameters.
+const BESIDE: f64 = 0.5;
+/// Cosine of the angle between the normals of a piece and of its edge, above which the edge is none.
+const ALIGNED: f64 = 1.0 - 1e-12;
+/// Distance, over the size of a piece, below which pieces touch.
+const TOUCH: f64 = 1e-9;
 
 /// Pieces with a search tree over their boxes.
 pub struct PieceSet<P> {
     /// By rising id.
     pieces: Vec<P>,
     extents: Vec<Extent>,
-    tree: RTree<Leaf>,
+    tree: Tree,
     largest: f64,
     /// Greatest distance between neighbours where they meet.
     seam: f64,
@@ -72,15 +81,28 @@ impl<P: Piece> PieceSet<P> {
     /// A set of pieces with different ids.
     pub fn of_pieces(mut pieces: Vec<P>) -> Self {
         pieces.sort_by_key(Piece::id);
-        let extents: Vec<Extent> = pieces.iter().map(Extent::new).collect();
-        let leaf = |(k, piece): (usize, &P)| {
-            let (low, high) = piece.bounds();
-            Leaf::new(Rectangle::from_corners(low.into(), high.into()), k as u32)
-        };
-        let tree = RTree::bulk_load(pieces.iter().enumerate().map(leaf).collect());
-        let largest = extents.iter().map(|e| e.radius).fold(0.0, f64::max);
-        let seam = pieces.iter().map(Piece::seam).fold(0.0, f64::max);
-        Self { pieces, extents, tree, largest, seam }
+        let boxes: Vec<_> = pieces.iter().map(P::bounds).collect();
+        let mut set =
+            Self { pieces: Vec::new(), extents: Vec::new(), tree: Tree::new(&boxes), largest: 0.0, seam: 0.0 };
+        set.take(pieces);
+        set
+    }
+
+    /// Takes the pieces as they are now. Where they are the same ones as before, the search tree is only fitted to them.
+    pub fn follow(&mut self, pieces: Vec<P>) {
+        if !pieces.iter().map(P::id).eq(self.pieces.iter().map(P::id)) {
+            return *self = Self::of_pieces(pieces);
+        }
+        self.tree.fit(&pieces.iter().map(P::bounds).collect::<Vec<_>>());
+        self.take(pieces);
+    }
+
+    fn take(&mut self, pieces: Vec<P>) {
+        self.extents.clear();
+        self.extents.extend(pieces.iter().map(Extent::new));
+        self.largest = self.extents.iter().map(|e| e.radius).fold(0.0, f64::max);
+        self.seam = pieces.iter().map(P::seam).fold(0.0, f64::max);
+        self.pieces = pieces;
     }
 
     /// The pieces, by rising id.
@@ -95,7 +117,7 @@ impl<P: Piece> PieceSet<P> {
 
     /// Indices into [`Self::pieces`], rising, of the patches whose boxes meet a box.
     pub fn within(&self, low: &Vec3, high: &Vec3) -> Vec<u32> {
-        let mut found: Vec<u32> = self.boxes(low, high).map(|leaf| leaf.data).collect();
+        let mut found: Vec<u32> = self.tree.meeting(low, high).map(|(k, _)| k as u32).collect();
         found.sort_unstable();
         found
     }
@@ -113,7 +135,7 @@ impl<P: Piece> PieceSet<P> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let mut search = Search::new(self, x, reach, None, Question::Nearest);
+        let mut search = Search::new(self, x, reach, None, Question::Nearest, &|_, _| true);
         search.run(None);
         search.answer()
     }
@@ -124,18 +146,68 @@ impl<P: Piece> PieceSet<P> {
     /// Depends on the pieces within reach only. `None` when there are none, or when `x` lies beyond an end of the
     /// surface.
     pub fn closest(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+        self.closest_of(x, reach, warm, &|_, _| true)
+    }
+
+    /// The same of the pieces that are `admitted` with their point nearest to `x`. The others still take away the edges that
+    /// they share with them: where one of them is closer than such an edge, `x` has no projection onto it.
+    pub fn closest_of(
+        &self,
+        x: &Vec3,
+        reach: f64,
+        warm: Option<(u32, [f64; 2])>,
+        admitted: &dyn Fn(&P, &Foot) -> bool,
+    ) -> Option<Projection> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
         let kept = warm.and_then(|(id, _)| self.index(id));
         let start = warm.map(|(_, xi)| xi);
-        let mut search = Search::new(self, x, reach, kept, Question::Contact);
+        let mut search = Search::new(self, x, reach, kept, Question::Contact, admitted);
         search.run(start);
         if search.is_doubtful() {
-            search = Search::new(self, x, reach, kept, Question::WaryContact);
+            search = Search::new(self, x, reach, kept, Question::WaryContact, admitted);
             search.run(start);
         }
         search.answer()
+    }
+
+    /// The point of contact on the piece `id` alone, with the extension that its edges allow; the search begins at the
+    /// parameters `start`. `None` beyond that.
+    pub fn on_piece(&self, x: &Vec3, id: u32, start: [f64; 2]) -> Option<Projection> {
+        let k = self.index(id)?;
+        let piece = &self.pieces[k];
+        let (foot, _) = piece.settle(x, piece.core(&self.extents[k], x, Some(start)))?;
+        let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
+        let projection = Projection { gap, point: foot.local.point, normal, normal_gradient, patch: id, xi: foot.xi };
+        (foot.limits == 0).then_some(projection)
+    }
+
+    /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
+    /// around it, extended, whose side `x` is farthest from. `None` when `at` is on no such edge, or too far away.
+    pub fn beside_edge(&self, x: &Vec3, at: &Projection) -> Option<Projection> {
+        let own = self.get(at.patch)?;
+        if at.gap <= 0.0 || own.overshoot(at.xi) > 0.0 || own.normal(at.xi).dot(&at.normal) > ALIGNED {
+            return None;
+        }
+        let touch = Vec3::repeat(TOUCH * self.largest);
+        let around = self.tree.meeting(&(at.point - touch), &(at.point + touch)).map(|(k, _)| k);
+        let extended = |k: usize| {
+            let (piece, extent) = (&self.pieces[k], &self.extents[k]);
+            let core = piece.core(extent, &at.point, None);
+            let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[BESIDE; 4], core.xi))?;
+            let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
+            let xi = foot.xi;
+            (foot.limits == 0).then(|| Projection {
+                gap,
+                point: foot.local.point,
+                normal,
+                normal_gradient,
+                patch: piece.id(),
+                xi,
+            })
+        };
+        around.filter_map(extended).max_by(|a, b| a.gap.total_cmp(&b.gap).then(b.patch.cmp(&a.patch)))
     }
 
     /// The normal projection alone: piece, parameters and gap of the foot of a perpendicular with the least |gap| up to
@@ -148,25 +220,19 @@ impl<P: Piece> PieceSet<P> {
         // The boxes of the pieces need not hold their extensions.
         let margin = 4.0 * extension * self.largest;
         let (mut best, mut least) = (None, reach);
-        for (leaf, distance_2) in self.tree.nearest_neighbor_iter_with_distance_2((*x).into()) {
-            if distance_2 > (least + margin).powi(2) {
-                break;
+        self.tree.approach(x, least + margin, |k| {
+            if let Some((xi, gap)) = self.pieces[k].perpendicular(&self.extents[k], x, extension) {
+                let id = self.pieces[k].id();
+                if gap.abs() < least || gap.abs() == least && best.is_none_or(|(other, _, _)| id < other) {
+                    (best, least) = (Some((id, xi, gap)), gap.abs());
+                }
             }
-            let k = leaf.data as usize;
-            let Some((xi, gap)) = self.pieces[k].perpendicular(&self.extents[k], x, extension) else { continue };
-            let id = self.pieces[k].id();
-            if gap.abs() < least || gap.abs() == least && best.is_none_or(|(other, _, _)| id < other) {
-                (best, least) = (Some((id, xi, gap)), gap.abs());
-            }
-        }
+            least + margin
+        });
         best
     }
 
     fn index(&self, id: u32) -> Option<usize> {
         self.pieces.binary_search_by_key(&id, Piece::id).ok()
-    }
-
-    fn boxes(&self, low: &Vec3, high: &Vec3) -> impl Iterator<Item = &Leaf> + use<'_, P> {
-        self.tree.locate_in_envelope_intersecting(AABB::from_corners((*low).into(), (*high).into()))
     }
 }

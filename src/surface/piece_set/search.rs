@@ -1,10 +1,10 @@
 //! The search of the closest point among many pieces, and the choice between those that are equally close.
 
 use super::PieceSet;
+use super::tree::away;
 use crate::surface::piece::{EXTENSION, Edge, Piece};
 use crate::surface::projection::{Foot, Projection, descend};
 use crate::{Mat3, Vec3};
-use rstar::PointDistance;
 
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-12;
@@ -61,6 +61,7 @@ pub struct Search<'a, P> {
     x: &'a Vec3,
     kept: Option<usize>,
     question: Question,
+    admitted: &'a dyn Fn(&P, &Foot) -> bool,
     /// Least distance of a piece with a projection, and of one without.
     best: f64,
     lost: f64,
@@ -70,35 +71,40 @@ pub struct Search<'a, P> {
 }
 
 impl<'a, P: Piece> Search<'a, P> {
-    pub fn new(set: &'a PieceSet<P>, x: &'a Vec3, reach: f64, kept: Option<usize>, question: Question) -> Self {
-        Self { set, x, kept, question, best: reach, lost: f64::INFINITY, hits: [Hit::default(); HITS], count: 0 }
+    pub fn new(
+        set: &'a PieceSet<P>,
+        x: &'a Vec3,
+        reach: f64,
+        kept: Option<usize>,
+        question: Question,
+        admitted: &'a dyn Fn(&P, &Foot) -> bool,
+    ) -> Self {
+        let hits = [Hit::default(); HITS];
+        Self { set, x, kept, question, admitted, best: reach, lost: f64::INFINITY, hits, count: 0 }
     }
 
     /// Considers all pieces whose boxes are as close as the best piece: from the box around x when a last projection
-    /// tells how large it must be, else by rising distance.
+    /// tells how large it must be, else near ones first.
     pub fn run(&mut self, warm: Option<[f64; 2]>) {
         if let Some(kept) = self.kept {
             self.consider(kept, warm);
         }
         let set = self.set;
         let margin = EQUAL * set.largest + self.rounding() + set.seam;
-        let x: [f64; 3] = (*self.x).into();
         if self.count > 0 {
             let around = Vec3::repeat(self.best + margin);
-            for leaf in set.boxes(&(self.x - around), &(self.x + around)) {
-                if self.kept != Some(leaf.data as usize) && leaf.geom().distance_2(&x) <= (self.best + margin).powi(2) {
-                    self.consider(leaf.data as usize, None);
+            for (index, bounds) in set.tree.meeting(&(self.x - around), &(self.x + around)) {
+                if self.kept != Some(index) && away(&bounds, self.x) <= self.best + margin {
+                    self.consider(index, None);
                 }
             }
         } else {
-            for (leaf, distance_2) in set.tree.nearest_neighbor_iter_with_distance_2(x) {
-                if distance_2 > (self.best + margin).powi(2) {
-                    break;
+            set.tree.approach(self.x, self.best + margin, |index| {
+                if self.kept != Some(index) {
+                    self.consider(index, None);
                 }
-                if self.kept != Some(leaf.data as usize) {
-                    self.consider(leaf.data as usize, None);
-                }
-            }
+                self.best + margin
+            });
         }
     }
 
@@ -118,6 +124,7 @@ impl<'a, P: Piece> Search<'a, P> {
             return;
         }
         let settled = match self.question {
+            _ if !(self.admitted)(&self.set.pieces[index], &core) => None,
             Question::Nearest => Some((core, 0.0)),
             _ => self.set.pieces[index].settle(self.x, core),
         };
@@ -163,7 +170,7 @@ impl<'a, P: Piece> Search<'a, P> {
     fn a_neighbour_is_closer(&self, hit: &Hit, point: &Vec3) -> bool {
         let touch = TOUCH * self.set.extents[hit.index].radius + self.set.pieces[hit.index].seam();
         let around = Vec3::repeat(touch);
-        self.set.boxes(&(point - around), &(point + around)).map(|leaf| leaf.data as usize).any(|index| {
+        self.set.tree.meeting(&(point - around), &(point + around)).any(|(index, _)| {
             index != hit.index
                 && self.core(index, point, None).distance < touch
                 && self.core(index, self.x, None).distance < hit.distance - self.slack(index)

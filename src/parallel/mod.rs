@@ -1,11 +1,14 @@
-//! What all ranks must agree on: errors, and the global numbers of owned things.
+//! What all ranks must agree on: errors, and the global numbers of owned things; and messages between some of them.
 //!
 //! An error that one rank alone returns leaves the others waiting in the next collective call. So whatever may fail on
 //! one rank passes through [`agree`] before any rank acts on it.
 
+mod messages;
+
+pub use messages::{Parcels, Route, exchange, scatter, sent};
+
 use crate::error::{Error, Location, Result};
 use mpi::collective::SystemOperation;
-use mpi::datatype::{Equivalence, Partition, PartitionMut};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use serde_json::{Value, json};
@@ -50,31 +53,16 @@ pub fn number(comm: &impl Communicator, owned: u64) -> (u64, u64) {
     (end - owned, total)
 }
 
-/// Sends `parcels[r]` to rank r and returns what each rank sent here. Collective.
-pub fn exchange<T>(comm: &SimpleCommunicator, parcels: &[Vec<T>]) -> Vec<Vec<T>>
-where
-    T: Equivalence + Copy + Default,
-{
-    let size = comm.size() as usize;
-    let send_counts: Vec<i32> = parcels.iter().map(|p| p.len() as i32).collect();
-    let mut receive_counts = vec![0i32; size];
-    comm.all_to_all_into(&send_counts, &mut receive_counts);
-    let sent: Vec<T> = parcels.iter().flatten().copied().collect();
-    let mut received = vec![T::default(); receive_counts.iter().map(|&n| n as usize).sum()];
-    let (send_at, receive_at) = (offsets(&send_counts), offsets(&receive_counts));
-    {
-        let outgoing = Partition::new(&sent[..], &send_counts[..], &send_at[..]);
-        let mut incoming = PartitionMut::new(&mut received[..], &receive_counts[..], &receive_at[..]);
-        comm.all_to_all_varcount_into(&outgoing, &mut incoming);
-    }
-    (0..size)
-        .map(|r| received[receive_at[r] as usize..receive_at[r] as usize + receive_counts[r] as usize].to_vec())
-        .collect()
-}
-
-/// Start of each run of `counts` in a packed buffer.
-fn offsets(counts: &[i32]) -> Vec<i32> {
-    counts.iter().scan(0, |next, &n| Some(std::mem::replace(next, *next + n))).collect()
+/// Where each rank's things begin when all are numbered as by [`number`], and the end: rank r owns the numbers
+/// `starts[r]..starts[r + 1]`. Collective.
+pub fn starts(comm: &impl Communicator, owned: u64) -> Vec<u64> {
+    let mut counts = vec![0; comm.size() as usize];
+    comm.all_gather_into(&owned, &mut counts[..]);
+    let ends = counts.iter().scan(0, |end, n| {
+        *end += n;
+        Some(*end)
+    });
+    std::iter::once(0).chain(ends).collect()
 }
 
 /// Sums over ranks, entry by entry. Collective.
@@ -87,6 +75,13 @@ pub fn sum(comm: &SimpleCommunicator, values: &mut [f64]) {
 pub fn max(comm: &SimpleCommunicator, values: &mut [f64]) {
     let mine = values.to_vec();
     comm.all_reduce_into(&mine[..], values, SystemOperation::max());
+}
+
+/// The bits that any rank has set. Collective.
+pub fn union(comm: &SimpleCommunicator, bits: u64) -> u64 {
+    let mut all = 0;
+    comm.all_reduce_into(&bits, &mut all, SystemOperation::bitwise_or());
+    all
 }
 
 /// True when any rank says so. Collective.

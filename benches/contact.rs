@@ -1,0 +1,73 @@
+//! The contact element of a node: a rigid tool, and a patch of a deformable master that depends on 12 nodes.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use nagata::Vec3;
+use nagata::contact::deformable::{Contact, Element, Method, Origin, Site, Tangent};
+use nagata::contact::{Guide, Law, Multiplier, element};
+use nagata::mesh::{Facet, Mesh};
+use nagata::scene::Smoothing;
+use nagata::surface::{MovingPatch, PatchSet, Transfer};
+use std::hint::black_box;
+
+/// A dome of 5 by 5 quadrilaterals.
+fn dome() -> Mesh {
+    let mut mesh = Mesh { source: "dome".into(), ..Mesh::default() };
+    for j in 0..6 {
+        for i in 0..6 {
+            let (x, y) = (i as f64 - 2.5, j as f64 - 2.5);
+            mesh.points.push([x, y, -0.1 * x * x - 0.08 * y * y]);
+        }
+    }
+    for j in 0..5 {
+        for i in 0..5 {
+            let k = 6 * j + i;
+            mesh.facets.push(Facet { count: 4, nodes: [k, k + 1, k + 7, k + 6], id: (5 * j + i) as u64 });
+        }
+    }
+    mesh
+}
+
+fn contact(c: &mut Criterion) {
+    let mesh = dome();
+    let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
+    let law = Law { friction: 0.3, normal: 40.0, tangential: 40.0, penalty: 40.0 };
+    let augmented = Multiplier::Augmented(Vec3::new(1.0, 2.0, -8.0));
+    let x = Vec3::new(0.21, -0.13, -0.03);
+    for smoothing in [Smoothing::Nagata, Smoothing::Facet] {
+        let patches = MovingPatch::all(&mesh, &numbers, smoothing, 40.0).expect("a dome");
+        let place = |patch: &MovingPatch| -> Vec<Vec3> {
+            patch.nodes.iter().map(|n| Vec3::from(mesh.points[*n as usize])).collect()
+        };
+        let set = PatchSet::new(patches.iter().map(|p| p.shape(&place(p))).collect());
+        let projection = set.closest(&x, 1.0, None).expect("a projection");
+        let patch = &patches[projection.patch as usize];
+        let (positions, before) = (place(patch), place(&patches[7]));
+        let origin = Origin::Carried(Site { patch: &patches[7], positions: &before, xi: [0.4, 0.6] });
+        let contact = Contact { projection: &projection, patch, positions: &positions, origin, carried: Vec3::zeros() };
+        let mut e = Element::default();
+        let name = |what: &str| format!("{smoothing:?}, {} nodes: {what}", patch.nodes.len());
+        c.bench_function(&name("shape"), |b| b.iter(|| patch.shape(black_box(&positions))));
+        for transfer in [Transfer::Variational, Transfer::Bilinear] {
+            let method = Method { law, transfer, tangent: Tangent::Exact, slack: 0.0, rest: Vec3::zeros() };
+            c.bench_function(&name(&format!("{transfer:?} residual")), |b| {
+                b.iter(|| e.residual(&method, black_box(&augmented), Some(&contact), &Guide::default()))
+            });
+            c.bench_function(&name(&format!("{transfer:?} tangent")), |b| {
+                b.iter(|| e.tangent(&method, black_box(&augmented), Some(&contact), &Guide::default()))
+            });
+        }
+        let frictionless = Law { friction: 0.0, ..law };
+        let anchor = patches[7].shape(&before).point([0.4, 0.6]);
+        c.bench_function(&name("rigid, with friction"), |b| {
+            b.iter(|| element::element(law, black_box(&augmented), Some(&projection), anchor, &Guide::default()))
+        });
+        c.bench_function(&name("rigid, without friction"), |b| {
+            b.iter(|| {
+                element::element(frictionless, black_box(&augmented), Some(&projection), anchor, &Guide::default())
+            })
+        });
+    }
+}
+
+criterion_group!(benches, contact);
+criterion_main!(benches);

@@ -1,0 +1,90 @@
+//! Increments over which there is no equilibrium near the last one: the structure jumps to another.
+//!
+//! A node that comes to a sharp corner, or to the end of the surface that it slides on, feels another force the moment
+//! that it is past it. What holds the structure together may not balance that force anywhere near. As loads stand still,
+//! the structure then moves until it finds another equilibrium. This motion is followed in steps, against a drag that
+//! falls from step to step to nothing; slip origins and multipliers go along, so that friction acts against the motion.
+//! The end is an equilibrium without drag.
+
+use super::Analysis;
+use super::step::{Attempt, Frame};
+use crate::Vec3;
+use crate::contact::{Pair, Pose};
+use crate::error::Result;
+use petsc::{Snes, Vector};
+use std::fmt::Write;
+
+/// Drag of the first step over the largest nodal stiffness, and how it falls and rises.
+const FIRST: f64 = 0.1;
+const FALL: f64 = 0.25;
+const RISE: f64 = 8.0;
+/// Over the largest nodal stiffness: below the first, there is no more need of it; beyond the second, no use.
+const NEGLIGIBLE: f64 = 1e-4;
+const STRONGEST: f64 = 100.0;
+const STEPS: usize = 100;
+
+/// What a jump that fails leaves behind.
+struct Before {
+    pairs: Vec<Pair>,
+    poses: Vec<Pose>,
+    u: Vec<Vec3>,
+    offsets: Vec<Vec3>,
+    tool_forces: Vec<Vec3>,
+    scale: f64,
+}
+
+impl Analysis<'_> {
+    /// Tries the increment to fraction `end` of the step as a jump. Collective.
+    pub(super) fn jump(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
+        let before = self.before(frame);
+        let (mut drag, mut way) = (FIRST, String::new());
+        for step in 1.. {
+            frame.past.clear();
+            let attempt = self.attempt(frame, snes, x, end, drag * self.model.stiffness)?;
+            let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
+            match attempt {
+                Attempt::Converged(converged) if drag == 0.0 => {
+                    self.summary.jumps += 1;
+                    let name = &frame.step.name.value;
+                    self.log.line(&format!("  {name}: no equilibrium near; went on to another in {step} steps"));
+                    self.log.record(&format!("    drag over stiffness (! failed):{way}"));
+                    return Ok(Attempt::Converged(converged));
+                }
+                Attempt::Converged(converged) => {
+                    self.commit(frame, &converged);
+                    drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
+                }
+                failed if drag > STRONGEST || step >= STEPS => {
+                    self.restore(frame, before);
+                    self.log.record(&format!("    drag over stiffness (! failed):{way}"));
+                    return Ok(failed);
+                }
+                _ => drag = (drag * RISE).max(2.0 * NEGLIGIBLE),
+            }
+        }
+        unreachable!("a failed attempt after many ends the way")
+    }
+
+    fn before(&self, frame: &Frame) -> Before {
+        Before {
+            pairs: self.model.pairs.clone(),
+            poses: self.model.tools.iter().map(|tool| tool.committed).collect(),
+            u: self.state.u.clone(),
+            offsets: frame.offsets.clone(),
+            tool_forces: self.state.tool_forces.clone(),
+            scale: self.state.scale,
+        }
+    }
+
+    fn restore(&mut self, frame: &mut Frame, before: Before) {
+        self.model.pairs = before.pairs;
+        for (tool, pose) in self.model.tools.iter_mut().zip(before.poses) {
+            tool.committed = pose;
+        }
+        self.state.u = before.u;
+        self.state.tool_forces = before.tool_forces;
+        self.state.scale = before.scale;
+        frame.offsets = before.offsets;
+        self.model.turn_slaves(&self.state.u);
+    }
+}

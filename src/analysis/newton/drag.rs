@@ -1,0 +1,43 @@
+//! Drag: a force on every free displacement and tool against its motion since the last converged state.
+//!
+//! Where equilibrium ends, as for a node that slips off an edge, a structure jumps. With the drag c (u - u_n) added, the
+//! increment is a step of an overdamped motion, and always has a solution near u_n.
+
+use super::Newton;
+
+/// The drag of an increment.
+#[derive(Clone, Debug, Default)]
+pub struct Drag {
+    /// Force per length.
+    coefficient: f64,
+    /// Local unknowns of displacements and tools with their values in the last converged state.
+    rest: Vec<(usize, f64)>,
+}
+
+impl Newton<'_> {
+    /// Drags from now on; 0 for no drag.
+    pub fn set_drag(&mut self, coefficient: f64) {
+        let nodes = self.dofs.node[..self.model.part.owned].iter().zip(self.committed.iter().copied());
+        let tools = self.dofs.tool.iter().zip(self.offsets.iter().copied());
+        let all = nodes.chain(tools).flat_map(|(equations, at)| (0..3).map(move |d| (equations[d], at[d])));
+        let mut rest: Vec<_> = all.filter_map(|(e, at)| Some((self.dofs.local(e)?, at))).collect();
+        // Nodes that move as one have one unknown.
+        rest.sort_by_key(|(k, _)| *k);
+        rest.dedup_by_key(|(k, _)| *k);
+        self.drag = Drag { coefficient, rest };
+    }
+
+    pub(super) fn add_drag(&self, x: &[f64], r: &mut [f64]) {
+        if self.drag.coefficient > 0.0 {
+            self.drag.rest.iter().for_each(|&(k, rest)| r[k] += self.drag.coefficient * (x[k] - rest));
+        }
+    }
+
+    pub(super) fn add_drag_tangent(&mut self) {
+        if self.drag.coefficient > 0.0 {
+            for &(k, _) in &self.drag.rest {
+                self.pattern.add(&mut self.values, k, self.dofs.first + k as i64, self.drag.coefficient);
+            }
+        }
+    }
+}

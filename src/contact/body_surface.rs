@@ -1,0 +1,261 @@
+//! The faces of a deformable body as a master, on this rank: its share of the patches, and those near its slave nodes.
+//!
+//! A patch is a facet with the nodes around it that its shape depends on, its stencil. What belongs to which patch never
+//! changes and is dealt out once, each patch to the owner of its first node. The shapes change with every iterate:
+//!
+//! - A rank fetches the patches whose current boxes come within the reach and a margin of one of its slave nodes. Until
+//!   slave nodes and master nodes have travelled the margin together, what it has is complete; the travel of master nodes
+//!   counts double because a patch may bulge as it moves. Then all ranks fetch again.
+//! - The positions of the stencils of the near patches, whoever owns the nodes, come anew with every iterate.
+//! - A patch with the slip origin of a slave node stays, near or not.
+
+use super::deformable::frame;
+use super::{Master, Pair};
+use crate::parallel::{max, number};
+use crate::partition::parcels::{bounds, collect, deal, strayed};
+use crate::partition::{Bounds, Gather, Parcel, owner};
+use crate::scene::{MasterSurface, Smoothing};
+use crate::surface::{MovingPatch, Patch, PatchSet, Projection, Tessellation};
+use crate::{Mat3, Vec3};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
+
+/// A deformable master surface.
+pub struct BodySurface {
+    /// `body.group`.
+    pub name: String,
+    pub given: MasterSurface,
+    /// Patches of the whole surface.
+    pub total: u64,
+    /// Longest edge of a patch.
+    pub facet_size: f64,
+    /// How often patches were fetched.
+    pub fetches: usize,
+    /// Positions of the near nodes at the last converged increment.
+    pub before: Vec<Vec3>,
+    /// Equations of the near nodes, negative where there is none.
+    pub equations: Vec<[i64; 3]>,
+    /// How far a step moves each near node along each direction; NaN where it is free.
+    pub moves: Vec<[f64; 3]>,
+    share: Vec<MovingPatch>,
+    share_nodes: Gather,
+    /// By rising id.
+    near: Vec<MovingPatch>,
+    /// Indices of the stencil of each near patch among the near nodes.
+    stencils: Vec<Vec<u32>>,
+    nodes: Gather,
+    positions: Vec<Vec3>,
+    shapes: PatchSet,
+    seen: Option<Seen>,
+    starts: Vec<u64>,
+}
+
+/// What the near patches are complete for.
+struct Seen {
+    reach: f64,
+    /// Where this rank's slave nodes were.
+    slaves: Vec<Vec3>,
+    /// Where the owned nodes of the surface were.
+    masters: Vec<Vec3>,
+}
+
+/// Margin of a fetch over the reach.
+const MARGIN: f64 = 2.0;
+
+impl BodySurface {
+    /// Deals out the patches that rank 0 has; their nodes have global numbers, as in [`crate::partition::Part::starts`].
+    /// `facet_size` is the longest edge. Collective.
+    pub fn new(
+        comm: &SimpleCommunicator,
+        name: &str,
+        given: MasterSurface,
+        patches: &[MovingPatch],
+        starts: &[u64],
+        facet_size: f64,
+    ) -> Self {
+        let share = deal(comm, patches, |_, patch| owner(starts, &patch.nodes[0]));
+        let share_nodes = Gather::new(comm, starts, share.iter().flat_map(|p| p.nodes.iter().copied()));
+        Self {
+            name: name.into(),
+            given,
+            total: number(comm, share.len() as u64).1,
+            facet_size,
+            fetches: 0,
+            before: Vec::new(),
+            equations: Vec::new(),
+            moves: Vec::new(),
+            share,
+            share_nodes,
+            near: Vec::new(),
+            stencils: Vec::new(),
+            nodes: Gather::default(),
+            positions: Vec::new(),
+            shapes: PatchSet::new(Vec::new()),
+            seen: None,
+            starts: starts.to_vec(),
+        }
+    }
+
+    /// Takes the shapes for nodes at `place` (owned local nodes), with every patch within `reach` of this rank's `slaves`.
+    /// Where some rank lacks one, all fetch; patches with an id in `kept` stay. Says whether they fetched. Collective.
+    pub fn follow(
+        &mut self,
+        comm: &SimpleCommunicator,
+        slaves: &[Vec3],
+        reach: f64,
+        kept: &BTreeSet<u32>,
+        place: impl Fn(u32) -> Vec3,
+    ) -> bool {
+        let masters: Vec<Vec3> = self.share_nodes.asked().map(&place).collect();
+        let travels = |seen: &Seen| [strayed(&seen.slaves, slaves), strayed(&seen.masters, &masters)];
+        let mut travels = self.seen.as_ref().map_or([f64::INFINITY; 2], travels);
+        max(comm, &mut travels);
+        let complete = self.seen.as_ref().map_or(0.0, |seen| (1.0 + MARGIN) * seen.reach);
+        let fetched = reach + travels[0] + 2.0 * travels[1] > complete;
+        if fetched {
+            self.fetch(comm, slaves, reach, kept, &place);
+            self.seen = Some(Seen { reach, slaves: slaves.to_vec(), masters });
+        }
+        self.positions = gather(comm, &self.nodes, &place);
+        let shapes = self.near.iter().zip(&self.stencils).map(|(p, s)| p.shape(&pick(&self.positions, s)));
+        // A diverging iterate may be nowhere.
+        let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
+        self.shapes.follow(shapes.filter(somewhere).collect());
+        fetched
+    }
+
+    fn fetch(
+        &mut self,
+        comm: &SimpleCommunicator,
+        slaves: &[Vec3],
+        reach: f64,
+        kept: &BTreeSet<u32>,
+        place: impl Fn(u32) -> Vec3,
+    ) {
+        let positions = gather(comm, &self.share_nodes, &place);
+        let current = |p: &MovingPatch| p.shape(&pick(&positions, &stencil(p, &self.share_nodes))).bounds();
+        let mut near = collect(comm, &self.share, current, slaves, (1.0 + MARGIN) * reach);
+        near.extend(self.near.drain(..).filter(|p| kept.contains(&p.id)));
+        near.sort_by_key(|p| p.id);
+        near.dedup_by_key(|p| p.id);
+        self.nodes = Gather::new(comm, &self.starts, near.iter().flat_map(|p| p.nodes.iter().copied()));
+        self.stencils = near.iter().map(|p| stencil(p, &self.nodes)).collect();
+        self.near = near;
+        self.fetches += 1;
+    }
+
+    /// Learns of the near nodes what stays the same over an increment: where they were at the last converged one, their
+    /// equations, and their prescribed motion (NaN where free). Collective.
+    pub fn learn(
+        &mut self,
+        comm: &SimpleCommunicator,
+        before: impl Fn(u32) -> Vec3,
+        equations: &[[i64; 3]],
+        moves: impl Fn(u32, usize) -> f64,
+    ) {
+        self.before = gather(comm, &self.nodes, before);
+        let flat = self.nodes.fetch(comm, 3, |n, d| equations[n as usize][d]);
+        self.equations = flat.as_chunks::<3>().0.to_vec();
+        self.moves = self.nodes.fetch(comm, 3, moves).as_chunks::<3>().0.to_vec();
+    }
+
+    /// The near patches as they are now.
+    pub fn shapes(&self) -> &PatchSet {
+        &self.shapes
+    }
+
+    /// A near patch, with the indices of its stencil among the near nodes.
+    pub fn patch(&self, id: u32) -> Option<(&MovingPatch, &[u32])> {
+        let k = self.near.binary_search_by_key(&id, |p| p.id).ok()?;
+        Some((&self.near[k], &self.stencils[k]))
+    }
+
+    /// Tangents and unit normal of a near patch at a point of it, as columns.
+    pub fn frame(&self, at: &Projection) -> Option<Mat3> {
+        self.shapes.get(at.patch).map(|patch| frame(&patch.local(at.xi)))
+    }
+
+    /// Equations of a node of a near patch, by its global number.
+    pub fn equations_of(&self, node: u64) -> [i64; 3] {
+        self.nodes.index(node).map_or([-1; 3], |k| self.equations[k as usize])
+    }
+
+    /// Current position of a near node, by its global number.
+    pub fn position(&self, node: u64) -> Option<Vec3> {
+        self.nodes.index(node).map(|k| self.positions[k as usize])
+    }
+
+    /// Current positions of the near nodes.
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Hands forces on the near nodes to the owners: `add` gets a local node and a force. Collective.
+    pub fn add_forces(&self, comm: &SimpleCommunicator, forces: &[Vec3], mut add: impl FnMut(u32, Vec3)) {
+        let flat: Vec<f64> = forces.iter().flat_map(|f| [f.x, f.y, f.z]).collect();
+        self.nodes.add_to_owners(comm, 3, &flat, |node, f| add(node, Vec3::new(f[0], f[1], f[2])));
+    }
+
+    /// Box of the motions of all nodes of the surface between two places of the owned ones, on this rank.
+    pub fn travel(&self, from: impl Fn(u32) -> Vec3, to: impl Fn(u32) -> Vec3) -> Option<Bounds> {
+        bounds(self.share_nodes.asked().map(|n| to(n) - from(n)))
+    }
+
+    /// This rank's share of the surface with nodes at `place`: each patch in `n` by `n` cells, a facet as it is.
+    /// Collective.
+    pub fn tessellate(&self, comm: &SimpleCommunicator, n: usize, place: impl Fn(u32) -> Vec3) -> Tessellation {
+        let positions = gather(comm, &self.share_nodes, place);
+        let n = if self.given.smoothing == Smoothing::Facet { 1 } else { n };
+        let mut cells = Tessellation::default();
+        for patch in &self.share {
+            cells.add_patch(&patch.shape(&pick(&positions, &stencil(patch, &self.share_nodes))), n);
+        }
+        cells
+    }
+}
+
+/// Lets every surface follow its nodes at `place` (owned local nodes), and keeps track of all the slave nodes of its pair.
+/// Gives for each surface whether patches were fetched. Collective.
+pub fn follow_all(
+    comm: &SimpleCommunicator,
+    surfaces: &mut [BodySurface],
+    pairs: &[Pair],
+    place: impl Fn(u32) -> Vec3,
+) -> Vec<bool> {
+    let mut fetched = vec![false; surfaces.len()];
+    for pair in pairs {
+        let Master::Surface(k) = pair.master else { continue };
+        let kept: BTreeSet<u32> = pair.slaves.iter().filter_map(|s| s.committed.warm.map(|(id, _)| id)).collect();
+        let slaves: Vec<Vec3> = pair.slaves.iter().map(|s| place(s.node)).collect();
+        fetched[k] = surfaces[k].follow(comm, &slaves, pair.reach, &kept, &place);
+    }
+    fetched
+}
+
+/// Where a patch finds its stencil in a list of nodes that has it all.
+fn stencil(patch: &MovingPatch, nodes: &Gather) -> Vec<u32> {
+    patch.nodes.iter().filter_map(|&n| nodes.index(n)).collect()
+}
+
+fn pick(positions: &[Vec3], stencil: &[u32]) -> Vec<Vec3> {
+    stencil.iter().map(|&n| positions[n as usize]).collect()
+}
+
+fn gather(comm: &SimpleCommunicator, nodes: &Gather, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+    let flat = nodes.fetch(comm, 3, |n, d| place(n)[d]);
+    flat.as_chunks::<3>().0.iter().map(|x| Vec3::from(*x)).collect()
+}
+
+impl Parcel for MovingPatch {
+    fn number(&self) -> u32 {
+        self.id
+    }
+
+    fn pack(&self, parcel: &mut Vec<f64>) {
+        parcel.extend(self.to_numbers());
+    }
+
+    fn unpack(parcel: &[f64]) -> Vec<Self> {
+        Self::from_numbers(parcel)
+    }
+}

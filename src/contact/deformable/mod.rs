@@ -1,0 +1,323 @@
+//! The contact element of one slave node and a patch of a deformable master: residual and tangent.
+//!
+//! The slave node has the residual F of [`super::law`], the multiplier -(λ - F), and the nodes of the patch -W_j^T F with
+//! the weights W_j of the [`Transfer`]. With the variational ones, and without friction, all of it derives from a
+//! potential, and the exact tangent is symmetric; with the others it is not. As for rigid tools the multiplier's unknown
+//! is λ' = λ / ε_n.
+//!
+//! The exact tangent has the motion of the closest point and of the normal, from `motion`, the change of the weights as
+//! the closest point moves and as the patch changes its shape, and the motion of the slip origin with the patch that it
+//! is on:
+//!
+//! ```text
+//!     dF = F,g dg + F,n dn + F,Δ d(x̄ - x̃) + F,λ dλ       d(-W_j^T F) = -W_j^T dF - (dW_j)^T F
+//! ```
+//!
+//! Geometry always has the full dependence on the nodes, whatever the transfer. A tangential force that is held is carried
+//! along by the patch of the slip origin: its components stand still in the frame of the tangents and the normal there.
+
+mod motion;
+#[cfg(test)]
+mod tests;
+
+use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes, Status};
+pub use crate::scene::Tangent;
+use crate::surface::moving::{MovingPatch, Transfer, Variation};
+use crate::surface::{Local, Projection};
+use crate::{Mat3, Vec3};
+use motion::{Motion, Part};
+
+/// A point that moves with a patch.
+#[derive(Clone, Copy, Debug)]
+pub struct Site<'a> {
+    pub patch: &'a MovingPatch,
+    /// Of `patch.nodes`, at the current iterate.
+    pub positions: &'a [Vec3],
+    pub xi: [f64; 2],
+}
+
+/// Where slip is measured from.
+#[derive(Clone, Copy, Debug)]
+pub enum Origin<'a> {
+    /// The contact point of the last converged increment, on the patch that it was on.
+    Carried(Site<'a>),
+    /// For a node that was out of reach then: a place in space, that of the node itself at that time.
+    Fixed(Vec3),
+}
+
+/// Where a slave node meets the master.
+#[derive(Clone, Copy, Debug)]
+pub struct Contact<'a> {
+    /// Onto `patch.shape(positions)`.
+    pub projection: &'a Projection,
+    pub patch: &'a MovingPatch,
+    /// Of `patch.nodes`, at the current iterate.
+    pub positions: &'a [Vec3],
+    pub origin: Origin<'a>,
+    /// With a multiplier that is held, a part of λ_t in the [`frame`] at the slip origin.
+    pub carried: Vec3,
+}
+
+/// Tangents and unit normal of a patch, as columns.
+pub fn frame(local: &Local) -> Mat3 {
+    Mat3::from_columns(&[local.tangents[0], local.tangents[1], local.area_vector().normalize()])
+}
+
+/// What the element does with a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Method {
+    pub law: Law,
+    pub transfer: Transfer,
+    pub tangent: Tangent,
+    /// Compliance of the constraint over 1/ε: it gives way by this times λ/ε. Where two slave nodes meet and each is on a
+    /// patch of the other, they make the same condition, and only their compliance shares the force out.
+    pub slack: f64,
+    /// The multiplier at which it has not given way.
+    pub rest: Vec3,
+}
+
+/// The element, with buffers to be reused from one slave node to the next. In the gap it has no master nodes.
+#[derive(Clone, Debug, Default)]
+pub struct Element {
+    /// Global numbers of the master nodes: those of the current patch, which have residuals and rows, then others of the
+    /// patch of the slip origin, which have columns only.
+    pub nodes: Vec<u64>,
+    /// Residuals -W_j^T F of the nodes of the current patch.
+    pub forces: Vec<Vec3>,
+    /// Rows: slave 3, multiplier or local unknown 3 (1 without friction), each node of the current patch 3. Columns: slave, λ' = λ / ε_n,
+    /// each of `nodes`. A local unknown is eliminated from all rows but its own. Row by row. Rows and columns of what a guide holds mean nothing.
+    pub matrix: Vec<f64>,
+    /// Rows and columns of `matrix`.
+    pub shape: [usize; 2],
+    at_foot: Variation,
+    at_origin: Variation,
+    columns: Vec<Column>,
+    weights: Vec<Weight>,
+}
+
+/// What changes with a node: dF, the residual of the multiplier and, along the free parameters, dξ (rows).
+#[derive(Clone, Copy, Debug, Default)]
+struct Column {
+    force: Mat3,
+    constraint: Mat3,
+    parameters: [Vec3; 2],
+}
+
+/// W_i^T and the derivatives of W_i^T F by the free parameters.
+#[derive(Clone, Copy, Debug)]
+struct Weight {
+    transposed: Mat3,
+    slopes: [Vec3; 2],
+}
+
+impl Contact<'_> {
+    fn place(&self) -> Place {
+        let p = self.projection;
+        let origin = match &self.origin {
+            Origin::Carried(site) => site.patch.shape(site.positions).point(site.xi),
+            Origin::Fixed(point) => *point,
+        };
+        Place { gap: p.gap, normal: p.normal, point: p.point, origin }
+    }
+
+    fn carried(&self) -> Vec3 {
+        match &self.origin {
+            Origin::Carried(site) => frame(&site.patch.shape(site.positions).local(site.xi)) * self.carried,
+            Origin::Fixed(_) => frame(&self.patch.shape(self.positions).local(self.projection.xi)) * self.carried,
+        }
+    }
+}
+
+impl Element {
+    /// The response of the slave node. Fills `nodes` and `forces`.
+    pub fn residual(
+        &mut self,
+        method: &Method,
+        multiplier: &Multiplier,
+        contact: Option<&Contact>,
+        guide: &Guide,
+    ) -> Response {
+        let place = contact.map(Contact::place);
+        let carried = contact.filter(|c| c.carried != Vec3::zeros()).map_or(Vec3::zeros(), Contact::carried);
+        let multiplier = match *multiplier {
+            Multiplier::Held { gap, tangential, force } => {
+                Multiplier::Held { gap, tangential: tangential + carried, force }
+            }
+            unknown => unknown,
+        };
+        let response = law::respond(method.law, &multiplier, place.as_ref(), guide);
+        self.spread(method.transfer, &response, contact);
+        match multiplier {
+            Multiplier::Augmented(lambda) | Multiplier::Force(lambda, _) => {
+                response.give_way(method.slack, &lambda, &method.rest)
+            }
+            Multiplier::Held { .. } => response,
+        }
+    }
+
+    /// The response and the tangent. Fills all.
+    pub fn tangent(
+        &mut self,
+        method: &Method,
+        multiplier: &Multiplier,
+        contact: Option<&Contact>,
+        guide: &Guide,
+    ) -> Response {
+        let response = self.residual(method, multiplier, contact, guide);
+        let width = if method.law.friction == 0.0 { 1 } else { 3 };
+        self.assemble(method, width, &response, contact);
+        if response.inverse != Mat3::zeros() {
+            self.condense(width, &(response.inverse / method.law.normal));
+        }
+        response
+    }
+
+    /// The forces on the master nodes.
+    fn spread(&mut self, transfer: Transfer, response: &Response, contact: Option<&Contact>) {
+        self.nodes.clear();
+        self.forces.clear();
+        let Some(contact) = contact.filter(|_| response.status != Status::Gap) else { return };
+        contact.patch.vary(contact.positions, contact.projection.xi, &mut self.at_foot);
+        self.nodes.extend_from_slice(&contact.patch.nodes);
+        let force = |j| -self.at_foot.weight(transfer, j)[0].tr_mul(&response.load);
+        self.forces.extend((0..contact.patch.nodes.len()).map(force));
+    }
+
+    /// The tangent, after [`Self::spread`], with `width` multipliers.
+    fn assemble(&mut self, method: &Method, width: usize, response: &Response, contact: Option<&Contact>) {
+        let contact = contact.filter(|_| response.status != Status::Gap);
+        let own = self.nodes.len();
+        self.columns.clear();
+        self.weights.clear();
+        if let Some(contact) = contact {
+            match method.tangent {
+                Tangent::Exact => self.exact(method.transfer, response, contact),
+                Tangent::FixedFrame => self.fixed_frame(method.transfer, response, contact),
+            }
+        }
+        let (normal, first) = (method.law.normal, 3 + width);
+        self.shape = [first + 3 * own, first + 3 * self.nodes.len()];
+        self.matrix.clear();
+        self.matrix.resize(self.shape[0] * self.shape[1], 0.0);
+        let by_multiplier = response.force_by.multiplier * normal;
+        self.set(3, 3, [width; 2], &(response.constraint_by.multiplier * normal));
+        self.set(0, 3, [3, width], &by_multiplier);
+        for c in 0..self.columns.len() {
+            let Column { force, constraint, .. } = self.columns[c];
+            let column = if c == 0 { 0 } else { first + 3 * (c - 1) };
+            self.set(0, column, [3, 3], &force);
+            self.set(3, column, [width, 3], &constraint);
+        }
+        for i in 0..own {
+            let Weight { transposed, slopes } = self.weights[i];
+            let row = first + 3 * i;
+            self.set(row, 3, [3, width], &-(transposed * by_multiplier));
+            for c in 0..self.columns.len() {
+                let Column { force, parameters, .. } = self.columns[c];
+                let mut block = transposed * force;
+                for (slope, parameter) in slopes.iter().zip(&parameters) {
+                    block += slope * parameter.transpose();
+                }
+                if (1..=own).contains(&c) {
+                    block += self.at_foot.second(i, c - 1);
+                }
+                let column = if c == 0 { 0 } else { first + 3 * (c - 1) };
+                self.set(row, column, [3, 3], &-block);
+            }
+        }
+    }
+
+    /// Eliminates a local unknown from the other rows; its own stay. `inverse` is that of its block, for λ'.
+    fn condense(&mut self, width: usize, inverse: &Mat3) {
+        let columns = self.shape[1];
+        let (own, after) = (3 * columns, (3 + width) * columns);
+        let (before, rest) = self.matrix.split_at_mut(own);
+        let (local, rest) = rest.split_at_mut(after - own);
+        for row in before.chunks_mut(columns).chain(rest.chunks_mut(columns)) {
+            let coupling = Vec3::from_fn(|k, _| if k < width { row[3 + k] } else { 0.0 });
+            let solved = inverse.tr_mul(&coupling);
+            for c in (0..3).chain(3 + width..columns) {
+                row[c] -= (0..width).map(|k| solved[k] * local[k * columns + c]).sum::<f64>();
+            }
+        }
+    }
+
+    /// The derivative of the residual of the multiplier by the slave node, or by `nodes`, in the matrix.
+    pub fn constraint_by(&self, node: Option<usize>, friction: f64) -> Mat3 {
+        let width = if friction == 0.0 { 1 } else { 3 };
+        let first = node.map_or(0, |j| 3 + width + 3 * j);
+        Mat3::from_fn(|i, j| if i < width { self.matrix[(3 + i) * self.shape[1] + first + j] } else { 0.0 })
+    }
+
+    /// Writes the first rows and columns of a block.
+    fn set(&mut self, row: usize, column: usize, [rows, columns]: [usize; 2], block: &Mat3) {
+        for i in 0..rows {
+            let start = (row + i) * self.shape[1] + column;
+            for j in 0..columns {
+                self.matrix[start + j] = block[(i, j)];
+            }
+        }
+    }
+
+    /// Columns and weights of the exact tangent; adds the nodes of the slip origin's patch.
+    fn exact(&mut self, transfer: Transfer, response: &Response, contact: &Contact) {
+        let Response { force, force_by, constraint_by, .. } = response;
+        let (patch, own) = (contact.patch, contact.patch.nodes.len());
+        let straight = patch.straight(contact.positions);
+        let motion = Motion::new(&straight, &self.at_foot.local, contact.projection);
+        patch.bend(transfer, force, &mut self.at_foot);
+        let change =
+            |by: &Slopes, part: &Part| by.gap * part.gap.transpose() + by.normal * part.normal + by.path * part.point;
+        let column = |part: Part| Column {
+            force: change(force_by, &part),
+            constraint: change(constraint_by, &part),
+            parameters: part.parameters,
+        };
+        self.columns.push(column(motion.of_slave()));
+        for j in 0..own {
+            self.columns.push(column(motion.of_node(self.at_foot.by_node(j))));
+            let [weight, by_e, by_z] = self.at_foot.weight(transfer, j).map(|w| w.transpose());
+            let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z) * force);
+            self.weights.push(Weight { transposed: weight, slopes });
+        }
+        let Origin::Carried(site) = &contact.origin else { return };
+        if constraint_by.path == Mat3::zeros() && contact.carried == Vec3::zeros() {
+            return;
+        }
+        site.patch.vary(site.positions, site.xi, &mut self.at_origin);
+        let frame = frame(&self.at_origin.local);
+        let dual = frame.try_inverse().map_or(Mat3::zeros(), |inverse| inverse.transpose());
+        for (j, node) in site.patch.nodes.iter().enumerate() {
+            let place = self.nodes.iter().position(|n| n == node).unwrap_or_else(|| {
+                self.nodes.push(*node);
+                self.columns.push(Column::default());
+                self.nodes.len() - 1
+            });
+            let [point, by_e, by_z] = self.at_origin.by_node(j);
+            let column = &mut self.columns[1 + place];
+            column.force -= force_by.path * point;
+            column.constraint -= constraint_by.path * point;
+            if contact.carried != Vec3::zeros() {
+                let n = frame.column(2);
+                let turn = dual.column(0) * by_e.tr_mul(&n).transpose() + dual.column(1) * by_z.tr_mul(&n).transpose();
+                let carried = by_e * contact.carried.x + by_z * contact.carried.y - turn * contact.carried.z;
+                column.force += response.by_held * carried;
+                column.constraint += response.by_held * carried;
+            }
+        }
+    }
+
+    /// Columns and weights with normal, weights and slip origin at rest: only the distance from x to x̄ changes.
+    fn fixed_frame(&mut self, transfer: Transfer, response: &Response, contact: &Contact) {
+        let n = contact.projection.normal;
+        let [apart, parting] = [&response.force_by, &response.constraint_by].map(|by| by.gap * n.transpose() + by.path);
+        self.columns.push(Column { force: apart, constraint: parting, ..Column::default() });
+        contact.patch.bend(Transfer::Bilinear, &Vec3::zeros(), &mut self.at_foot);
+        for j in 0..contact.patch.nodes.len() {
+            let weight = self.at_foot.weight(transfer, j)[0];
+            let (force, constraint) = (-apart * weight, -parting * weight);
+            self.columns.push(Column { force, constraint, ..Column::default() });
+            self.weights.push(Weight { transposed: weight.transpose(), slopes: [Vec3::zeros(); 2] });
+        }
+    }
+}

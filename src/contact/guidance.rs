@@ -1,0 +1,143 @@
+//! Whether slave and master are the right way round, where only the slave's nodes are kept out of the master.
+//!
+//! Nodes of the master may sink into the slave between the slave's nodes. So the slave should have the finer mesh, the
+//! stiffer body should be the master, and a flat or hollow surface should be the master of one that bulges (section 4.2.2
+//! of Neto, Oliveira and Menezes). These may contradict each other: a clearly stiffer master is right whatever its mesh, and
+//! bulges count where stiffness and meshes are alike.
+
+use super::Discretization;
+use crate::Vec3;
+use crate::parallel::sum;
+use crate::partition::parcels::{bounds, grown, hull};
+use crate::partition::{Part, PartFacet};
+use crate::scene::{self, MaterialModel, Scene};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
+
+/// Ratio from which stiffness or facet sizes are clearly unlike.
+const CLEARLY: f64 = 1.2;
+/// Bulges from which a surface is round, and up to which it is flat; that of half a sphere is about 1.
+const ROUND: f64 = 0.05;
+const FLAT: f64 = 0.01;
+
+/// A side of a contact.
+#[derive(Clone, Debug, PartialEq)]
+struct Side {
+    name: String,
+    /// Young's modulus.
+    young: f64,
+    /// Root of the mean area of the facets where the two sides can meet.
+    facet_size: f64,
+    /// Mean of (x - mean x)·n over that of |x - mean x|: positive for a surface that bulges, negative for a hollow one.
+    bulge: f64,
+}
+
+/// What to say about a slave and its master, if anything.
+fn advice(slave: &Side, master: &Side) -> Option<String> {
+    let (s, m) = (&slave.name, &master.name);
+    let reason = if slave.young > CLEARLY * master.young {
+        format!("`{s}` is the stiffer (Young's modulus {:.4e} against {:.4e} of the master)", slave.young, master.young)
+    } else if master.young > CLEARLY * slave.young {
+        return None;
+    } else if slave.facet_size > CLEARLY * master.facet_size {
+        let (coarse, fine) = (slave.facet_size, master.facet_size);
+        format!("`{s}` has the coarser mesh (facets of {coarse:.4} against {fine:.4} of the master)")
+    } else if master.facet_size > CLEARLY * slave.facet_size {
+        return None;
+    } else if slave.bulge < FLAT && master.bulge > ROUND {
+        let shape = if slave.bulge > -FLAT { "flat" } else { "hollow" };
+        format!("`{s}` is {shape} and `{m}` bulges, with like meshes and stiffness")
+    } else {
+        return None;
+    };
+    Some(format!(
+        "`{s}` should rather be the master, and `{m}` the slave, whose nodes alone are kept out of the other: {reason}; \
+         exchange them, or use discretization = \"two-pass\""
+    ))
+}
+
+/// Warnings for the contacts of a scene with one pass between bodies. `sets` has the place of each set in the part's.
+/// Collective.
+pub fn warnings(comm: &SimpleCommunicator, scene: &Scene, part: &Part, sets: &BTreeMap<String, usize>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let one_pass =
+        |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
+    for contact in scene.contacts.iter().filter(one_pass) {
+        let names = [&contact.slave.value, &contact.master.value];
+        let facets = names.map(|name| &part.sets[sets[name]].facets[..]);
+        let boxes = facets.map(|facets| hull(comm, bounds(facets.iter().flat_map(|f| corners(part, f)))));
+        let side = |k: usize| {
+            let near = boxes[1 - k].map(|(low, high)| grown((low, high), 0.1 * (high - low).norm()));
+            let meets = |x: &Vec3| near.is_none_or(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
+            let (facet_size, bulge) = measure(comm, part, facets[k], meets);
+            Side { name: names[k].clone(), young: young(scene, names[k]), facet_size, bulge }
+        };
+        let (slave, master) = (side(0), side(1));
+        warnings.extend(advice(&slave, &master).map(|told| format!("contact `{}`: {told}", contact.name.value)));
+    }
+    warnings
+}
+
+/// Facet size and bulge of the facets whose centres meet the other side; of all, where none does. Collective.
+fn measure(comm: &SimpleCommunicator, part: &Part, facets: &[PartFacet], meets: impl Fn(&Vec3) -> bool) -> (f64, f64) {
+    let mine = || facets.iter().filter(|f| f.mine).map(|f| center_and_area(part, f));
+    let mut some = [mine().filter(|(x, _)| meets(x)).count() as f64];
+    sum(comm, &mut some);
+    let all = || mine().filter(|(x, _)| some[0] == 0.0 || meets(x));
+    let mut sums = [0.0; 5];
+    for (x, area) in all() {
+        sums[0] += 1.0;
+        sums[1] += area.norm();
+        (0..3).for_each(|d| sums[2 + d] += x[d] * area.norm());
+    }
+    sum(comm, &mut sums);
+    let middle = Vec3::new(sums[2], sums[3], sums[4]) / sums[1];
+    let mut bulge = [0.0; 2];
+    for (x, area) in all() {
+        bulge[0] += (x - middle).dot(&area);
+        bulge[1] += (x - middle).norm() * area.norm();
+    }
+    sum(comm, &mut bulge);
+    ((sums[1] / sums[0]).sqrt(), if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 })
+}
+
+fn corners<'a>(part: &'a Part, facet: &'a PartFacet) -> impl Iterator<Item = Vec3> + 'a {
+    facet.nodes[..facet.count as usize].iter().map(|&n| part.points[n as usize])
+}
+
+fn center_and_area(part: &Part, facet: &PartFacet) -> (Vec3, Vec3) {
+    let at = |k: usize| part.points[facet.nodes[k % facet.count as usize] as usize];
+    let center = corners(part, facet).sum::<Vec3>() / f64::from(facet.count);
+    (center, 0.5 * (at(2) - at(0)).cross(&(at(3) - at(1))))
+}
+
+/// Young's modulus of the body that a set is on.
+fn young(scene: &Scene, set: &str) -> f64 {
+    let body = scene.bodies.iter().find(|b| set.split('.').next() == Some(b.name.value.as_str()));
+    let card = body.and_then(|b| scene.materials.iter().find(|m| m.name.value == b.material.value));
+    card.map_or(0.0, |m| match m.model {
+        MaterialModel::NeoHookean { young, .. } | MaterialModel::Hooke { young, .. } => young,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Side, advice};
+
+    #[test]
+    fn stiffness_counts_before_meshes_and_meshes_before_bulges() {
+        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0 };
+        let (stiff, coarse) = (Side { young: 121.0, ..even.clone() }, Side { facet_size: 1.21, ..even.clone() });
+        let (round, hollow) = (Side { bulge: 0.3, ..even.clone() }, Side { bulge: -0.3, ..even.clone() });
+        let stiff_and_fine = Side { facet_size: 0.5, ..stiff.clone() };
+        let told = |slave: &Side, master: &Side| advice(slave, master).unwrap_or_default();
+        assert_eq!(advice(&even, &Side { young: 119.0, facet_size: 0.9, ..even.clone() }), None);
+        assert!(told(&stiff, &even).contains("stiffer (Young's modulus 1.2100e2 against 1.0000e2"));
+        assert!(told(&coarse, &even).contains("coarser mesh (facets of 1.2100 against 1.0000"));
+        assert!(told(&even, &round).contains("`a.top` is flat") && told(&hollow, &round).contains("is hollow"));
+        for (slave, master) in [(&even, &stiff), (&even, &coarse), (&round, &even), (&round, &hollow), (&even, &even)] {
+            assert_eq!(advice(slave, master), None);
+        }
+        assert!(advice(&even, &stiff_and_fine).is_none() && told(&stiff_and_fine, &coarse).contains("stiffer"));
+    }
+}

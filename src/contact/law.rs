@@ -1,0 +1,378 @@
+//! The law of contact at a slave node: augmented Lagrangian with Coulomb friction, with its derivatives.
+//!
+//! With the gap g and outward normal n of the master at the closest point x̄, the multiplier λ (the nodal contact force,
+//! N; λ·n <= 0 in contact) and the slip g_t = (I - nn) Δ along the path Δ = x̄ - x̃ since the last converged increment (x̃
+//! the contact point of then, carried along by the master; eqs. (6)-(7) of Neto, Oliveira and Menezes), the augmented
+//! multiplier is
+//!
+//!   λ̂_n = λ·n + ε_n g,   λ̂_t = (I - nn) λ + ε_t g_t,
+//!
+//! and the contact force F on the master (its opposite acts on the slave) by status (eqs. (63)-(65)):
+//!
+//!   gap    λ̂_n > 0              F = 0
+//!   stick  |λ̂_t| <= -μ λ̂_n      F = λ̂_n n + λ̂_t
+//!   slip   otherwise            F = λ̂_n (n - μ t),  t = λ̂_t / |λ̂_t|
+//!
+//! A direction in which neither the node nor the master can give way makes no condition of its own:
+//!
+//! - Where the node stands still relative to the master (a plane of symmetry, plane strain), it meets the master's
+//!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
+//!   the normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
+//!   the force has that of N n.
+//! - Where it is drawn along the master, it cannot stick.
+//!
+//! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
+//!
+//! All methods have this law, and differ in the [`Multiplier`]:
+//!
+//! - augmented Lagrangian: λ is an unknown, and its residual -(λ - F).
+//! - penalty and Uzawa: λ is held, and F is what λ + ε g becomes on the cone, with the penalty ε. A large one makes
+//!   Newton's method overshoot: what curvature leaves of a gap after an iteration, times ε, is far from the force that the
+//!   iteration was after, and statuses go to and fro. So F is an unknown σ of the node alone, with the compliance 1/ε
+//!   and an augmentation ε_a < ε that does not change the solution,
+//!
+//! ```text
+//!     σ = F(m + ε_a g),   m = (1 - r) σ + r λ,   r = ε_a / ε,
+//! ```
+//!
+//!   whose linear equation is solved for dσ beforehand; what is left has the unknowns of the bodies alone. The normal part
+//!   of λ is a gap h that is added, λ_n = ε h; h = 0 for the penalty.
+//! - Lagrange: λ is an unknown with the same residual, the status is given, and the force is λ itself, without penalty.
+
+use crate::{Mat3, Vec3};
+
+/// What a slave node does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Status {
+    #[default]
+    Gap = 0,
+    Stick = 1,
+    Slip = 2,
+}
+
+impl Status {
+    /// The status in words; without friction what touches neither sticks nor slips.
+    pub fn name(self, friction: f64) -> &'static str {
+        match self {
+            Self::Gap => "not touching",
+            _ if friction == 0.0 => "touching",
+            Self::Stick => "sticking",
+            Self::Slip => "slipping",
+        }
+    }
+}
+
+/// Parameters of the law at a slave node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// Coulomb coefficient μ.
+    pub friction: f64,
+    /// Normal penalty ε_n, force per length.
+    pub normal: f64,
+    /// Tangential penalty ε_t, force per length.
+    pub tangential: f64,
+    /// Penalty ε where multipliers are held; ε_n = ε_t are then the augmentation.
+    pub penalty: f64,
+}
+
+/// Directions in which neither a slave node nor its master can give way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Guide {
+    /// The node stands still relative to the master.
+    pub held: [bool; 3],
+    /// The node is drawn along the master.
+    pub drawn: [bool; 3],
+}
+
+impl Guide {
+    /// Whether the node, or the master, can give way to a force along `normal`. What cannot does not feel it.
+    pub fn gives_way(&self, normal: &Vec3) -> bool {
+        const ACROSS: f64 = 1e-6;
+        (0..3).any(|d| !self.held[d] && !self.drawn[d] && normal[d].abs() > ACROSS)
+    }
+}
+
+/// Where a slave node is relative to the master.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    pub gap: f64,
+    /// n.
+    pub normal: Vec3,
+    /// x̄.
+    pub point: Vec3,
+    /// x̃.
+    pub origin: Vec3,
+}
+
+/// How the contact force comes from the multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Multiplier {
+    /// λ is an unknown, and F the augmented one. Without friction λ_n stands first.
+    Augmented(Vec3),
+    /// λ is an unknown and F itself, with the status that the active set has.
+    Force(Vec3, Status),
+    /// λ is held, λ_n = ε `gap` and λ_t the tangential part of a vector; the force is the local unknown σ.
+    Held { gap: f64, tangential: Vec3, force: Vec3 },
+}
+
+/// Derivatives by gap, normal, path and multiplier, as if these were independent.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slopes {
+    pub gap: Vec3,
+    pub normal: Mat3,
+    pub path: Mat3,
+    pub multiplier: Mat3,
+}
+
+/// The contact force, the residual of the multiplier or of the local unknown, and their derivatives.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    pub status: Status,
+    /// F.
+    pub force: Vec3,
+    pub force_by: Slopes,
+    /// The force in the balance of the bodies: F, with a local unknown what is left of it.
+    pub load: Vec3,
+    /// With a local unknown: the inverse of the derivative of its residual by itself.
+    pub inverse: Mat3,
+    /// The derivative of F by a held λ_t.
+    pub by_held: Mat3,
+    /// -(λ - F) in the free directions, with F augmented. Without friction in the first component ε_n g in contact and
+    /// -λ_n in the gap.
+    pub constraint: Vec3,
+    pub constraint_by: Slopes,
+    pub slip: Vec3,
+    /// The status that gap and multiplier ask for.
+    pub asked: Status,
+    /// With a status that is given: by how much the constraint changes with the one asked for, N. With a multiplier that is
+    /// held: by what gap and slip it is from the force, a length.
+    pub violation: f64,
+}
+
+/// The section of the master with the directions that are not held.
+struct Section {
+    free: Mat3,
+    /// m = P n / c.
+    normal: Vec3,
+    /// dm/dn.
+    turn: Mat3,
+    tangential: Mat3,
+    /// 1/c: the normal force over λ̂_n.
+    lean: f64,
+}
+
+impl Response {
+    /// Lets the constraint of an unknown multiplier give way by `slack` of it, in contact from where it was at `rest`.
+    pub fn give_way(mut self, slack: f64, multiplier: &Vec3, rest: &Vec3) -> Self {
+        let from = if self.status == Status::Gap { Vec3::zeros() } else { *rest };
+        self.constraint -= (multiplier - from) * slack;
+        self.constraint_by.multiplier -= Mat3::from_diagonal_element(slack);
+        self
+    }
+}
+
+impl Section {
+    fn new(normal: &Vec3, held: [bool; 3]) -> Self {
+        let free = Mat3::from_diagonal(&Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 })));
+        let inside = free * normal;
+        let lean = 1.0 / inside.norm();
+        let normal = inside * lean;
+        let tangential = free - normal * normal.transpose();
+        Self { free, normal, turn: tangential * lean, tangential, lean }
+    }
+}
+
+impl Section {
+    /// What the held directions feel of the force λ̂_n on the section, which changes with the normal by `slope`: the
+    /// component of N n in them, and its derivative by the normal.
+    fn across(&self, normal: &Vec3, lambda_n: f64, slope: &Vec3) -> (Vec3, Mat3) {
+        let held = Mat3::identity() - self.free;
+        let (across, lean) = (held * normal, self.lean);
+        let turn = slope * lean - self.normal * (lambda_n * lean * lean);
+        (across * (lambda_n * lean), across * turn.transpose() + held * (lambda_n * lean))
+    }
+}
+
+/// The response of a slave node; without a `place` it is in the gap.
+pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: &Guide) -> Response {
+    let response = match *multiplier {
+        Multiplier::Augmented(lambda) => augmented(law, &lambda, &Vec3::zeros(), place, guide, None),
+        Multiplier::Force(lambda, set) => {
+            let with = |set| augmented(law, &lambda, &Vec3::zeros(), place, guide, set);
+            let free = with(None);
+            let fixed = if free.status == set { free } else { with(Some(set)) };
+            let violation = (free.constraint - fixed.constraint).norm();
+            Response { asked: free.status, violation, ..pure(law, &lambda, place, guide, fixed) }
+        }
+        Multiplier::Held { gap, tangential, force } => {
+            let share = law.normal / law.penalty;
+            let shifted = place.map(|p| Place { gap: p.gap + gap, ..*p });
+            let held = tangential * share;
+            let response = augmented(law, &(force * (1.0 - share)), &held, shifted.as_ref(), guide, None);
+            let violation = apart(law, gap, &tangential, place, &response);
+            return Response { violation, ..condensed(law, &force, share, guide, response) };
+        }
+    };
+    Response { load: response.force, ..response }
+}
+
+/// The response with the augmented force. `multiplier` is λ, to which the tangential part of `held` is added. A status that
+/// is given overrides the one that they have.
+fn augmented(
+    law: Law,
+    multiplier: &Vec3,
+    held: &Vec3,
+    place: Option<&Place>,
+    guide: &Guide,
+    set: Option<Status>,
+) -> Response {
+    match place {
+        None => gap(law, multiplier, Vec3::zeros()),
+        Some(place) if law.friction == 0.0 => frictionless(law, multiplier.x, place, set),
+        Some(place) => frictional(law, [multiplier, held], place, guide, set),
+    }
+}
+
+fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &Guide, set: Option<Status>) -> Response {
+    let section = Section::new(&place.normal, guide.held);
+    let Section { free, normal: n, turn, tangential, lean } = section;
+    let path = place.point - place.origin;
+    let slip = tangential * path;
+    let lambda_n = multiplier.dot(&n) + law.normal * place.gap * lean;
+    let combined = multiplier + held + path * law.tangential;
+    let lambda_t = tangential * combined;
+    let (size, friction) = (lambda_t.norm(), law.friction * lean);
+    let bound = -friction * lambda_n;
+    // Beyond the rounding of positions.
+    let drawn = (0..3).any(|d| guide.drawn[d] && slip[d].abs() > 1e-12 * place.point.amax());
+    // A node that slipped last stands on the cone to rounding, and is taken to slip on.
+    let status = match set {
+        // Without a direction.
+        Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
+        Some(status) => status,
+        None if lambda_n > 0.0 => Status::Gap,
+        None if size <= bound * (1.0 - 1e-9) && !drawn => Status::Stick,
+        None => Status::Slip,
+    };
+    let n_by_normal = turn * multiplier - n * (law.normal * place.gap * lean * lean);
+    let t_by_normal = -n * (turn * combined).transpose() - turn * n.dot(&combined);
+    let (force, mut by, by_held) = match status {
+        Status::Gap => return gap(law, multiplier, slip),
+        Status::Stick => {
+            let by = Slopes {
+                gap: n * (law.normal * lean),
+                normal: n * n_by_normal.transpose() + turn * lambda_n + t_by_normal,
+                path: tangential * law.tangential,
+                multiplier: free,
+            };
+            (n * lambda_n + lambda_t, by, tangential)
+        }
+        Status::Slip => {
+            let t = lambda_t / size;
+            let direction = n - friction * t;
+            let rotation = (Mat3::identity() - t * t.transpose()) * (bound / size);
+            let leaning = t * n.transpose() * (friction * lambda_n * lean);
+            let by = Slopes {
+                gap: direction * (law.normal * lean),
+                normal: direction * n_by_normal.transpose() + turn * lambda_n + rotation * t_by_normal + leaning,
+                path: rotation * tangential * law.tangential,
+                multiplier: direction * n.transpose() + rotation * tangential,
+            };
+            (direction * lambda_n, by, rotation * tangential)
+        }
+    };
+    let constraint_by = Slopes { multiplier: by.multiplier - Mat3::identity(), ..by };
+    let constraint = force - multiplier;
+    let mut response =
+        Response { status, asked: status, force, by_held, constraint, constraint_by, slip, ..Response::default() };
+    if guide.held != [false; 3] {
+        let (across, by_normal) = section.across(&place.normal, lambda_n, &n_by_normal);
+        let lifted = (place.normal - free * place.normal) * lean;
+        response.force += across;
+        by.gap += lifted * (law.normal * lean);
+        by.normal += by_normal;
+        by.multiplier += lifted * n.transpose();
+    }
+    Response { force_by: by, ..response }
+}
+
+fn frictionless(law: Law, multiplier: f64, place: &Place, set: Option<Status>) -> Response {
+    let pressure = multiplier + law.normal * place.gap;
+    let touching = set.map_or(pressure <= 0.0, |set| set != Status::Gap);
+    if !touching {
+        return gap(law, &Vec3::new(multiplier, 0.0, 0.0), Vec3::zeros());
+    }
+    let first = Vec3::x() * law.normal;
+    Response {
+        status: Status::Slip,
+        asked: Status::Slip,
+        force: place.normal * pressure,
+        force_by: Slopes {
+            gap: place.normal * law.normal,
+            normal: Mat3::from_diagonal_element(pressure),
+            multiplier: place.normal * Vec3::x().transpose(),
+            ..Slopes::default()
+        },
+        constraint: first * place.gap,
+        constraint_by: Slopes { gap: first, ..Slopes::default() },
+        ..Response::default()
+    }
+}
+
+/// The response with the force σ as a local unknown: `response` has the multiplier (1 - r) σ. The residual of σ is solved
+/// for dσ in the directions that it has.
+fn condensed(law: Law, sigma: &Vec3, share: f64, guide: &Guide, response: Response) -> Response {
+    let has = |d: usize| if law.friction == 0.0 { d == 0 } else { !guide.held[d] };
+    let own = Mat3::from_diagonal(&Vec3::from_fn(|d, _| f64::from(u8::from(has(d)))));
+    let (force_by, by) = (response.force_by.multiplier * (1.0 - share), response.constraint_by.multiplier);
+    // ∂(F - σ)/∂σ = (1 - r) ∂F/∂m - I, where the response has ∂F/∂m - I.
+    let by_sigma = own * (by * (1.0 - share) - own * share) * own;
+    let inverse = (by_sigma - (Mat3::identity() - own)).try_inverse().unwrap_or_default() * own;
+    let constraint = own * (response.constraint - sigma * share);
+    Response {
+        load: response.force - force_by * (inverse * constraint),
+        force_by: Slopes { multiplier: force_by, ..response.force_by },
+        constraint,
+        constraint_by: Slopes { multiplier: by_sigma, ..response.constraint_by },
+        inverse,
+        by_held: response.by_held * share,
+        ..response
+    }
+}
+
+/// How far a multiplier that is held, λ_n / ε and λ_t, is from the force of the response, as gap and slip.
+fn apart(law: Law, offset: f64, tangential: &Vec3, place: Option<&Place>, response: &Response) -> f64 {
+    let Some(place) = place.filter(|_| response.status != Status::Gap) else {
+        return offset.abs().max(tangential.norm() / law.penalty);
+    };
+    let along = |f: Vec3| f - place.normal * place.normal.dot(&f);
+    place.gap.abs().max(along(response.force - tangential).norm() / law.penalty)
+}
+
+/// The same status and constraint, with λ itself for the force.
+fn pure(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, response: Response) -> Response {
+    let Some(place) = place.filter(|_| response.status != Status::Gap) else { return response };
+    if law.friction == 0.0 {
+        let normal = Mat3::from_diagonal_element(lambda.x);
+        let force_by = Slopes { normal, gap: Vec3::zeros(), ..response.force_by };
+        return Response { force: place.normal * lambda.x, force_by, ..response };
+    }
+    let section = Section::new(&place.normal, guide.held);
+    let n = section.normal;
+    let (across, normal) = section.across(&place.normal, lambda.dot(&n), &(section.turn * lambda));
+    let lifted = (place.normal - section.free * place.normal) * section.lean;
+    let multiplier = section.free + lifted * n.transpose();
+    Response {
+        force: section.free * lambda + across,
+        force_by: Slopes { normal, multiplier, ..Slopes::default() },
+        ..response
+    }
+}
+
+/// No force: the multiplier goes to zero.
+fn gap(law: Law, multiplier: &Vec3, slip: Vec3) -> Response {
+    let components = if law.friction == 0.0 { Vec3::x() } else { Vec3::repeat(1.0) };
+    let constraint_by = Slopes { multiplier: -Mat3::from_diagonal(&components), ..Slopes::default() };
+    Response { constraint: -multiplier, constraint_by, slip, ..Response::default() }
+}

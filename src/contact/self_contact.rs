@@ -1,0 +1,190 @@
+//! Self-contact: which of the patches of its own surface a node may meet.
+//!
+//! Every node of the surface is a slave against the patches of the same surface: two passes by nature. A node meets no
+//! patch of the facets around it, nor one that shares a node with these. What it meets looks back at it: the angle
+//! between its own outward normal and that of the patch is more than 120 degrees. And it is less than half the thickness
+//! below the patch: deeper, it is the far side of the sheet that the patch bounds, like the nodes opposite in Fig. 31 of
+//! Neto, Oliveira and Menezes.
+//!
+//! The thickness at a facet is how far the straight line from its middle into the body goes to the next facet of the
+//! same surface, on the initial mesh; that at a node is the least of the facets around. Where no facet comes, such as
+//! where the other side of a sheet is not part of the surface, nothing is excluded by depth.
+
+use crate::Vec3;
+use crate::parallel::{Parcels, exchange};
+use crate::partition::owner;
+use crate::surface::{MovingPatch, Patch, PatchSet, Piece, Polygon};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
+
+/// Cosine between the normals of what meets, at most.
+const FACING: f64 = -0.5;
+
+/// Thickness over the longest edge up to which sheets are measured: no search looks deeper into a thicker one.
+const THICK: f64 = 8.0;
+
+/// What a node must not meet on its own surface.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Avoided {
+    /// Ids of the patches around it, ascending.
+    around: Vec<u32>,
+    /// Least depth below a patch from which the node is on the other side of its sheet.
+    deep: f64,
+}
+
+impl Avoided {
+    /// Whether the node at `x`, which looks `outward` (a unit vector), may meet a patch at a point with its unit normal.
+    pub fn allows(&self, x: &Vec3, outward: &Vec3, id: u32, point: &Vec3, normal: &Vec3) -> bool {
+        outward.dot(normal) < FACING && (x - point).dot(normal) > -self.deep && self.around.binary_search(&id).is_err()
+    }
+
+    /// How far the node may go in one iteration without a danger of coming out on the other side of a sheet.
+    pub fn longest_step(&self) -> f64 {
+        0.5 * self.deep
+    }
+
+    /// The depth by a given thickness.
+    pub fn with_thickness(self, thickness: f64) -> Self {
+        Self { deep: 0.5 * thickness, ..self }
+    }
+}
+
+/// What the nodes of a surface avoid, by their global numbers: from its patches, with nodes at `place`.
+pub fn avoided(patches: &[MovingPatch], place: impl Fn(u64) -> Vec3) -> BTreeMap<u64, Avoided> {
+    let own = |patch: &MovingPatch| patch.nodes[..patch.count as usize].to_vec();
+    let mut at_node: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
+    for (k, patch) in patches.iter().enumerate() {
+        own(patch).into_iter().for_each(|n| at_node.entry(n).or_default().push(k));
+    }
+    let straight = |patch: &MovingPatch| patch.straight(&patch.nodes.iter().map(|&n| place(n)).collect::<Vec<_>>());
+    let facets = PatchSet::new(patches.iter().map(straight).collect());
+    let longest = THICK * facets.pieces().iter().map(longest_edge).fold(0.0, f64::max);
+    let thickness: Vec<f64> = patches.iter().map(|p| thickness(&facets, p.id, longest)).collect();
+    let of_node = |beside: &Vec<usize>| {
+        let ring = beside.iter().flat_map(|&k| own(&patches[k])).flat_map(|n| &at_node[&n]);
+        let mut around: Vec<u32> = ring.map(|&k| patches[k].id).collect();
+        around.sort_unstable();
+        around.dedup();
+        let least = beside.iter().map(|&k| thickness[k]).fold(f64::INFINITY, f64::min);
+        Avoided { around, deep: 0.5 * least }
+    };
+    at_node.iter().map(|(&n, beside)| (n, of_node(beside))).collect()
+}
+
+/// From the middle of a facet straight inwards to the next facet; infinite beyond `longest`.
+fn thickness(facets: &PatchSet, id: u32, longest: f64) -> f64 {
+    let Some(facet) = facets.get(id) else { return f64::INFINITY };
+    let (from, inwards) = (middle(facet), -facet.local(facet.center()).area_vector().normalize());
+    let to = from + inwards * longest;
+    let hit = |k: u32| {
+        let other = &facets.pieces()[k as usize];
+        let fan = (2..other.count as usize).map(|j| [other.nodes[0], other.nodes[j - 1], other.nodes[j]]);
+        fan.filter_map(|corners| crossing(&from, &inwards, &corners)).fold(f64::INFINITY, f64::min)
+    };
+    let near = facets.within(&from.inf(&to), &from.sup(&to)).into_iter();
+    near.filter(|&k| facets.pieces()[k as usize].id() != id).map(hit).fold(f64::INFINITY, f64::min)
+}
+
+fn longest_edge(facet: &Patch) -> f64 {
+    let count = facet.count as usize;
+    (0..count).map(|k| (facet.nodes[(k + 1) % count] - facet.nodes[k]).norm()).fold(0.0, f64::max)
+}
+
+fn middle(facet: &Patch) -> Vec3 {
+    let count = facet.count as usize;
+    facet.nodes[..count].iter().sum::<Vec3>() / count as f64
+}
+
+/// How far along a direction a line leaves the body through a triangle, or through its edges to rounding.
+fn crossing(from: &Vec3, along: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<f64> {
+    const EDGE: f64 = -1e-6;
+    let normal = (b - a).cross(&(c - a));
+    let rate = along.dot(&normal);
+    if rate <= 1e-12 * normal.norm() {
+        return None;
+    }
+    let distance = (a - from).dot(&normal) / rate;
+    let x = from + along * distance;
+    let inside = |p: &Vec3, q: &Vec3| (q - p).cross(&(x - p)).dot(&normal) > EDGE * normal.norm_squared();
+    (distance > 0.0 && inside(a, b) && inside(b, c) && inside(c, a)).then_some(distance)
+}
+
+/// Brings what rank 0 found to the owners of the nodes: by owned local node, ascending. Collective.
+pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, starts: &[u64]) -> BTreeMap<u32, Avoided> {
+    let mut parcels = Parcels::new();
+    for (number, Avoided { around, deep }) in found {
+        let rank = owner(starts, number);
+        let parcel: &mut Vec<f64> = parcels.entry(rank).or_default();
+        parcel.extend([(number - starts[rank]) as f64, *deep, around.len() as f64]);
+        parcel.extend(around.iter().map(|&id| f64::from(id)));
+    }
+    let received = exchange(comm, &parcels).remove(&0).unwrap_or_default();
+    let mut of_node = BTreeMap::new();
+    let mut rest = &received[..];
+    while let [node, deep, count, ids @ ..] = rest {
+        let (around, after) = ids.split_at(*count as usize);
+        of_node.insert(*node as u32, Avoided { around: around.iter().map(|&id| id as u32).collect(), deep: *deep });
+        rest = after;
+    }
+    of_node
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Facet, Mesh};
+    use crate::scene::Smoothing;
+    use crate::surface::MovingPatch;
+
+    /// The sides of a sheet of thickness 2 and length 10, and a second sheet 1 above it: strips of facets of length 1.
+    fn sheets() -> (Vec<MovingPatch>, Vec<Vec3>) {
+        let lines = [(0.0, -1.0), (2.0, 1.0), (3.0, -1.0)];
+        let mut mesh = Mesh::default();
+        for (height, side) in lines {
+            let first = mesh.points.len() as u32;
+            for i in 0..=10 {
+                let x = if side > 0.0 { 10 - i } else { i } as f64;
+                mesh.points.extend([[x, height, 0.0], [x, height, 1.0]]);
+            }
+            for i in 0..10 {
+                let n = first + 2 * i;
+                mesh.facets.push(Facet { count: 4, nodes: [n, n + 2, n + 3, n + 1], id: 0 });
+            }
+        }
+        mesh.point_ids = (0..mesh.points.len() as u64).collect();
+        let numbers: Vec<u64> = mesh.point_ids.clone();
+        let points = mesh.points.iter().map(|x| Vec3::from(*x)).collect();
+        (MovingPatch::all(&mesh, &numbers, Smoothing::Facet, 40.0).unwrap(), points)
+    }
+
+    #[test]
+    fn thickness_goes_through_the_sheet_not_across_the_gap() {
+        let (patches, points) = sheets();
+        let avoided = avoided(&patches, |n| points[n as usize]);
+        // The facets of the lower side look down, those of the upper side up.
+        assert!(patches[0].straight(&[0, 2, 3, 1].map(|n| points[n])).normal([0.5, 0.5]).y < 0.0);
+        for n in 0..44 {
+            assert!((avoided[&n].deep - 1.0).abs() < 1e-12, "{n}: {}", avoided[&n].deep);
+        }
+        for n in 44..66 {
+            assert_eq!(avoided[&n].deep, f64::INFINITY);
+        }
+    }
+
+    #[test]
+    fn a_node_meets_what_looks_at_it_and_is_neither_beside_it_nor_across_the_sheet() {
+        let (patches, points) = sheets();
+        let avoided = avoided(&patches, |n| points[n as usize]);
+        let (up, down) = (Vec3::y(), -Vec3::y());
+        // A node amid the upper side of the lower sheet; facets run from right to left there.
+        let (node, x) = (&avoided[&32], points[32]);
+        assert_eq!(node.around, [13, 14, 15, 16]);
+        assert!(node.allows(&x, &up, 24, &(x + up), &down), "the other sheet");
+        assert!(node.allows(&x, &up, 24, &(x - up * 0.9), &down), "the other sheet, penetrated");
+        assert!(!node.allows(&x, &up, 5, &(x - up * 2.0), &down), "the other side of its own sheet");
+        assert!(!node.allows(&x, &up, 17, &x, &up), "what looks the same way");
+        assert!(!node.allows(&x, &up, 14, &x, &down), "what is beside it");
+        let thick = node.clone().with_thickness(6.0);
+        assert!(thick.allows(&x, &up, 5, &(x - up * 2.0), &down));
+    }
+}

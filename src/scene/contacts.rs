@@ -1,0 +1,117 @@
+//! Contact pairs: `[contact.NAME]`.
+
+use super::reader::{Item, Table};
+use super::references::Names;
+use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer};
+use crate::error::{Error, Result};
+
+/// Keys that say how the faces of a body act as a master.
+const OF_SURFACE: [&str; 3] = ["smoothing", "feature_angle", "transfer"];
+
+/// Reads all pairs; none may occur twice.
+pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
+    let mut contacts: Vec<Contact> = Vec::new();
+    for (name, item) in items {
+        let next = contact(name, &item, names)?;
+        let same = |other: &&Contact| other.slave.value == next.slave.value && other.master.value == next.master.value;
+        if let Some(first) = contacts.iter().find(same) {
+            let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
+            return Err(Error::input(&next.slave.at, what, "remove one of them"));
+        }
+        contacts.push(next);
+    }
+    Ok(contacts)
+}
+
+fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
+    let keys = ["slave", "master", "discretization", "friction", "method", "penalty", "reach", "thickness", "tangent"];
+    let table = item.table(&[keys.as_slice(), OF_SURFACE.as_slice()].concat())?;
+    let friction = |item: &Item| {
+        item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
+    };
+    let automatic = |item: &Item| {
+        if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
+    };
+    let tangents = [("exact", Tangent::Exact), ("fixed-frame", Tangent::FixedFrame)];
+    let slave = names.faces(&table.require("slave", "\"BODY.GROUP\"")?)?;
+    let master = names.master(&table.require("master", "\"TOOL\"")?)?;
+    if let Some(item) = table.get("thickness").filter(|_| master.value != slave.value) {
+        let what = "means nothing between two surfaces";
+        return Err(item.error(what, "it is for self-contact, with `master` the same as `slave`; remove it"));
+    }
+    let is_tool = names.is_tool(&master.value);
+    let discretization = discretization(&table, is_tool)?;
+    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
+        return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
+    }
+    // From node to node the frame does stand still.
+    let tangent = if discretization == Discretization::NodeToNode { Tangent::FixedFrame } else { Tangent::default() };
+    Ok(Contact {
+        name,
+        surface: surface(&table, is_tool, discretization)?,
+        discretization,
+        slave,
+        master,
+        friction: table.optional("friction", friction)?.unwrap_or(0.0),
+        method: table.optional("method", |item| item.choice(&Enforcement::KEYS))?.unwrap_or_default(),
+        penalty: table.optional("penalty", automatic)?.flatten(),
+        reach: table.optional("reach", Item::positive)?,
+        tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or(tangent),
+        thickness: table.optional("thickness", automatic)?.flatten(),
+    })
+}
+
+fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {
+    let Some(item) = table.get("discretization") else { return Ok(Discretization::OnePass) };
+    let known = [
+        ("one-pass", Discretization::OnePass),
+        ("two-pass", Discretization::TwoPass),
+        ("node-to-node", Discretization::NodeToNode),
+    ];
+    match item.choice(&known)? {
+        Discretization::OnePass => Ok(Discretization::OnePass),
+        _ if is_tool => Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\"")),
+        other => Ok(other),
+    }
+}
+
+impl Scene {
+    /// The contacts, each with two passes followed by its second one: the same with exchanged roles, called `NAME.master`.
+    pub fn passes(&self) -> Vec<Contact> {
+        let mut passes = Vec::new();
+        for contact in &self.contacts {
+            passes.push(contact.clone());
+            if contact.discretization == Discretization::TwoPass {
+                let mut second = contact.clone();
+                second.name.value += ".master";
+                std::mem::swap(&mut second.slave, &mut second.master);
+                passes.push(second);
+            }
+        }
+        passes
+    }
+}
+
+/// What is said about a deformable master; `None` for a tool, which has it in its own table or needs none.
+fn surface(table: &Table, is_tool: bool, discretization: Discretization) -> Result<Option<MasterSurface>> {
+    if is_tool {
+        return match OF_SURFACE.iter().find_map(|key| table.get(key)) {
+            Some(item) => Err(item.error("means nothing for a tool", "it is for a master on a body; remove it")),
+            None => Ok(None),
+        };
+    }
+    let by_node = discretization == Discretization::NodeToNode;
+    if let Some(item) = ["transfer", "tangent", "reach"].iter().find_map(|key| table.get(key)).filter(|_| by_node) {
+        return Err(item.error("means nothing from node to node", "remove it"));
+    }
+    let smoothings = [("facet", Smoothing::Facet), ("nagata", Smoothing::Nagata)];
+    let transfers =
+        [("patch", Transfer::Patch), ("variational", Transfer::Variational), ("bilinear", Transfer::Bilinear)];
+    // From node to node all of the force goes to one node.
+    let transfer = if by_node { Transfer::Bilinear } else { Transfer::default() };
+    Ok(Some(MasterSurface {
+        smoothing: table.optional("smoothing", |item| item.choice(&smoothings))?.unwrap_or(Smoothing::Nagata),
+        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(40.0),
+        transfer: table.optional("transfer", |item| item.choice(&transfers))?.unwrap_or(transfer),
+    }))
+}

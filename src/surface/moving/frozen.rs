@@ -1,0 +1,116 @@
+//! What is decided on the initial mesh: the edges, and the rules of the nodal normals.
+
+use super::{MovingPatch, Neighbour, NormalRule};
+use crate::error::{Error, Result};
+use crate::mesh::Mesh;
+use crate::scene::Smoothing;
+use crate::surface::facets::Facets;
+use crate::surface::from_mesh::{boundary_nodes, facet_edges};
+use crate::surface::normals::{Means, Weight};
+
+/// Most facets around a node.
+const MOST: usize = 64;
+
+/// The patches of a surface mesh, see [`MovingPatch::all`].
+pub fn patches(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle_deg: f64) -> Result<Vec<MovingPatch>> {
+    let facets = Facets::new(mesh, false)?;
+    let on_boundary = boundary_nodes(&facets);
+    let means = || Means::new(&facets, Weight::Sine, feature_angle_deg.to_radians(), |_, _| false);
+    let means = (smoothing == Smoothing::Nagata).then(means);
+    let edges = means.as_ref().map_or_else(|| facet_edges(&facets), |means| means.normals.edges.clone());
+    let fans = means.as_ref().map(|means| Fans::new(mesh, &facets, means)).transpose()?;
+    let patch = |f: usize| {
+        let mut stencil =
+            Stencil { nodes: (0..facets.count(f)).map(|k| facets.node(f, k)).collect(), ..Stencil::default() };
+        let corners = std::array::from_fn(|k| match &fans {
+            Some(fans) if k < facets.count(f) => stencil.normal(fans, fans.means.fans.of(f, k)),
+            _ => 0,
+        });
+        MovingPatch {
+            id: f as u32,
+            count: facets.counts[f],
+            nodes: stencil.nodes.iter().map(|n| numbers[*n]).collect(),
+            edges: edges[f],
+            on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
+            normals: stencil.rules,
+            corners,
+            bulge: 1.0,
+        }
+    };
+    Ok((0..facets.nodes.len()).map(patch).collect())
+}
+
+/// The fans of a surface with the corners that count in their means, each as its node, the next and the last one.
+struct Fans<'a> {
+    means: &'a Means,
+    corners: Vec<Vec<[usize; 3]>>,
+}
+
+impl<'a> Fans<'a> {
+    fn new(mesh: &Mesh, facets: &Facets, means: &'a Means) -> Result<Self> {
+        let mut corners = vec![Vec::new(); means.fans.count];
+        for (f, k) in facets.corners().filter(|(f, k)| means.counts[*f][*k]) {
+            let [next, last] = facets.beside(f, k);
+            let fan: &mut Vec<_> = &mut corners[means.fans.of(f, k)];
+            fan.push([k, next, last].map(|k| facets.node(f, k)));
+            if fan.len() > MOST {
+                let (file, facet) = (&mesh.source, mesh.facets[f].id);
+                let what = format!("{file}: more than {MOST} facets meet at a node of facet {facet}");
+                return Err(Error::input_anywhere(what, "mesh the surface with fewer facets around it"));
+            }
+        }
+        Ok(Self { means, corners })
+    }
+}
+
+/// Nodes and normals of a patch, numbered as they come up.
+#[derive(Default)]
+struct Stencil {
+    nodes: Vec<usize>,
+    /// Fans of the rules.
+    fans: Vec<usize>,
+    rules: Vec<NormalRule>,
+}
+
+impl Stencil {
+    fn node(&mut self, node: usize) -> u32 {
+        place(&mut self.nodes, node)
+    }
+
+    /// The number of the normal of a fan, after those that it depends on.
+    fn normal(&mut self, fans: &Fans, fan: usize) -> u32 {
+        if let Some(known) = self.fans.iter().position(|f| *f == fan) {
+            return known as u32;
+        }
+        let node = self.node(fans.corners[fan][0][0]);
+        let rule = match &fans.means.ends[fan] {
+            None => {
+                let (mut spokes, mut corners) = (Vec::new(), Vec::new());
+                for [_, next, last] in &fans.corners[fan] {
+                    corners.push([next, last].map(|n| place(&mut spokes, self.node(*n))));
+                }
+                NormalRule::Mean { node, spokes, corners }
+            }
+            Some(end) => {
+                let mut neighbours = Vec::with_capacity(end.neighbours.len());
+                for u in &end.neighbours {
+                    let (node, normal) = (self.node(u.node), self.normal(fans, u.fan));
+                    neighbours.push(Neighbour { node, normal, weights: u.weights });
+                }
+                NormalRule::End { node, neighbours, directions: end.directions as u8 }
+            }
+        };
+        self.fans.push(fan);
+        self.rules.push(rule);
+        self.rules.len() as u32 - 1
+    }
+}
+
+/// The place of `value` in `list`, at its end if it is new.
+fn place<T: PartialEq>(list: &mut Vec<T>, value: T) -> u32 {
+    let place = list.iter().position(|v| *v == value).unwrap_or_else(|| {
+        list.push(value);
+        list.len() - 1
+    });
+    place as u32
+}

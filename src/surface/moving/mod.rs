@@ -1,0 +1,77 @@
+//! Patches of a surface whose nodes move.
+//!
+//! What the surface looks like is decided once, on the initial mesh: which edges are sharp, which nodes are at its ends,
+//! and by which rule each nodal normal follows from which nodes ([`normal`]). From then on a patch is a smooth function
+//! of the positions of its own nodes and of the others that its normals depend on,
+//!
+//! ```text
+//!     P(xi; x) = sum w_i(xi) x_i - beta sum b_k(xi) c_k,     c_k = c(d_k, n_k, n_k+1)
+//! ```
+//!
+//! with the polynomials of [`super::patch`], the coefficients of [`edge`], d_k the vector along edge k, and the share beta
+//! of the bulge that the patch takes.
+//! [`variation`] has its derivatives.
+
+pub mod edge;
+mod frozen;
+pub mod normal;
+mod numbers;
+#[cfg(test)]
+mod tests;
+pub mod variation;
+
+pub use normal::{Neighbour, NormalRule};
+pub use variation::{Transfer, Variation};
+
+use super::patch::Patch;
+use super::piece::Edge;
+use crate::Vec3;
+use crate::error::Result;
+use crate::mesh::Mesh;
+use crate::scene::Smoothing;
+
+/// A triangle, or a quadrilateral when `count` is 4, that moves with its nodes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MovingPatch {
+    /// The same on all ranks.
+    pub id: u32,
+    /// 3 or 4.
+    pub count: u8,
+    /// Global numbers: the patch's own nodes, counter-clockwise seen from outside, then the others that its normals
+    /// depend on. Positions are given in this order.
+    pub nodes: Vec<u64>,
+    pub edges: [Edge; 4],
+    /// Own nodes where the surface ends, though perhaps in an edge of another patch.
+    pub on_boundary: [bool; 4],
+    /// Nodal normals, each by those before it; empty for a facet.
+    pub normals: Vec<NormalRule>,
+    /// Which of `normals` the own nodes have.
+    pub corners: [u32; 4],
+    /// Share of the bulge of its edges that it takes: 1, or less to be nearer to the facet.
+    pub bulge: f64,
+}
+
+impl MovingPatch {
+    /// The patches of the facets of `mesh`, numbered alike; `numbers` are the global numbers of its points.
+    ///
+    /// Sharp edges, junctions and ends are those of [`super::patches_from_mesh`]. Sharp edges are straight. Fails when the
+    /// facets do not make a surface.
+    pub fn all(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle_deg: f64) -> Result<Vec<Self>> {
+        frozen::patches(mesh, numbers, smoothing, feature_angle_deg)
+    }
+
+    /// The patch with its nodes at `positions`.
+    pub fn shape(&self, positions: &[Vec3]) -> Patch {
+        let mut normals = Vec::with_capacity(self.normals.len());
+        for rule in &self.normals {
+            normals.push(rule.value(positions, &normals));
+        }
+        let mut patch = self.straight(positions);
+        for k in (0..self.count as usize).filter(|k| self.is_curved(*k)) {
+            let ([i, j], [m, n]) = (self.ends(k), self.end_normals(k));
+            let c = edge::coefficient(&(positions[j] - positions[i]), &normals[m], &normals[n]);
+            patch.coefficients[k] = c * self.bulge;
+        }
+        patch
+    }
+}

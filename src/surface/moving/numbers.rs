@@ -1,0 +1,64 @@
+//! Moving patches as numbers, to be sent to other ranks.
+
+use super::{MovingPatch, Neighbour, NormalRule};
+use crate::surface::numbers::{Numbers, flags, from_flags};
+
+impl MovingPatch {
+    /// The patch as numbers.
+    pub fn to_numbers(&self) -> Vec<f64> {
+        let mut to = vec![self.id as f64, self.count as f64, flags(&self.edges, &self.on_boundary), self.bulge];
+        to.extend(self.corners.map(f64::from));
+        to.push(self.nodes.len() as f64);
+        to.extend(self.nodes.iter().map(|n| *n as f64));
+        to.push(self.normals.len() as f64);
+        for rule in &self.normals {
+            match rule {
+                NormalRule::Mean { node, spokes, corners } => {
+                    to.extend([0, *node, spokes.len() as u32, corners.len() as u32].map(f64::from));
+                    to.extend(spokes.iter().chain(corners.iter().flatten()).map(|i| f64::from(*i)));
+                }
+                NormalRule::End { node, neighbours, directions } => {
+                    to.extend([*directions as u32, *node, neighbours.len() as u32].map(f64::from));
+                    for u in neighbours {
+                        to.extend([f64::from(u.node), f64::from(u.normal), u.weights[0], u.weights[1]]);
+                    }
+                }
+            }
+        }
+        to
+    }
+
+    /// The patches whose [`Self::to_numbers`] stand one after the other. Ends at numbers that are no patch.
+    pub fn from_numbers(numbers: &[f64]) -> Vec<Self> {
+        let mut numbers = Numbers(numbers);
+        std::iter::from_fn(|| numbers.patch()).collect()
+    }
+}
+
+impl Numbers<'_> {
+    fn patch(&mut self) -> Option<MovingPatch> {
+        let (id, count) = (self.number()? as u32, self.number()? as u8);
+        let (edges, on_boundary) = from_flags(self.number()?);
+        let bulge = self.number()?;
+        let corners = [self.number()?, self.number()?, self.number()?, self.number()?].map(|x| x as u32);
+        let nodes = self.count()?;
+        let nodes = self.take(nodes)?.iter().map(|n| *n as u64).collect();
+        let normals = self.count()?;
+        let normals = (0..normals).map(|_| self.rule()).collect::<Option<_>>()?;
+        Some(MovingPatch { id, count, nodes, edges, on_boundary, normals, corners, bulge })
+    }
+
+    fn rule(&mut self) -> Option<NormalRule> {
+        let indices = |numbers: &[f64]| numbers.iter().map(|x| *x as u32).collect();
+        let (kind, node, count) = (self.number()?, self.number()? as u32, self.count()?);
+        if kind == 0.0 {
+            let corners = self.count()?;
+            let spokes = indices(self.take(count)?);
+            let corners = self.take(2 * corners)?.chunks_exact(2).map(|c| [c[0] as u32, c[1] as u32]).collect();
+            return Some(NormalRule::Mean { node, spokes, corners });
+        }
+        let neighbour = |u: &[f64]| Neighbour { node: u[0] as u32, normal: u[1] as u32, weights: [u[2], u[3]] };
+        let neighbours = self.take(4 * count)?.chunks_exact(4).map(neighbour).collect();
+        Some(NormalRule::End { node, neighbours, directions: kind as u8 })
+    }
+}

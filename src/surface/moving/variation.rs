@@ -1,0 +1,264 @@
+//! Derivatives of a moving patch at a point of it, by the positions of its nodes.
+//!
+//! The patch is linear in its own nodes and in the coefficients of its edges; these depend on the own nodes and on the
+//! nodal normals, and each normal on nodes and on normals before it. The chain rule is applied from the last normal to the
+//! first: what has been differentiated by a normal is handed on to what that normal directly depends on. With first
+//! derivatives R_a of P and its tangents, and second derivatives H_ab of F.P for a given force F, by nodes and normals
+//! alike, a normal y with dy = sum_a J_a da gives
+//!
+//! ```text
+//!     R_a += R_y J_a        H_ab += J_a^T H_yb + H_ay J_b + J_a^T H_yy J_b + F.R_y (d2y/da db)
+//! ```
+
+use super::MovingPatch;
+use super::edge;
+use super::normal::State;
+pub use crate::scene::Transfer;
+use crate::surface::{Edge, Local, Patch};
+use crate::{Mat3, Vec3};
+
+/// Derivatives of a patch at a point of it, by the nodes in the order of [`MovingPatch::nodes`]. Made by
+/// [`MovingPatch::vary`]; the buffers are used again.
+#[derive(Clone, Debug, Default)]
+pub struct Variation {
+    /// The patch there.
+    pub local: Local,
+    state: State,
+    links: Vec<Link>,
+    /// Derivatives of P, tau_1 and tau_2 by the nodes, then by the normals.
+    rows: Vec<[Mat3; 3]>,
+    /// Those by the own nodes at fixed normals.
+    direct: [[Mat3; 3]; 4],
+    /// Weights of the own nodes and, with the share of the bulge, of the edge coefficients; their derivatives by xi.
+    weights: [[f64; 3]; 4],
+    bubbles: [[f64; 3]; 4],
+    hessian: Hessian,
+}
+
+/// How a normal depends on what is before it: dn = outer sum J_a da. Nodes come before normals in the numbers a.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Link {
+    pub value: Vec3,
+    /// Length before normalisation.
+    pub size: f64,
+    pub outer: Mat3,
+    pub parts: Vec<(usize, Mat3)>,
+}
+
+impl MovingPatch {
+    /// Derivatives of the patch with its nodes at `positions`, at the parameters `xi`.
+    pub fn vary(&self, positions: &[Vec3], xi: [f64; 2], to: &mut Variation) {
+        let (count, nodes) = (self.count as usize, self.nodes.len());
+        to.state.positions.clear();
+        to.state.positions.extend_from_slice(positions);
+        to.state.normals.clear();
+        to.links.resize_with(self.normals.len(), Link::default);
+        for (rule, link) in self.normals.iter().zip(&mut to.links) {
+            rule.link(&mut to.state, link);
+            to.state.normals.push(link.value);
+        }
+        (to.weights, to.bubbles) = polynomials(self.count, xi);
+        to.bubbles.as_flattened_mut().iter_mut().for_each(|b| *b *= self.bulge);
+        to.rows.clear();
+        to.rows.resize(nodes + self.normals.len(), [Mat3::zeros(); 3]);
+        let mut shape = self.straight(positions);
+        for i in 0..count {
+            to.rows[i] = to.weights[i].map(Mat3::from_diagonal_element);
+        }
+        for k in (0..count).filter(|k| self.is_curved(*k)) {
+            let [i, j] = self.ends(k);
+            let [m, n] = self.end_normals(k);
+            let c = edge::derivatives(&(positions[j] - positions[i]), &to.state.normals[m], &to.state.normals[n]);
+            shape.coefficients[k] = c.value * self.bulge;
+            for (a, bubble) in to.bubbles[k].into_iter().enumerate() {
+                let by_chord = c.by_chord * bubble;
+                to.rows[i][a] += by_chord;
+                to.rows[j][a] -= by_chord;
+                to.rows[nodes + m][a] -= c.by_normals[0] * bubble;
+                to.rows[nodes + n][a] -= c.by_normals[1] * bubble;
+            }
+        }
+        to.local = shape.local(xi);
+        to.direct = [[Mat3::zeros(); 3]; 4];
+        to.direct[..count].copy_from_slice(&to.rows[..count]);
+        for (l, link) in to.links.iter().enumerate().rev() {
+            let rows = to.rows[nodes + l].map(|row| row * link.outer);
+            for (a, part) in &link.parts {
+                (0..3).for_each(|k| to.rows[*a][k] += rows[k] * part);
+            }
+        }
+    }
+
+    /// The second derivatives d(W_j^T F)/dx_k of the forces on the nodes at fixed `force` and xi, for
+    /// [`Variation::second`], where `variation` is of this patch.
+    pub fn bend(&self, transfer: Transfer, force: &Vec3, variation: &mut Variation) {
+        let v = variation;
+        let nodes = self.nodes.len();
+        let hessian = &mut v.hessian;
+        hessian.clear(nodes + self.normals.len());
+        if transfer == Transfer::Bilinear {
+            return;
+        }
+        for k in (0..self.count as usize).filter(|k| self.is_curved(*k)) {
+            let [i, j] = self.ends(k);
+            let normals = self.end_normals(k);
+            let [m, n] = normals.map(|l| nodes + l);
+            let d = v.state.positions[j] - v.state.positions[i];
+            let on_coefficient = force * -v.bubbles[k][0];
+            let b = edge::bending(&d, &v.state.normals[normals[0]], &v.state.normals[normals[1]], &on_coefficient);
+            for (end, by) in [m, n].into_iter().zip(&b.chord_normals) {
+                hessian.add_pair(j, end, by);
+                hessian.add_pair(i, end, &-by);
+            }
+            hessian.add_diagonal(m, &b.normals[0]);
+            hessian.add_diagonal(n, &b.normals[1]);
+            hessian.add_pair(m, n, &b.mixed);
+        }
+        for (l, link) in v.links.iter().enumerate().rev() {
+            let index = nodes + l;
+            if transfer == Transfer::Patch {
+                hessian.eliminate_columns(index, self.count as usize, link);
+            } else {
+                let g = v.rows[index][0].tr_mul(force);
+                self.normals[l].bend(index, &mut v.state, link, &g, hessian);
+                hessian.eliminate(index, &link.parts);
+            }
+        }
+    }
+
+    /// The patch at `positions` with straight edges.
+    pub fn straight(&self, positions: &[Vec3]) -> Patch {
+        Patch {
+            id: self.id,
+            count: self.count,
+            nodes: std::array::from_fn(|k| positions[k % self.count as usize]),
+            coefficients: [Vec3::zeros(); 4],
+            edges: self.edges,
+            on_boundary: self.on_boundary,
+        }
+    }
+
+    pub(super) fn is_curved(&self, k: usize) -> bool {
+        !self.normals.is_empty() && self.edges[k] != Edge::Sharp
+    }
+
+    /// Nodes at the ends of edge k.
+    pub(super) fn ends(&self, k: usize) -> [usize; 2] {
+        [k, (k + 1) % self.count as usize]
+    }
+
+    /// Normals at the ends of edge k.
+    pub(super) fn end_normals(&self, k: usize) -> [usize; 2] {
+        self.ends(k).map(|i| self.corners[i] as usize)
+    }
+}
+
+impl Variation {
+    /// Derivatives by node j of P, tau_1 and tau_2, at fixed xi.
+    pub fn by_node(&self, j: usize) -> &[Mat3; 3] {
+        &self.rows[j]
+    }
+
+    /// W_j and its derivatives by xi.
+    pub fn weight(&self, transfer: Transfer, j: usize) -> [Mat3; 3] {
+        match transfer {
+            Transfer::Variational => self.rows[j],
+            _ if j >= 4 => [Mat3::zeros(); 3],
+            Transfer::Patch => self.direct[j],
+            Transfer::Bilinear => self.weights[j].map(Mat3::from_diagonal_element),
+        }
+    }
+
+    /// d(W_j^T F)/dx_k for the transfer and force of the last [`MovingPatch::bend`].
+    pub fn second(&self, j: usize, k: usize) -> &Mat3 {
+        self.hessian.get(j, k)
+    }
+}
+
+/// For each node its weight w_i, for each edge the factor b_k of its coefficient, with derivatives by xi.
+fn polynomials(count: u8, [e, z]: [f64; 2]) -> ([[f64; 3]; 4], [[f64; 3]; 4]) {
+    let (f, y) = (1.0 - e, 1.0 - z);
+    if count == 3 {
+        let b = [[f, -1.0, 0.0], [e - z, 1.0, -1.0], [z, 0.0, 1.0], [0.0; 3]];
+        let product = |i: usize, j: usize| {
+            [b[i][0] * b[j][0], b[i][1] * b[j][0] + b[i][0] * b[j][1], b[i][2] * b[j][0] + b[i][0] * b[j][2]]
+        };
+        return (b, [product(0, 1), product(1, 2), product(2, 0), [0.0; 3]]);
+    }
+    let ((be, de), (bz, dz)) = ((e * f, f - e), (z * y, y - z));
+    (
+        [[f * y, -y, -f], [e * y, y, -e], [e * z, z, e], [f * z, -z, f]],
+        [[be * y, de * y, -be], [bz * e, bz, dz * e], [be * z, de * z, be], [bz * f, -bz, dz * f]],
+    )
+}
+
+/// A symmetric matrix of blocks, by nodes and normals.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hessian {
+    size: usize,
+    blocks: Vec<Mat3>,
+}
+
+impl Hessian {
+    fn clear(&mut self, size: usize) {
+        self.size = size;
+        self.blocks.clear();
+        self.blocks.resize(size * size, Mat3::zeros());
+    }
+
+    fn get(&self, a: usize, b: usize) -> &Mat3 {
+        &self.blocks[a * self.size + b]
+    }
+
+    fn get_mut(&mut self, a: usize, b: usize) -> &mut Mat3 {
+        &mut self.blocks[a * self.size + b]
+    }
+
+    /// Adds a symmetric block on the diagonal.
+    pub fn add_diagonal(&mut self, a: usize, block: &Mat3) {
+        *self.get_mut(a, a) += block;
+    }
+
+    /// Adds a block and its transpose opposite.
+    pub fn add_pair(&mut self, a: usize, b: usize, block: &Mat3) {
+        *self.get_mut(a, b) += block;
+        *self.get_mut(b, a) += block.transpose();
+    }
+
+    /// Replaces what `y` stands for: dy = `by` dz, `by` symmetric.
+    pub fn transform(&mut self, y: usize, by: &Mat3) {
+        for b in 0..y {
+            if *self.get(y, b) != Mat3::zeros() {
+                let block = by * self.get(y, b);
+                *self.get_mut(y, b) = block;
+                *self.get_mut(b, y) = block.transpose();
+            }
+        }
+        *self.get_mut(y, y) = by * self.get(y, y) * by;
+    }
+
+    /// Hands the second derivatives by `y` on to what it depends on, all of it before `y`.
+    fn eliminate(&mut self, y: usize, parts: &[(usize, Mat3)]) {
+        for b in 0..y {
+            let block = *self.get(y, b);
+            if block != Mat3::zeros() {
+                parts.iter().for_each(|(a, part)| self.add_pair(*a, b, &part.tr_mul(&block)));
+            }
+        }
+        let own = *self.get(y, y);
+        for (b, by_b) in parts {
+            let product = own * by_b;
+            parts.iter().for_each(|(a, by_a)| *self.get_mut(*a, *b) += by_a.tr_mul(&product));
+        }
+    }
+
+    /// The same in the columns alone, for the first `rows` rows.
+    fn eliminate_columns(&mut self, y: usize, rows: usize, link: &Link) {
+        for row in 0..rows {
+            let block = self.get(row, y) * link.outer;
+            if block != Mat3::zeros() {
+                link.parts.iter().for_each(|(a, part)| *self.get_mut(row, *a) += block * part);
+            }
+        }
+    }
+}

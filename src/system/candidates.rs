@@ -1,0 +1,92 @@
+//! Which patches of a deformable master a slave node may meet before long: what the sparsity pattern provides for.
+//!
+//! Candidates are the patches whose boxes come within a facet, of the finer side, of the slave node; the one it touches;
+//! and the one that has its slip origin. For a node that slides they lie ahead: within half a facet of its way over the next
+//! two increments, one and a half facets at least and four at most, so that their number does not grow with the fineness of
+//! the master. The matrix couples the node, its multiplier and the stencil of each candidate; with friction the stencils
+//! of any two, since the node may be on one and have its slip origin on the other.
+
+use super::dofs::{DofMap, NONE};
+use crate::Vec3;
+use crate::contact::{BodySurface, Master, Pair, Slave, Status};
+use crate::partition::Bounds;
+use crate::partition::parcels::grown;
+
+/// The candidates of all slave nodes of this rank.
+#[derive(Clone, Debug, Default)]
+pub struct Candidates {
+    /// For each pair and slave node the ids of its candidates, ascending.
+    ids: Vec<Vec<Vec<u32>>>,
+}
+
+impl Candidates {
+    /// Looks around each slave node, which `place` puts in space, on the surfaces as they are.
+    pub fn new(pairs: &[Pair], surfaces: &[BodySurface], place: impl Fn(u32) -> Vec3) -> Self {
+        let of_pair = |pair: &Pair| match pair.master {
+            Master::Tool(_) => Vec::new(),
+            Master::Surface(k) => {
+                let shapes = surfaces[k].shapes();
+                let facet = pair.facet_size.min(surfaces[k].facet_size);
+                let near = |slave: &Slave| {
+                    if let Some(mate) = &slave.mate {
+                        return vec![mate.patch];
+                    }
+                    let x = place(slave.node);
+                    let (low, high) = ahead(slave, facet);
+                    let found = shapes.within(&(x + low), &(x + high));
+                    let mut ids: Vec<u32> = found.iter().map(|&k| shapes.pieces()[k as usize].id).collect();
+                    let touching = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap);
+                    ids.extend(touching.map(|p| p.patch));
+                    if !ids.is_empty() && pair.friction > 0.0 {
+                        ids.extend(slave.committed.warm.map(|(id, _)| id));
+                    }
+                    ids.sort_unstable();
+                    ids.dedup();
+                    ids
+                };
+                pair.slaves.iter().map(near).collect()
+            }
+        };
+        Self { ids: pairs.iter().map(of_pair).collect() }
+    }
+
+    /// Whether a slave node was expected on a patch.
+    pub fn has(&self, pair: usize, slave: usize, patch: u32) -> bool {
+        self.ids[pair][slave].binary_search(&patch).is_ok()
+    }
+
+    /// Groups of equations that are coupled with each other.
+    pub fn groups(&self, pairs: &[Pair], surfaces: &[BodySurface], dofs: &DofMap) -> Vec<Vec<i64>> {
+        let mut groups = Vec::new();
+        for ((pair, of_pair), multipliers) in pairs.iter().zip(&self.ids).zip(&dofs.multiplier) {
+            let Master::Surface(k) = pair.master else { continue };
+            for ((slave, ids), multiplier) in pair.slaves.iter().zip(of_pair).zip(multipliers) {
+                let own = dofs.node[slave.node as usize].iter().chain(multiplier);
+                let own: Vec<i64> = own.copied().filter(|&e| e != NONE).collect();
+                let of_patch = |id: &u32| {
+                    let stencil = surfaces[k].patch(*id).map_or(&[][..], |(_, stencil)| stencil);
+                    stencil.iter().flat_map(|&n| surfaces[k].equations[n as usize]).filter(|&e| e != NONE)
+                };
+                let together = if pair.friction > 0.0 { ids.len().max(1) } else { 1 };
+                for ids in ids.chunks(together) {
+                    let mut group: Vec<i64> = ids.iter().flat_map(of_patch).chain(own.iter().copied()).collect();
+                    group.sort_unstable();
+                    group.dedup();
+                    groups.push(group);
+                }
+            }
+        }
+        groups
+    }
+}
+
+/// Box, relative to the slave node, in which its candidates lie.
+fn ahead(slave: &Slave, facet: f64) -> Bounds {
+    const WAY: [f64; 2] = [1.5, 4.0];
+    let (slip, length) = (slave.trial.slip, slave.trial.slip.norm());
+    if slave.trial.status != Status::Slip || length < 1e-3 * facet {
+        return grown((Vec3::zeros(), Vec3::zeros()), facet);
+    }
+    let way = slip * ((2.0 * length).clamp(WAY[0] * facet, WAY[1] * facet) / length);
+    grown((way.inf(&Vec3::zeros()), way.sup(&Vec3::zeros())), 0.5 * facet)
+}

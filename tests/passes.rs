@@ -1,0 +1,261 @@
+//! Which nodes are kept out of what: one pass, two passes, node to node. The contact patch test, balance, ranks, and what is
+//! said about the choice of slave and master.
+
+mod common;
+
+use common::{Bench, Run, assert_close, assert_small, nagata};
+use std::path::Path;
+
+/// Cauchy stress of W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J in uniaxial strain: both cubes go from 10 to 9.5.
+fn exact_stress() -> f64 {
+    let (young, poisson, stretch) = (100.0, 0.3, 0.95f64);
+    let (mu, lambda) = (young / (2.0 + 2.0 * poisson), young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
+    // J is the stretch: sigma = (mu (stretch^2 - 1) + lambda ln J) / J.
+    let stress = (mu * (stretch * stretch - 1.0) + lambda * stretch.ln()) / stretch;
+    assert_close("stress of the reference", stress, -7.062346, 1e-7);
+    stress
+}
+
+fn patch_test(ranks: usize, settings: &[&str]) -> Run {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs/patch-test.toml");
+    let settings: Vec<&str> = settings.iter().flat_map(|s| ["--set", s]).collect();
+    Bench::new(&std::fs::read_to_string(scene).unwrap()).solve(ranks, &settings)
+}
+
+const COARSE_SLAVE: [&str; 3] =
+    ["contact.joint.discretization=one-pass", "contact.joint.slave=lower.top", "contact.joint.master=upper.bottom"];
+const FINE_SLAVE: [&str; 1] = ["contact.joint.discretization=one-pass"];
+
+/// Largest error of sigma_zz over all elements, relative.
+fn stress_error(run: &Run) -> f64 {
+    let exact = exact_stress();
+    let of = |body| run.field(&format!("increments/{:06}/body_{body}/cell/stress", run.written()));
+    let all = [of("lower"), of("upper")].concat();
+    all.as_chunks::<6>().0.iter().map(|s| (s[2] / exact - 1.0).abs()).fold(0.0, f64::max)
+}
+
+/// Largest distance of the points of a grid from the plane z = 9.5.
+fn bump(run: &Run, grid: &str) -> f64 {
+    let moved = run.vectors(run.written(), grid, "displacement");
+    run.points(grid).iter().zip(moved).map(|(x, u)| (x[2] + u[2] - 9.5).abs()).fold(0.0, f64::max)
+}
+
+/// Uniform stress and pressure, forces by area, a plane between the cubes, balance.
+fn passes(run: &Run, sides: &[(&str, f64)]) {
+    let stress = exact_stress();
+    assert_small("uniform stress", stress_error(run), 1e-8);
+    for (grid, edge) in sides {
+        assert_small("plane", bump(run, grid), 1e-9);
+        let forces = run.vectors(run.written(), grid, "force");
+        let up = if *grid == "contact.joint" { 1.0 } else { -1.0 };
+        for ((x, force), pressure) in
+            run.points(grid).iter().zip(forces).zip(run.scalars(run.written(), grid, "pressure"))
+        {
+            // Half a facet less on each side that ends.
+            let share = |t: f64| if (t - 5.0).abs() > 4.99 { 0.5 * edge } else { *edge };
+            assert_close("nodal force", force[2], -up * stress * share(x[0]) * share(x[1]), 1e-8);
+            assert_close("pressure", pressure, -stress, 1e-8);
+        }
+    }
+    let history = run.history();
+    for (name, sign) in [("joint", 1.0), ("lower.bottom", 1.0), ("upper.top", -1.0)] {
+        assert_close(name, history.last(&format!("{name}.fz")), -100.0 * sign * stress, 1e-9);
+    }
+    assert_close("largest pressure", history.last("joint.max_pressure"), -stress, 1e-8);
+    assert_small("penetration", history.last("joint.max_penetration"), 1e-10);
+}
+
+#[test]
+fn two_passes_pass_the_patch_test() {
+    let sides = [("contact.joint", 2.0), ("contact.joint.master", 10.0 / 3.0)];
+    let runs = ["nagata", "facet"].map(|s| patch_test(2, &[&format!("contact.joint.smoothing={s}")]));
+    runs.iter().for_each(|run| passes(run, &sides));
+    let [nagata, facet] = runs.each_ref().map(Run::history);
+    assert_small("patches and facets", nagata.difference(&facet), 1e-10);
+    // 36 nodes above and 16 below, of which the corners yield.
+    assert_eq!(nagata.last("joint.active"), 48.0);
+    for smoothing in ["nagata", "facet"] {
+        let friction = ["contact.joint.friction=0.3", &format!("contact.joint.smoothing={smoothing}")];
+        passes(&patch_test(1, &friction), &sides);
+    }
+}
+
+#[test]
+fn node_to_node_passes_the_patch_test() {
+    let conforming = ["contact.joint.discretization=node-to-node", "body.lower.block.elements=[5, 5, 4]"];
+    for friction in ["contact.joint.friction=0.0", "contact.joint.friction=0.3"] {
+        let run = patch_test(2, &[&conforming[..], &[friction]].concat());
+        passes(&run, &[("contact.joint", 2.0)]);
+    }
+}
+
+#[test]
+fn one_pass_fails_the_patch_test_most_with_the_coarse_slave() {
+    let (coarse, fine) = (patch_test(1, &COARSE_SLAVE), patch_test(1, &FINE_SLAVE));
+    // Facets and patches differ here: the faces between the cubes do not stay flat.
+    for (run, stress, flatness) in [(&coarse, 0.4296, 0.1064), (&fine, 0.0566, 0.0235)] {
+        assert_close("stress error", stress_error(run), stress, 0.01);
+        assert_close("flatness of the slave", bump(run, "contact.joint"), flatness, 0.01);
+        assert_small("nodes of the slave are on the master", run.history().last("joint.max_penetration"), 1e-12);
+    }
+    assert!(stress_error(&coarse) > 3.0 * stress_error(&fine));
+}
+
+/// A block is pressed into a table of the same pitch and drawn over it, so that nodes pass over nodes.
+fn dragged(contact: &str, by: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.table]
+        block = {{ box = {{ size = [7.0, 4.0, 2.0] }}, elements = [7, 4, 1] }}
+        material = "soft"
+        [body.block]
+        block = {{ box = {{ origin = [1.0, 1.0, 2.0], size = [3.0, 2.0, 1.5] }}, elements = [3, 2, 1] }}
+        material = "hard"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [material.hard]
+        model = "neo-hookean"
+        young = 200.0
+        poisson = 0.3
+        [contact.sole]
+        slave = "block.zmin"
+        master = "table.zmax"
+        {contact}
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{{ set = "table.zmin" }}]
+        move = [{{ target = "block.zmax", by = [0.0, 0.0, -0.2] }}]
+        [[step]]
+        name = "drag"
+        increments = 10
+        fix = [{{ set = "table.zmin" }}]
+        move = [{{ target = "block.zmax", by = [{by}, 0.0] }}]
+        [output]
+        every = 100
+        history = ["block.zmax", "table.zmin"]
+        "#
+    ))
+}
+
+#[test]
+fn two_passes_slide_far_whatever_the_ranks() {
+    // The last one passes nodes by a tenth of an element at most. Exactly over nodes, rounding decides the path.
+    for (contact, by) in [
+        ("smoothing = \"facet\"\nfriction = 0.3", "2.0, 0.3"),
+        ("smoothing = \"nagata\"", "2.0, 0.3"),
+        ("smoothing = \"nagata\"\nfriction = 0.3", "2.0, 0.1"),
+    ] {
+        let bench = dragged(&format!("discretization = \"two-pass\"\n{contact}"), by);
+        let one = bench.solve(1, &[]);
+        let history = one.history();
+        assert_eq!((history.len(), one.summary()["cutbacks"].as_u64()), (12, Some(0)), "{contact}");
+        for c in ["fx", "fy", "fz"] {
+            let of = |name: &str| history.column(&format!("{name}.{c}"));
+            for k in 0..history.len() {
+                let scale = history.largest_force("block.zmax");
+                assert_small("what is held above and below", (of("block.zmax")[k] + of("table.zmin")[k]) / scale, 1e-9);
+                assert_small("what the table gives the block", (of("block.zmax")[k] + of("sole")[k]) / scale, 1e-9);
+            }
+        }
+        // The forces of both blocks are those on all nodes of a side, own and received.
+        for (grid, sign) in [("contact.sole", 1.0), ("contact.sole.master", -1.0)] {
+            let forces = one.vectors(one.written(), grid, "force");
+            let sum: f64 = forces.iter().map(|f| f[2]).sum();
+            assert_close(grid, sum, sign * history.last("sole.fz"), 1e-9);
+        }
+        for ranks in 2..=4 {
+            let other = bench.solve(ranks, &[]).history();
+            assert_small(&format!("{contact}, {ranks} ranks"), other.difference(&history), 1e-8);
+        }
+    }
+}
+
+/// Two blocks on conforming meshes, or one of their height, are pressed and sheared; `grip` is how they are held together.
+fn sheared(bodies: &str, grip: &str, foot: &str, by: f64) -> Run {
+    Bench::new(&format!(
+        r#"
+        {bodies}
+        {grip}
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [[step]]
+        increments = 4
+        fix = [{{ set = "{foot}.zmin" }}]
+        move = [{{ target = "upper.zmax", by = [{by}, 0.0, -0.2] }}]
+        [output]
+        every = 100
+        history = ["{foot}.zmin", "upper.zmax"]
+        "#
+    ))
+    .solve(2, &[])
+}
+
+fn block(name: &str, z: f64, height: f64, layers: usize) -> String {
+    format!(
+        "[body.{name}]\nmaterial = \"soft\"\n[body.{name}.block]\nelements = [3, 2, {layers}]\n\
+         box = {{ origin = [0.0, 0.0, {z:.1}], size = [6.0, 4.0, {height:.1}] }}\n"
+    )
+}
+
+fn by_node(friction: f64) -> String {
+    format!(
+        "[contact.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"\ndiscretization = \"node-to-node\"\n\
+         friction = {friction}\n"
+    )
+}
+
+#[test]
+fn nodes_that_stick_to_nodes_make_one_body_of_two() {
+    let two = block("lower", 0.0, 2.0, 1) + &block("upper", 2.0, 2.0, 1);
+    let (held, whole) =
+        (sheared(&two, &by_node(20.0), "lower", 0.05), sheared(&block("upper", 0.0, 4.0, 2), "", "upper", 0.05));
+    assert_eq!(held.history().last("joint.stick"), 12.0);
+    for c in ["fx", "fz"] {
+        let column = format!("upper.zmax.{c}");
+        assert_close(c, held.history().last(&column), whole.history().last(&column), 1e-9);
+    }
+}
+
+#[test]
+fn nodes_that_slip_on_nodes_obey_coulomb() {
+    let two = block("lower", 0.0, 2.0, 1) + &block("upper", 2.0, 2.0, 1);
+    let run = sheared(&two, &by_node(0.1), "lower", 0.4);
+    let (forces, statuses) = (run.vectors(1, "contact.joint", "force"), run.scalars(1, "contact.joint", "status"));
+    assert_eq!(statuses, [2.0; 12]);
+    for [x, y, z] in forces {
+        assert_close("friction", x.hypot(y), 0.1 * z, 1e-8);
+        assert!(x < 0.0);
+    }
+}
+
+#[test]
+fn nodes_without_a_counterpart_are_named() {
+    let bench = Bench::new(&std::fs::read_to_string("inputs/patch-test.toml").unwrap());
+    let run = bench.run(2, &["--set", "contact.joint.discretization=node-to-node"]);
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("of `upper.bottom` at (") && run.stderr.contains("no node of `lower.top`"));
+    let scene = bench.path("scene.toml");
+    let check = |settings: &[&str]| {
+        let settings: Vec<&str> = settings.iter().flat_map(|s| ["--set", s]).collect();
+        let all = [&["check", scene.to_str().unwrap()], &settings[..]].concat();
+        nagata(scene.parent().unwrap(), 1, &all, bench.path("none"))
+    };
+    let meaningless = check(&["contact.joint.discretization=node-to-node", "contact.joint.transfer=bilinear"]);
+    assert!(meaningless.code == 2 && meaningless.stderr.contains("means nothing from node to node"));
+    let coarse = check(&COARSE_SLAVE);
+    assert!(coarse.stdout.contains("`lower.top` has the coarser mesh (facets of 3.3333 against 2.0000"));
+    let stiff = [
+        &FINE_SLAVE[..],
+        &["material.hard={ model = \"neo-hookean\", young = 200.0, poisson = 0.3 }", "body.upper.material=hard"],
+    ]
+    .concat();
+    assert!(check(&stiff).stdout.contains("`upper.bottom` is the stiffer (Young's modulus 2.0000e2 against 1.0000e2"));
+    for right in [&FINE_SLAVE[..], &[]] {
+        assert!(!check(right).stdout.contains("warning"));
+    }
+}

@@ -1,0 +1,208 @@
+//! Self-contact: a strip that closes onto itself.
+
+mod common;
+
+use common::{Bench, History, Run, assert_small};
+
+/// Length of the facets of the legs.
+const FACET: f64 = 0.8;
+
+/// The scene and mesh of `inputs/`, with the scene's text changed.
+fn strip(edit: impl Fn(String) -> String) -> Bench {
+    let folder = env!("CARGO_MANIFEST_DIR");
+    let bench = Bench::new(&edit(std::fs::read_to_string(format!("{folder}/inputs/c-strip.toml")).unwrap()));
+    bench.write("c-strip.msh", MESH);
+    bench
+}
+
+const MESH: &str = include_str!("../inputs/c-strip.msh");
+
+/// The upper half of the mesh.
+fn upper_half() -> String {
+    let lines: Vec<&str> = MESH.lines().collect();
+    let section = |name: &str| {
+        let at = lines.iter().position(|l| *l == name).unwrap();
+        let count: usize = lines[at + 1].parse().unwrap();
+        (at, &lines[at + 2..at + 2 + count])
+    };
+    let ((head, nodes), (_, elements)) = (section("$Nodes"), section("$Elements"));
+    let word = |line: &str, k: usize| line.split(' ').nth(k).unwrap().to_string();
+    let nodes: Vec<&str> = nodes.iter().filter(|l| word(l, 2).parse::<f64>().unwrap() >= 0.0).copied().collect();
+    let kept: std::collections::BTreeSet<String> = nodes.iter().map(|l| word(l, 0)).collect();
+    let whole = |l: &&&str| l.split(' ').skip(5).all(|n| kept.contains(n));
+    let elements: Vec<&str> = elements.iter().filter(whole).copied().collect();
+    let list = |name: &str, lines: &[&str]| format!("${name}\n{}\n{}\n$End{name}\n", lines.len(), lines.join("\n"));
+    lines[..head].join("\n") + "\n" + &list("Nodes", &nodes) + &list("Elements", &elements)
+}
+
+/// What holds and moves the strip.
+const HANDLES: [&str; 5] = ["lip-top", "lip-bottom", "leg-top", "leg-bottom", "bend"];
+
+/// The reactions balance in every increment.
+fn check_balance(history: &History) {
+    let scale = history.largest_force("strip.lip-top");
+    for c in ["fx", "fy"] {
+        let of = HANDLES.map(|handle| history.column(&format!("strip.{handle}.{c}")));
+        let worst = (0..history.len()).map(|k| of.iter().map(|f| f[k]).sum::<f64>().abs()).fold(0.0, f64::max);
+        assert_small("balance", worst / scale, 1e-8);
+    }
+}
+
+/// Deepest that a node of the surface is below the surface of the other leg, in all increments written; over the length of
+/// a facet. In the plane z = 0; a smoothed facet is six straight pieces.
+fn deepest(run: &Run) -> f64 {
+    let quads: Vec<i64> = hdf5::File::open(run.out.join("fields.h5"))
+        .and_then(|file| file.dataset("grids/master_inside/cells")?.read_raw())
+        .unwrap();
+    let (nodes, surface) = (run.points("contact.inside"), run.points("master.inside"));
+    let front = |quad: &[i64]| -> Vec<usize> {
+        quad.iter().map(|&n| n as usize).filter(|&n| surface[n][2].abs() < 1e-9).collect()
+    };
+    let pieces: Vec<Vec<usize>> = quads.chunks(4).map(front).filter(|piece| piece.len() == 2).collect();
+    let mut worst = f64::NEG_INFINITY;
+    for increment in 1..=run.written() {
+        let moved = |grid: &str, points: &[[f64; 3]]| -> Vec<[f64; 2]> {
+            let u = run.vectors(increment, grid, "displacement");
+            points.iter().zip(u).map(|(x, u)| [x[0] + u[0], x[1] + u[1]]).collect()
+        };
+        let (at, on) = (moved("contact.inside", &nodes), moved("master.inside", &surface));
+        for piece in &pieces {
+            // From left to right, the material of the upper leg is on the left hand and that of the lower on the right.
+            let [a, b] = if surface[piece[0]][0] < surface[piece[1]][0] { [0, 1] } else { [1, 0] }.map(|k| piece[k]);
+            let side = surface[a][1].signum();
+            let length = (on[b][0] - on[a][0]).hypot(on[b][1] - on[a][1]);
+            let along = [0, 1].map(|d| (on[b][d] - on[a][d]) / length);
+            for n in (0..nodes.len()).filter(|&n| nodes[n][2] == 0.0 && is_opposite(&nodes[n], &surface[a])) {
+                let d = [at[n][0] - on[a][0], at[n][1] - on[a][1]];
+                let (s, depth) = (d[0] * along[0] + d[1] * along[1], side * (along[0] * d[1] - along[1] * d[0]));
+                if (0.0..=length).contains(&s) && depth < 0.9 {
+                    worst = worst.max(depth / FACET);
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// Whether two points are on different legs, at least one of them away from the bend.
+fn is_opposite(a: &[f64; 3], b: &[f64; 3]) -> bool {
+    a[1] * b[1] < 0.0 && (a[0] > 0.0 || b[0] > 0.0)
+}
+/// All the way, from open to closed and drawn askew, faceted and smoothed, with friction and without. What is left is a
+/// twentieth of a facet, the extension on which a node may leave its patch, times the angle to the next one.
+#[test]
+fn no_node_goes_through_a_face() {
+    for (smoothing, friction, tolerance) in
+        [("nagata", 0.0, 1e-3), ("nagata", 0.2, 1e-3), ("facet", 0.0, 2e-3), ("facet", 0.2, 2e-3)]
+    {
+        let of = |key: &str| format!("contact.inside.{key}");
+        let (smooth, rub) = (of(&format!("smoothing={smoothing}")), of(&format!("friction={friction}")));
+        let run = strip(|s| s).solve(1, &["--set", &smooth, "--set", &rub]);
+        let history = run.history();
+        assert_eq!(history.column("inside.active")[0], 0.0);
+        assert!(history.last("inside.active") > 8.0, "{}", history.last("inside.active"));
+        assert!((history.last("inside.stick") + history.last("inside.slip")) == history.last("inside.active"));
+        check_balance(&history);
+        assert_small(&format!("{smoothing} {friction}: penetration"), deepest(&run), tolerance);
+    }
+}
+
+/// Closed and rolled without friction, each leg is half of a symmetric whole: as if it met a rigid plane.
+#[test]
+fn a_symmetric_strip_is_half_a_strip_on_a_plane() {
+    let run = strip(|s| s).solve(1, &["--steps", "2", "--set", "contact.inside.friction=0"]);
+    let whole = run.history();
+    let half = strip(|scene| {
+        let (start, rest) = scene.split_once("[contact.inside]").unwrap();
+        let (_, steps) = rest.split_once("[[step]]").unwrap();
+        let fixed = "{ set = \"strip.bend\", directions = \"x\" }, { set = \"strip.cut\", directions = \"y\" }";
+        let above = |line: &&str| !line.contains("-bottom");
+        let steps = steps.replace("{ set = \"strip.bend\" }", fixed).replace(", \"strip.", ",\n\"strip.");
+        let steps = steps.lines().filter(above).collect::<Vec<_>>().join("\n");
+        let plane = "[tool.plane]\nplane = { point = [0, 0, 0], normal = [0, 1, 0] }\n";
+        format!("{start}{plane}[contact.inside]\nslave = \"strip.inside\"\nmaster = \"plane\"\n[[step]]{steps}")
+    });
+    half.write("c-strip.msh", &upper_half());
+    let half = half.solve(1, &["--steps", "2"]).history();
+    let scale = whole.largest_force("strip.lip-top");
+    for column in ["lip-top.fy", "leg-top.fy", "lip-top.ux", "leg-top.ux"].map(|c| format!("strip.{c}")) {
+        let pairs = whole.column(&column).iter().zip(half.column(&column));
+        let worst = pairs.map(|(w, h)| (w - h).abs()).fold(0.0, f64::max);
+        assert_small(&column, worst / if column.ends_with("fy") { scale } else { 1.0 }, 1e-6);
+    }
+    assert_eq!(whole.last("inside.active"), 2.0 * half.last("inside.active"));
+    check_mirror(&run);
+}
+
+/// What is above is below, mirrored; and the contact forces of all nodes add up to nothing.
+fn check_mirror(run: &Run) {
+    let nodes = run.points("contact.inside");
+    let mirrored = |x: &[f64; 3]| nodes.iter().position(|y| *y == [x[0], -x[1], x[2]]).unwrap();
+    for increment in 1..=run.written() {
+        let field = |name: &str| run.vectors(increment, "contact.inside", name);
+        let (u, f) = (field("displacement"), field("force"));
+        let off = |v: &[[f64; 3]], n: usize, m: usize| (v[n][0] - v[m][0]).abs().max((v[n][1] + v[m][1]).abs());
+        let worst = |v: &[[f64; 3]]| (0..nodes.len()).map(|n| off(v, n, mirrored(&nodes[n]))).fold(0.0, f64::max);
+        let scale = f.iter().flatten().fold(1.0, |m: f64, f| m.max(f.abs()));
+        assert!(worst(&u) < 1e-8 && worst(&f) < 1e-8 * scale, "{:e} {:e}", worst(&u), worst(&f));
+        let sum = |d: usize| f.iter().map(|f| f[d]).sum::<f64>().abs();
+        assert!(sum(0) < 1e-8 * scale && sum(1) < 1e-8 * scale, "{:e} {:e}", sum(0), sum(1));
+    }
+}
+
+/// Without friction closing costs what opening gives back: the forces are the same on both ways.
+#[test]
+fn frictionless_contact_has_no_memory() {
+    let bench = strip(|scene| {
+        let (start, rest) = scene.split_once("[[step]]\nname = \"roll\"").unwrap();
+        let (_, output) = rest.split_once("[output]").unwrap();
+        let (_, close) = start.split_once("[[step]]").unwrap();
+        let open = close.replace("close", "open").replace(" 4.1", " -4.3").replace("-4.1", "4.3");
+        let close = close.replace("4.1", "4.3");
+        format!("{}[[step]]{close}[[step]]{open}[output]{output}", start.split_once("[[step]]").unwrap().0)
+    });
+    let history = bench.solve(1, &["--set", "contact.inside.friction=0"]).history();
+    assert_eq!(history.len(), 40);
+    assert!(history.column("inside.active")[19] > 4.0);
+    let force = history.column("strip.lip-top.fy");
+    let worst = (0..19).map(|k| (force[18 - k] - force[20 + k]).abs()).fold(0.0, f64::max);
+    assert_small("hysteresis", worst / history.largest_force("strip.lip-top"), 1e-6);
+}
+
+/// Both sides and the ends of the strip may meet: the same as the inside alone, since no node takes the far side of its own
+/// leg for something that it has penetrated.
+#[test]
+fn the_far_side_of_a_sheet_attracts_nothing() {
+    for (smoothing, friction) in [("facet", 0.2), ("nagata", 0.0)] {
+        let rub = format!("contact.inside.friction={friction}");
+        let smooth = format!("contact.inside.smoothing={smoothing}");
+        let common = ["--steps", "2", "--set", &rub, "--set", &smooth];
+        let skin = || strip(|scene| scene.replace("strip.inside", "strip.skin"));
+        let inside = strip(|s| s).solve(1, &common).history();
+        let measured = skin().solve(1, &common).history();
+        let given = skin().solve(1, &[common.as_slice(), &["--set", "contact.inside.thickness=2"]].concat()).history();
+        for (what, found) in [("measured", measured), ("given", given)] {
+            assert_eq!(found.last("inside.active"), inside.last("inside.active"));
+            let names = ["strip.lip-top", "strip.leg-top"];
+            let difference = found.row_difference(found.len() - 1, &inside, inside.len() - 1, &names);
+            assert_small(&format!("{smoothing}, thickness {what}"), difference, 1e-6);
+        }
+    }
+}
+
+/// Askew from the start, with friction: no nodes meet.
+#[test]
+fn the_number_of_ranks_does_not_matter() {
+    let askew = ["--set", "step.close.move.0={ target = \"strip.lip-top\", by = [0.9, -4.1, 0.0] }"];
+    let arguments = [askew.as_slice(), &["--steps", "2", "--set", "output.every=4"]].concat();
+    let bench = strip(|s| s);
+    let run = bench.solve(1, &arguments);
+    let alone = run.history();
+    check_balance(&alone);
+    assert!(alone.last("inside.active") > 8.0);
+    assert_small("penetration", deepest(&run), 1e-3);
+    for ranks in [2, 3, 4, 7] {
+        let difference = alone.difference(&bench.solve(ranks, &arguments).history());
+        assert_small(&format!("{ranks} ranks"), difference, 1e-8);
+    }
+}
