@@ -10,7 +10,7 @@
 //! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
-//! - [`solid`]: elements and materials as pure functions on fixed-size arrays
+//! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
 //! - [`contact`]: placed tools, deformable masters, contact pairs, and the augmented-Lagrangian contact elements
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points

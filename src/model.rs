@@ -9,7 +9,8 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, distribute};
 use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, did_you_mean};
-use crate::solid::element::{hex8, tet4};
+use crate::solid::element::{hex8, plane4, tet4};
+use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::MovingPatch;
 use crate::system::nodal_stiffness;
@@ -26,9 +27,23 @@ pub struct Body {
     pub plane_strain: bool,
 }
 
+impl Body {
+    /// Integration points of an element of the body that have states.
+    fn points_with_memory(&self, shape: SolidShape) -> usize {
+        match shape {
+            _ if !self.material.remembers() => 0,
+            _ if self.plane_strain => plane4::POINTS,
+            SolidShape::Hex8 => hex8::POINTS,
+            SolidShape::Tet4 => tet4::POINTS,
+        }
+    }
+}
+
 /// What is modelled, on this rank.
 pub struct Model {
     pub part: Part,
+    /// How the solids of the part have flowed until the last accepted increment.
+    pub history: History,
     pub bodies: Vec<Body>,
     pub tools: Vec<Tool>,
     /// Deformable masters, one for each pair that has one.
@@ -76,7 +91,10 @@ impl Model {
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let (surfaces, pairs) = (Vec::new(), Vec::new());
         let warnings = Vec::new();
-        let mut model = Self { part, bodies, tools, surfaces, pairs, set_index, stiffness: 0.0, size: 0.0, warnings };
+        let points = part.solids.iter().map(|solid| bodies[solid.body as usize].points_with_memory(solid.shape));
+        let history = History::new(points);
+        let mut model =
+            Self { part, history, bodies, tools, surfaces, pairs, set_index, stiffness: 0.0, size: 0.0, warnings };
         let passes = scene.passes();
         let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c.master.value.as_str(), given)));
         let mut avoided = Vec::new();

@@ -140,14 +140,16 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let mut text = format!("{}\n", heading(comm, scene, model));
     for body in &scene.bodies {
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
-            MaterialModel::NeoHookean { .. } => "neo-hookean",
-            MaterialModel::Hooke { .. } => "hooke (logarithmic strain)",
+            MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
+            MaterialModel::Hooke { .. } => "hooke (logarithmic strain); no plasticity",
+            MaterialModel::Plastic { hill: None, .. } => "elastic-plastic (von Mises)",
+            MaterialModel::Plastic { hill: Some(_), .. } => "elastic-plastic (Hill)",
         });
         let model = model.bodies.iter().find(|b| b.name == body.name.value);
         let strain =
             if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
         let element = model.map_or(String::new(), |m| m.element.key().to_string());
-        let _ = writeln!(text, "body `{}`: {element}, {}{strain}; no plasticity", body.name.value, kind.unwrap_or("?"));
+        let _ = writeln!(text, "body `{}`: {element}{strain}, {}", body.name.value, kind.unwrap_or("?"));
     }
     for tool in &model.tools {
         let _ = writeln!(text, "{}", self::tool(tool));

@@ -3,7 +3,8 @@
 //! A node that comes to a sharp corner, or to the end of the surface that it slides on, feels another force the moment
 //! that it is past it. What holds the structure together may not balance that force anywhere near. As loads stand still,
 //! the structure then moves until it finds another equilibrium. This motion is followed in steps, against a drag that
-//! falls from step to step to nothing; slip origins and multipliers go along, so that friction acts against the motion.
+//! falls from step to step to nothing; slip origins, multipliers and plastic flow go along, so that friction and yielding act
+//! against the motion.
 //! The end is an equilibrium without drag.
 
 use super::Analysis;
@@ -11,6 +12,7 @@ use super::step::{Attempt, Frame};
 use crate::Vec3;
 use crate::contact::{Pair, Pose};
 use crate::error::Result;
+use crate::solid::history::History;
 use petsc::{Snes, Vector};
 use std::fmt::Write;
 
@@ -26,6 +28,7 @@ const STEPS: usize = 100;
 /// What a jump that fails leaves behind.
 struct Before {
     pairs: Vec<Pair>,
+    history: History,
     poses: Vec<Pose>,
     u: Vec<Vec3>,
     offsets: Vec<Vec3>,
@@ -68,6 +71,7 @@ impl Analysis<'_> {
     fn before(&self, frame: &Frame) -> Before {
         Before {
             pairs: self.model.pairs.clone(),
+            history: self.model.history.clone(),
             poses: self.model.tools.iter().map(|tool| tool.committed).collect(),
             u: self.state.u.clone(),
             offsets: frame.offsets.clone(),
@@ -78,6 +82,7 @@ impl Analysis<'_> {
 
     fn restore(&mut self, frame: &mut Frame, before: Before) {
         self.model.pairs = before.pairs;
+        self.model.history = before.history;
         for (tool, pose) in self.model.tools.iter_mut().zip(before.poses) {
             tool.committed = pose;
         }

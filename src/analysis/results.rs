@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::contact::{Master, Status};
 use crate::error::Result;
 use crate::mesh::SolidShape;
-use crate::model::Model;
+use crate::model::{Body, Model};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::History;
@@ -117,6 +117,11 @@ impl Results {
             row.extend(sums[..3].iter().map(|u| u / sums[6]));
             row.extend(&sums[3..6]);
         }
+        for (b, _) in plastic_bodies(model) {
+            let mut energies = assembly::energies(model, at.u, b);
+            sum(comm, &mut energies);
+            row.extend(energies);
+        }
         for pair in model.pairs.iter().filter(|p| !p.is_second) {
             let mut counts = [0.0; 3];
             let mut most = [0.0f64; 2];
@@ -153,16 +158,21 @@ impl Results {
     /// A file that cannot be written, on all ranks.
     pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
         let stresses = assembly::stresses(model, u);
+        let plastic = !model.history.is_empty();
+        let plastic_strains = if plastic { assembly::plastic_strains(model, u) } else { Vec::new() };
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
             let of_body: Vec<_> = mine.filter(|(s, _)| s.body == b as u32).map(|(_, stress)| *stress).collect();
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
-            grids.push(Columns {
-                grid: shown.id,
-                node: vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))],
-                cell: vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)],
-            });
+            let mut cell = vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)];
+            if model.bodies[b].material.remembers() {
+                let mine = model.part.solids.iter().filter(|s| s.mine).zip(&plastic_strains);
+                let of_body = mine.filter(|(s, _)| s.body == b as u32).map(|(_, strain)| *strain).collect();
+                cell.push(("equivalent_plastic_strain", 1, of_body));
+            }
+            let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
+            grids.push(Columns { grid: shown.id, node, cell });
         }
         for (p, shown) in self.contacts.iter().enumerate() {
             grids.push(contact_columns(model, p, shown, u));
@@ -203,11 +213,19 @@ fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
     values.flat_map(|v| [v.x, v.y, v.z]).collect()
 }
 
+/// The bodies that can flow, with their numbers.
+fn plastic_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
+    model.bodies.iter().enumerate().filter(|(_, body)| body.material.remembers())
+}
+
 /// Columns of the history after `step,increment,time,iterations`.
 fn columns(model: &Model, watched: &[String]) -> Vec<String> {
     let names = model.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
     let mut columns: Vec<String> =
         names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
+    for (_, body) in plastic_bodies(model) {
+        columns.extend(["elastic_energy", "plastic_work"].map(|c| format!("{}.{c}", body.name)));
+    }
     for pair in model.pairs.iter().filter(|p| !p.is_second) {
         let quantities = ["active", "stick", "slip", "max_penetration", "max_pressure"];
         columns.extend(quantities.map(|c| format!("{}.{c}", pair.name)));

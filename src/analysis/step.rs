@@ -12,7 +12,7 @@ use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
 use crate::scene::{Smoothing, Step};
 use crate::system::dofs::node_name;
-use crate::system::{DofMap, Pattern};
+use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
@@ -291,6 +291,7 @@ impl Analysis<'_> {
         }
         frame.offsets.clone_from(&converged.offsets);
         self.state.u.clone_from(&converged.u);
+        assembly::flow(&mut self.model, &self.state.u);
         self.model.turn_slaves(&self.state.u);
         self.state.tool_forces.clone_from(&converged.tool_forces);
         self.state.scale = converged.scale;

@@ -10,7 +10,7 @@ use crate::Vec3;
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::partition::{Part, PartFacet};
-use crate::scene::{self, MaterialModel, Scene};
+use crate::scene::{self, Scene};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
@@ -115,9 +115,7 @@ fn center_and_area(part: &Part, facet: &PartFacet) -> (Vec3, Vec3) {
 fn young(scene: &Scene, set: &str) -> f64 {
     let body = scene.bodies.iter().find(|b| set.split('.').next() == Some(b.name.value.as_str()));
     let card = body.and_then(|b| scene.materials.iter().find(|m| m.name.value == b.material.value));
-    card.map_or(0.0, |m| match m.model {
-        MaterialModel::NeoHookean { young, .. } | MaterialModel::Hooke { young, .. } => young,
-    })
+    card.map_or(0.0, |m| m.model.young())
 }
 
 #[cfg(test)]

@@ -38,9 +38,12 @@
 //!
 //! | key | value |
 //! |---|---|
-//! | `model` * | `"neo-hookean"` or `"hooke"`, see [`MaterialModel`] |
+//! | `model` * | `"neo-hookean"`, `"hooke"`, `"j2"` or `"hill"`, see [`MaterialModel`] |
 //! | `young` * | Young's modulus, above 0 |
 //! | `poisson` * | Poisson's ratio, above -1 and below 0.5 |
+//! | `yield_stress` * (`"j2"`, `"hill"`) | where flow begins; not beside a table or `e0`, which give it |
+//! | `hardening` = none (`"j2"`, `"hill"`) | by the equivalent plastic strain e; one of `linear`, `swift`, `voce` and `table`: `{ linear = number }`, yield_stress + linear e; `{ swift = { k*, n*, e0 } }`, k (e0 + e)^n, with e0 from the yield stress; `{ voce = { saturation*, rate*, linear = 0 } }`, yield_stress + linear e + (saturation - yield_stress) (1 - exp(-rate e)); `{ table = [[0, stress], [e, stress], ...] }`, constant after the last |
+//! | `hill` * (`"hill"`) | `{ f*, g*, h*, l = 1.5, m = 1.5, n*, x = [1, 0, 0], y = [0, 1, 0] }`: flow at f (s_yy - s_zz)^2 + g (s_zz - s_xx)^2 + h (s_xx - s_yy)^2 + 2 l s_yz^2 + 2 m s_zx^2 + 2 n s_xy^2 = the yield stress squared, along the material's axes x, y of the undeformed state; of y counts what is normal to x |
 //!
 //! ## `[tool.NAME]`: a rigid surface
 //!
@@ -143,6 +146,7 @@
 
 mod contacts;
 mod descriptions;
+mod materials;
 mod names;
 mod overrides;
 mod parse;
@@ -160,8 +164,8 @@ pub use descriptions::{
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 
-use crate::Vec3;
 use crate::error::Location;
+use crate::{Mat3, Vec3};
 use std::path::PathBuf;
 
 /// A value with the place where the user wrote it.
@@ -275,12 +279,45 @@ pub struct Material {
 }
 
 /// The material models and their parameters, checked to be physical.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum MaterialModel {
     /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J.
     NeoHookean { young: f64, poisson: f64 },
     /// Kirchhoff stress linear in the logarithmic strain.
     Hooke { young: f64, poisson: f64 },
+    /// Elastic-plastic in logarithmic strain, by von Mises or, when given, by Hill.
+    Plastic { young: f64, poisson: f64, hill: Option<Hill>, hardening: Hardening },
+}
+
+impl MaterialModel {
+    /// Young's modulus.
+    pub fn young(&self) -> f64 {
+        match *self {
+            Self::NeoHookean { young, .. } | Self::Hooke { young, .. } | Self::Plastic { young, .. } => young,
+        }
+    }
+}
+
+/// Hill's criterion of 1948.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hill {
+    /// F, G, H, L, M, N.
+    pub coefficients: [f64; 6],
+    /// Columns are the axes of the material in the reference state, orthonormal.
+    pub axes: Mat3,
+}
+
+/// The yield stress by the equivalent plastic strain; it is above 0 and never falls.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Hardening {
+    /// yield_stress + modulus e; perfectly plastic when the modulus is 0.
+    Linear { yield_stress: f64, modulus: f64 },
+    /// k (e0 + e)^n.
+    Swift { k: f64, e0: f64, n: f64 },
+    /// yield_stress + modulus e + (saturation - yield_stress) (1 - exp(-rate e)).
+    Voce { yield_stress: f64, saturation: f64, rate: f64, modulus: f64 },
+    /// Points (e, stress) from e = 0; linear between them, constant after the last.
+    Table(Vec<[f64; 2]>),
 }
 
 /// A contact pair.

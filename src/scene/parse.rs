@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, Element, FaceGroup, Located, Material, MaterialModel, MeshSource, Output, Scene, Solver,
-    Tool, contacts, overrides, steps, tools,
+    Block, BlockShape, Body, Element, FaceGroup, Located, MeshSource, Output, Scene, Solver, Tool, contacts, materials,
+    overrides, steps, tools,
 };
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -91,7 +91,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
             "add a table `[body.NAME]` with a mesh and a material",
         ));
     }
-    let materials = materials.into_iter().map(|(name, item)| Ok(Material { name, model: material_model(&item)? }));
+    let materials = materials.into_iter().map(|(name, item)| materials::read(name, &item));
     let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
     let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
     let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
@@ -231,21 +231,6 @@ fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
         Ok((name, faces))
     };
     item.named()?.into_iter().map(group).collect()
-}
-
-fn material_model(item: &Item) -> Result<MaterialModel> {
-    let table = item.table(&["model", "young", "poisson"])?;
-    type Make = fn(f64, f64) -> MaterialModel;
-    let neo_hookean: Make = |young, poisson| MaterialModel::NeoHookean { young, poisson };
-    let hooke: Make = |young, poisson| MaterialModel::Hooke { young, poisson };
-    let models = [("neo-hookean", neo_hookean), ("hooke", hooke)];
-    let model = table.require("model", "\"neo-hookean\"")?.choice(&models)?;
-    let young = table.require("young", "210000.0")?.positive()?;
-    let poisson = table.require("poisson", "0.3")?;
-    let incompressible = poisson.number()? >= 0.5;
-    let help =
-        if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
-    Ok(model(young, poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?))
 }
 
 fn output(root: &Table, names: &Names) -> Result<Output> {

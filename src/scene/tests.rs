@@ -779,3 +779,73 @@ fn what_a_tool_has_and_a_body_lacks_is_told() {
     let wrong = "master = \"slab.side\"\ntransfer = \"mortar\"";
     assert_eq!(reason("master = \"indenter\"", wrong), "contact.top.transfer cannot be \"mortar\"");
 }
+
+/// The scene with another card in place of `steel`.
+fn with_steel(card: &str) -> crate::error::Result<Scene> {
+    read(SCENE, &[&format!("material.steel={{ young = 2e5, poisson = 0.3, {card} }}")])
+}
+
+#[test]
+fn plastic_materials_are_read() {
+    let hardening = |card: &str| match with_steel(card).unwrap_or_else(|error| panic!("{error}")).materials[1].model {
+        MaterialModel::Plastic { young: 2e5, poisson: 0.3, hill: None, ref hardening } => hardening.clone(),
+        ref other => panic!("{other:?}"),
+    };
+    let j2 = "model = \"j2\", yield_stress = 250";
+    assert_eq!(hardening(j2), Hardening::Linear { yield_stress: 250.0, modulus: 0.0 });
+    let linear = hardening(&format!("{j2}, hardening = {{ linear = 500 }}"));
+    assert_eq!(linear, Hardening::Linear { yield_stress: 250.0, modulus: 500.0 });
+    let Hardening::Swift { k, e0, n } = hardening(&format!("{j2}, hardening = {{ swift = {{ k = 500, n = 0.25 }} }}"))
+    else {
+        panic!()
+    };
+    assert!((k, n) == (500.0, 0.25) && (e0 - 0.0625).abs() < 1e-15);
+    let given = hardening("model = \"j2\", hardening = { swift = { k = 500, n = 0.25, e0 = 0.01 } }");
+    assert_eq!(given, Hardening::Swift { k: 500.0, e0: 0.01, n: 0.25 });
+    let voce = hardening(&format!("{j2}, hardening = {{ voce = {{ saturation = 400, rate = 16.93, linear = 129 }} }}"));
+    assert_eq!(voce, Hardening::Voce { yield_stress: 250.0, saturation: 400.0, rate: 16.93, modulus: 129.0 });
+    let table = hardening("model = \"j2\", hardening = { table = [[0, 250], [0.1, 300]] }");
+    assert_eq!(table, Hardening::Table(vec![[0.0, 250.0], [0.1, 300.0]]));
+    let hill = "hill = { f = 0.283, g = 0.358, h = 0.642, n = 1.289, x = [0, 2, 0], y = [-1, 1, 0] }";
+    let sheet = with_steel(&format!("model = \"hill\", yield_stress = 157.12, {hill}")).unwrap();
+    let MaterialModel::Plastic { hill: Some(hill), .. } = &sheet.materials[1].model else { panic!() };
+    assert_eq!(hill.coefficients, [0.283, 0.358, 0.642, 1.5, 1.5, 1.289]);
+    let axes = crate::Mat3::from_columns(&[Vec3::y(), -Vec3::x(), Vec3::z()]);
+    assert!((hill.axes - axes).norm() < 1e-15);
+}
+
+#[test]
+fn plastic_materials_are_physical() {
+    let told = |card: &str| {
+        let message = refusal(with_steel(card));
+        message.split_once("material.steel").unwrap().1.split('\n').next().unwrap().to_string()
+    };
+    let j2 = |rest: &str| told(&format!("model = \"j2\", yield_stress = 250, hardening = {rest}"));
+    let hill = |rest: &str| told(&format!("model = \"hill\", yield_stress = 250, hill = {rest}"));
+    let message = |card: &str| refusal(with_steel(card));
+    assert!(message("model = \"j2\"").contains("has no `yield_stress`"));
+    assert!(message("model = \"hill\", yield_stress = 1").contains("has no `hill`"));
+    assert!(
+        message("model = \"hooke\", yield_stress = 1")
+            .contains("steel.yield_stress does not belong to this model\n  help: write model = \"j2\" or \"hill\"")
+    );
+    assert!(message("model = \"j2\", yield_stress = 1, hill = {}").contains("hill does not belong to this model"));
+    assert!(j2("{}").ends_with("hardening must have one of `linear`, `swift`, `voce` and `table`"));
+    assert!(j2("{ linear = -1 }").ends_with("hardening.linear must be 0 or more, not -1.0"));
+    assert!(j2("{ swift = { k = 500, n = 2 } }").ends_with("swift.n must be above 0 and at most 1, not 2.0"));
+    assert!(j2("{ swift = { k = 500, n = 0.2, e0 = 0.1 } }").ends_with("swift.e0 stands beside `yield_stress`"));
+    assert!(
+        j2("{ voce = { saturation = 200, rate = 1 } }").ends_with("must be at least yield_stress (250.0), not 200.0")
+    );
+    assert!(j2("{ table = [[0, 1]] }").contains("yield_stress stands beside a table"));
+    let table = |rows: &str| told(&format!("model = \"j2\", hardening = {{ table = {rows} }}"));
+    assert!(table("[[0.1, 1]]").ends_with("table.0 must have the strain 0, as the first point"));
+    assert!(table("[[0, 1], [0, 2]]").ends_with("table.1 must have a larger strain than the last"));
+    assert!(table("[[0, 2], [1, 1]]").ends_with("table.1 must not have a smaller stress than the last"));
+    assert!(table("[[0, 0]]").ends_with("table.0 must have a stress above 0"));
+    assert!(hill("{ f = 1, g = -1, h = 0.2, n = 1 }").ends_with("hill is not a convex criterion"));
+    assert!(hill("{ f = 1, g = 1, h = 1, n = 0 }").ends_with("hill.n must be above 0, not 0.0"));
+    assert!(
+        hill("{ f = 1, g = 1, h = 1, n = 1, x = [1, 1, 0], y = [-2, -2, 0] }").ends_with("has x and y along one line")
+    );
+}

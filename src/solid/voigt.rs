@@ -31,6 +31,45 @@ pub fn left_cauchy_green(f: &Mat3) -> Voigt {
     [entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)]
 }
 
+/// The right Cauchy-Green tensor C = F^T F.
+pub fn right_cauchy_green(f: &Mat3) -> Voigt {
+    left_cauchy_green(&f.transpose())
+}
+
+/// a : b of tensor components.
+pub fn double_contraction(a: &Voigt, b: &Voigt) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
+}
+
+/// The tensor with these principal values and directions.
+pub fn compose(values: &[f64; 3], directions: &[[f64; 3]; 3]) -> Voigt {
+    let mut sum = [0.0; 6];
+    for (value, n) in values.iter().zip(directions) {
+        let product = symmetric_product(n, n);
+        (0..6).for_each(|i| sum[i] += value * product[i]);
+    }
+    sum
+}
+
+/// Adds `factor` t x t to the upper triangle.
+pub fn add_square(tangent: &mut [Voigt; 6], factor: f64, t: &Voigt) {
+    for i in 0..6 {
+        let row = factor * t[i];
+        for j in i..6 {
+            tangent[i][j] += row * t[j];
+        }
+    }
+}
+
+/// Copies the upper triangle to the lower one.
+pub fn mirror(tangent: &mut [Voigt; 6]) {
+    for i in 1..6 {
+        for j in 0..i {
+            tangent[i][j] = tangent[j][i];
+        }
+    }
+}
+
 /// Von Mises stress of a Cauchy stress.
 pub fn von_mises(s: &Voigt) -> f64 {
     let normal = (s[0] - s[1]).powi(2) + (s[1] - s[2]).powi(2) + (s[2] - s[0]).powi(2);

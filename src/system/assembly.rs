@@ -8,7 +8,10 @@ use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Element;
-use crate::solid::element::{ElementMatrices, Inverted, hex8, hex8_fbar, plane4, tet4};
+use crate::solid::element::{
+    ElementMatrices, Inverted, Medium, Sample, advance, average_plastic_strain, average_stress, hex8, hex8_fbar,
+    plane4, plastic_work, stored_energy, tet4,
+};
 use crate::solid::load;
 use crate::solid::voigt::Voigt;
 
@@ -26,25 +29,31 @@ pub fn carrying<'a>(model: &Model, solid: &'a PartSolid) -> &'a [u32] {
 }
 
 impl Scratch {
-    /// Evaluates an element of the part at displacements `u`.
-    fn evaluate(&mut self, model: &Model, solid: &PartSolid, u: &[Vec3], want_tangent: bool) -> Outcome {
+    /// Evaluates element `e` of the part at displacements `u`.
+    fn evaluate(&mut self, model: &Model, e: usize, u: &[Vec3], want_tangent: bool) -> Outcome {
+        let solid = &model.part.solids[e];
         let body = &model.bodies[solid.body as usize];
-        let (points, material) = (&model.part.points, &body.material);
+        let (points, medium) = (&model.part.points, medium(model, e));
         let f_bar = body.element == Element::Hex8Fbar;
         if body.plane_strain {
-            let thickness = points[solid.nodes[4] as usize].z - points[solid.nodes[0] as usize].z;
             let (x, u) = (gather(points, solid), gather(u, solid));
-            return plane4::evaluate((&x, &u), thickness, material, (want_tangent, f_bar), &mut self.of_four);
+            return plane4::evaluate(
+                (&x, &u),
+                thickness(model, solid),
+                medium,
+                (want_tangent, f_bar),
+                &mut self.of_four,
+            );
         }
         match solid.shape {
             SolidShape::Tet4 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
-                tet4::evaluate(&x, &u, material, want_tangent, &mut self.of_four)
+                tet4::evaluate(&x, &u, medium, want_tangent, &mut self.of_four)
             }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = if f_bar { hex8_fbar::evaluate } else { hex8::evaluate };
-                evaluate(&x, &u, material, want_tangent, &mut self.of_eight)
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_eight)
             }
         }
     }
@@ -58,6 +67,39 @@ impl Scratch {
     /// A row of its tangent.
     fn row(&self, nodes: usize, row: usize) -> &[f64] {
         if nodes == 4 { &self.of_four.tangent[row] } else { &self.of_eight.tangent[row] }
+    }
+}
+
+/// What fills element `e` of the part.
+fn medium(model: &Model, e: usize) -> Medium<'_> {
+    let material = &model.bodies[model.part.solids[e].body as usize].material;
+    Medium { material, states: model.history.of(e) }
+}
+
+/// Thickness of an element in plane strain.
+fn thickness(model: &Model, solid: &PartSolid) -> f64 {
+    let z = |a: usize| model.part.points[solid.nodes[a] as usize].z;
+    z(4) - z(0)
+}
+
+/// Lets `act` on the integration points of an element at displacements `u`.
+fn sampled<T>(
+    model: &Model,
+    solid: &PartSolid,
+    u: &[Vec3],
+    act: impl FnOnce(&[Sample]) -> Result<T, Inverted>,
+) -> Result<T, Inverted> {
+    let body = &model.bodies[solid.body as usize];
+    let points = &model.part.points;
+    let f_bar = body.element == Element::Hex8Fbar;
+    match solid.shape {
+        _ if body.plane_strain => {
+            let (x, u) = (gather(points, solid), gather(u, solid));
+            act(&plane4::samples((&x, &u), thickness(model, solid), f_bar)?)
+        }
+        SolidShape::Tet4 => act(&tet4::samples(&gather(points, solid), &gather(u, solid))?),
+        SolidShape::Hex8 if f_bar => act(&hex8_fbar::samples(&gather(points, solid), &gather(u, solid))?),
+        SolidShape::Hex8 => act(&hex8::samples(&gather(points, solid), &gather(u, solid))?),
     }
 }
 
@@ -75,8 +117,8 @@ fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
 /// The first inverted element; the forces are then of no use.
 pub fn internal_forces(model: &Model, u: &[Vec3], forces: &mut [Vec3]) -> Outcome {
     let mut scratch = Scratch::default();
-    for solid in &model.part.solids {
-        scratch.evaluate(model, solid, u, false)?;
+    for (e, solid) in model.part.solids.iter().enumerate() {
+        scratch.evaluate(model, e, u, false)?;
         let nodes = carrying(model, solid);
         for (&n, force) in nodes.iter().zip(scratch.forces(nodes.len())) {
             forces[n as usize] += Vec3::from(*force);
@@ -88,10 +130,10 @@ pub fn internal_forces(model: &Model, u: &[Vec3], forces: &mut [Vec3]) -> Outcom
 /// Adds tangent times `du` to `forces`, with the tangent at `u`.
 pub fn add_tangent_times(model: &Model, u: &[Vec3], du: &[Vec3], forces: &mut [Vec3]) {
     let mut scratch = Scratch::default();
-    for solid in &model.part.solids {
+    for (e, solid) in model.part.solids.iter().enumerate() {
         let nodes = carrying(model, solid);
         let still = nodes.iter().all(|&n| du[n as usize] == Vec3::zeros());
-        if still || scratch.evaluate(model, solid, u, true).is_err() {
+        if still || scratch.evaluate(model, e, u, true).is_err() {
             continue;
         }
         for (a, &n) in nodes.iter().enumerate() {
@@ -108,7 +150,7 @@ pub fn add_tangent_times(model: &Model, u: &[Vec3], du: &[Vec3], forces: &mut [V
 pub fn add_tangent(model: &Model, pattern: &Pattern, u: &[Vec3], values: &mut [f64]) {
     let mut scratch = Scratch::default();
     for (e, solid) in model.part.solids.iter().enumerate() {
-        if scratch.evaluate(model, solid, u, true).is_err() {
+        if scratch.evaluate(model, e, u, true).is_err() {
             continue;
         }
         match carrying(model, solid) {
@@ -141,8 +183,8 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
     let mut diagonal = vec![[0.0; 3]; model.part.points.len()];
     let u = vec![Vec3::zeros(); model.part.points.len()];
     let mut scratch = Scratch::default();
-    for solid in &model.part.solids {
-        if scratch.evaluate(model, solid, &u, true).is_err() {
+    for (e, solid) in model.part.solids.iter().enumerate() {
+        if scratch.evaluate(model, e, &u, true).is_err() {
             let body = &model.bodies[solid.body as usize].name;
             let what = format!("element {} of body `{body}` is inverted", solid.id);
             return Err(Error::input_anywhere(what, "number its nodes the other way round, or mend the mesh there"));
@@ -162,16 +204,48 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
 
 /// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx); zero where an element is inverted.
 pub fn stresses(model: &Model, u: &[Vec3]) -> Vec<Voigt> {
-    let of = |solid: &PartSolid| {
-        let body = &model.bodies[solid.body as usize];
-        let points = &model.part.points;
-        match (solid.shape, body.element) {
-            (SolidShape::Tet4, _) => tet4::stress(&gather(points, solid), &gather(u, solid), &body.material),
-            (_, Element::Hex8Fbar) => hex8_fbar::stress(&gather(points, solid), &gather(u, solid), &body.material),
-            _ => hex8::stress(&gather(points, solid), &gather(u, solid), &body.material),
-        }
+    let of = |e: usize| sampled(model, &model.part.solids[e], u, |samples| average_stress(samples, medium(model, e)));
+    mine(model).map(|e| of(e).unwrap_or_default()).collect()
+}
+
+/// Mean equivalent plastic strain of each element that this rank counts.
+pub fn plastic_strains(model: &Model, u: &[Vec3]) -> Vec<f64> {
+    let of = |e: usize| {
+        let states = model.history.of(e);
+        sampled(model, &model.part.solids[e], u, |samples| Ok(average_plastic_strain(samples, states)))
     };
-    model.part.solids.iter().filter(|s| s.mine).map(|s| of(s).unwrap_or_default()).collect()
+    mine(model).map(|e| of(e).unwrap_or_default()).collect()
+}
+
+/// Stored energy and plastic work of what this rank counts of a body.
+pub fn energies(model: &Model, u: &[Vec3], body: usize) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for e in mine(model).filter(|&e| model.part.solids[e].body as usize == body) {
+        let medium = medium(model, e);
+        let of_element = sampled(model, &model.part.solids[e], u, |samples| {
+            Ok([stored_energy(samples, medium)?, plastic_work(samples, medium)])
+        });
+        (0..2).for_each(|k| sums[k] += of_element.map_or(0.0, |energies| energies[k]));
+    }
+    sums
+}
+
+/// The elements that this rank counts.
+fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
+    model.part.solids.iter().enumerate().filter(|(_, solid)| solid.mine).map(|(e, _)| e)
+}
+
+/// Makes the states of all integration points those at displacements `u`, at which no element is inverted. Every rank does so
+/// for all elements that it knows, from the same numbers.
+pub fn flow(model: &mut Model, u: &[Vec3]) {
+    let mut history = std::mem::take(&mut model.history);
+    if !history.is_empty() {
+        for (e, solid) in model.part.solids.iter().enumerate() {
+            let material = &model.bodies[solid.body as usize].material;
+            let _ = sampled(model, solid, u, |samples| advance(samples, material, history.of_mut(e)));
+        }
+    }
+    model.history = history;
 }
 
 /// Nodal forces of a force per reference volume on an element.

@@ -4,12 +4,11 @@
 //! face. N_a = (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta) / 8. Locks in volume when nearly incompressible: see
 //! [`super::hex8_fbar`].
 
-use super::{
-    ElementMatrices, GAUSS, Gradients, Inverted, Point, average_stress, deform, integrate, jacobian, stored_energy,
-};
+use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian};
 use crate::Vec3;
-use crate::solid::material::Material;
-use crate::solid::voigt::Voigt;
+
+/// Integration points.
+pub const POINTS: usize = 8;
 
 /// Parameters of the nodes.
 const NODES: [[f64; 3]; 8] = [
@@ -80,21 +79,16 @@ const fn shape(xi: f64, eta: f64, zeta: f64) -> ([f64; 8], Gradients<8>) {
 pub fn evaluate(
     x0: &[[f64; 3]; 8],
     u: &[[f64; 3]; 8],
-    material: &Material,
+    medium: Medium,
     want_tangent: bool,
     out: &mut ElementMatrices<24>,
 ) -> Result<(), Inverted> {
-    integrate(&points(x0, u)?, None, material, want_tangent, out)
+    integrate(&points(x0, u)?, None, medium, want_tangent, out)
 }
 
-/// Cauchy stress averaged over the current volume.
-pub fn stress(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8], material: &Material) -> Result<Voigt, Inverted> {
-    average_stress(&points(x0, u)?, material)
-}
-
-/// Stored energy.
-pub fn energy(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8], material: &Material) -> Result<f64, Inverted> {
-    stored_energy(&points(x0, u)?, material)
+/// The integration points.
+pub fn samples(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8]) -> Result<[Sample; POINTS], Inverted> {
+    Ok(points(x0, u)?.map(|point| point.sample()))
 }
 
 /// Volume with nodes at `x`, reference or current.
@@ -122,7 +116,7 @@ pub fn body_force(x0: &[[f64; 3]; 8], per_volume: Vec3) -> [f64; 24] {
 }
 
 #[inline(always)]
-pub(super) fn points(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8]) -> Result<[Point<8>; 8], Inverted> {
+pub(super) fn points(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8]) -> Result<[Point<8>; POINTS], Inverted> {
     deform(x0, u, &GRADIENTS, 1.0, 0.0)
 }
 

@@ -13,26 +13,27 @@
 //! and Owen, Int. J. Solids Struct. 33 (1996); their q is a:1/3 - 2/3 sigma x 1 with a_ijkl = cb_ijkl + delta_ik
 //! taub_jl, per current volume. R derives from no energy.
 
-use super::{ElementMatrices, Gradients, Inverted, Point, average_stress, hex8, integrate, use_volume_of};
-use crate::solid::material::Material;
-use crate::solid::voigt::Voigt;
+use super::{ElementMatrices, Gradients, Inverted, Medium, Point, Sample, hex8, integrate, use_volume_of};
+
+/// Integration points.
+pub const POINTS: usize = hex8::POINTS;
 
 /// Internal forces and, if `want_tangent`, the unsymmetric tangent of the element with reference nodes `x0` displaced
 /// by `u`. `out.tangent` keeps its old entries otherwise; after an error `out` is undefined.
 pub fn evaluate(
     x0: &[[f64; 3]; 8],
     u: &[[f64; 3]; 8],
-    material: &Material,
+    medium: Medium,
     want_tangent: bool,
     out: &mut ElementMatrices<24>,
 ) -> Result<(), Inverted> {
     let (points, centre) = points(x0, u)?;
-    integrate(&points, Some(&centre), material, want_tangent, out)
+    integrate(&points, Some(&centre), medium, want_tangent, out)
 }
 
-/// Cauchy stress averaged over the current volume.
-pub fn stress(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8], material: &Material) -> Result<Voigt, Inverted> {
-    average_stress(&points(x0, u)?.0, material)
+/// The integration points, with F-bar and weights dV J/J0.
+pub fn samples(x0: &[[f64; 3]; 8], u: &[[f64; 3]; 8]) -> Result<[Sample; POINTS], Inverted> {
+    Ok(points(x0, u)?.0.map(|point| point.sample()))
 }
 
 /// Integration points with F-bar and weights dV J/J0, and the gradients at the centre.

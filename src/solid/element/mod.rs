@@ -1,4 +1,4 @@
-//! Elements: internal forces and tangent of one element from its nodes, its displacements and a material.
+//! Elements: internal forces and tangent of one element from its nodes, its displacements and its [`Medium`].
 //!
 //! With reference coordinates X, displacements u, x = X + u and shape functions N_a, at every integration point
 //!
@@ -15,13 +15,17 @@
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
 //! reference state; [`hex8::min_jacobian`] and [`tet4::volume`] tell.
+//!
+//! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
+//! makes the new ones when an increment is accepted. Each element gives its integration points as [`Sample`]s, over which
+//! stresses, energies and states are summed alike for all.
 
 pub mod hex8;
 pub mod hex8_fbar;
 pub mod plane4;
 pub mod tet4;
 
-use super::material::Material;
+use super::material::{Material, State};
 use super::voigt::{INDEX, Voigt};
 use crate::Mat3;
 
@@ -45,6 +49,38 @@ impl<const D: usize> Default for ElementMatrices<D> {
 pub struct Inverted {
     /// The smallest det F of the element; NaN when displacements are not finite.
     pub det_f: f64,
+}
+
+/// What fills an element: its material, and how each integration point has flowed until the last accepted increment.
+#[derive(Clone, Copy, Debug)]
+pub struct Medium<'a> {
+    pub material: &'a Material,
+    /// One for each integration point; none for a material without memory, and where nothing has flowed yet.
+    pub states: &'a [State],
+}
+
+impl<'a> Medium<'a> {
+    /// A material that has not flowed.
+    pub fn virgin(material: &'a Material) -> Self {
+        Self { material, states: &[] }
+    }
+
+    /// The state of an integration point.
+    #[inline(always)]
+    pub fn state(&self, point: usize) -> &'a State {
+        self.states.get(point).unwrap_or(&State::VIRGIN)
+    }
+}
+
+/// An integration point as the material sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The deformation gradient.
+    pub f: Mat3,
+    /// Its determinant, positive.
+    pub det_f: f64,
+    /// What multiplies the Kirchhoff stress: the reference volume of the point, in standard elements.
+    pub weight: f64,
 }
 
 /// Derivatives of N shape functions: `[j][a]` is dN_a by coordinate j.
@@ -133,7 +169,7 @@ fn inverse(m: &Mat3) -> (Mat3, f64) {
 fn integrate<const N: usize, const Q: usize, const D: usize>(
     points: &[Point<N>; Q],
     centre: Option<&Gradients<N>>,
-    material: &Material,
+    medium: Medium,
     want_tangent: bool,
     out: &mut ElementMatrices<D>,
 ) -> Result<(), Inverted> {
@@ -142,7 +178,8 @@ fn integrate<const N: usize, const Q: usize, const D: usize>(
     if want_tangent {
         let mut rates = [[[[[0.0; N]; 3]; Q]; 3]; 3];
         for (q, point) in points.iter().enumerate() {
-            let response = material.response(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+            let response =
+                medium.material.response(&point.f, medium.state(q)).ok_or(Inverted { det_f: point.det_f })?;
             add_force(point, &response.kirchhoff, &mut force);
             for i in 0..3 {
                 for k in if centre.is_some() { 0 } else { i }..3 {
@@ -155,8 +192,9 @@ fn integrate<const N: usize, const Q: usize, const D: usize>(
         }
         contract(points, &rates, centre.is_none(), &mut out.tangent);
     } else {
-        for point in points {
-            let kirchhoff = material.kirchhoff(&point.f).ok_or(Inverted { det_f: point.det_f })?;
+        for (q, point) in points.iter().enumerate() {
+            let kirchhoff =
+                medium.material.kirchhoff(&point.f, medium.state(q)).ok_or(Inverted { det_f: point.det_f })?;
             add_force(point, &kirchhoff, &mut force);
         }
     }
@@ -255,28 +293,59 @@ fn contract<const N: usize, const Q: usize, const D: usize>(
     }
 }
 
+impl<const N: usize> Point<N> {
+    fn sample(&self) -> Sample {
+        Sample { f: self.f, det_f: self.det_f, weight: self.weight }
+    }
+}
+
+impl Sample {
+    fn inverted(&self) -> Inverted {
+        Inverted { det_f: self.det_f }
+    }
+
+    fn volume(&self) -> f64 {
+        self.weight * self.det_f
+    }
+}
+
 /// Cauchy stress averaged over the current volume.
-#[inline(always)]
-fn average_stress<const N: usize, const Q: usize>(
-    points: &[Point<N>; Q],
-    material: &Material,
-) -> Result<Voigt, Inverted> {
+pub fn average_stress(samples: &[Sample], medium: Medium) -> Result<Voigt, Inverted> {
     let (mut sum, mut volume) = ([0.0; 6], 0.0);
-    for point in points {
-        let kirchhoff = material.kirchhoff(&point.f).ok_or(Inverted { det_f: point.det_f })?;
-        (0..6).for_each(|v| sum[v] += point.weight * kirchhoff[v]);
-        volume += point.weight * point.det_f;
+    for (q, sample) in samples.iter().enumerate() {
+        let kirchhoff = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(sample.inverted())?;
+        (0..6).for_each(|v| sum[v] += sample.weight * kirchhoff[v]);
+        volume += sample.volume();
     }
     Ok(sum.map(|s| s / volume))
 }
 
 /// Stored energy.
-#[inline(always)]
-fn stored_energy<const N: usize, const Q: usize>(points: &[Point<N>; Q], material: &Material) -> Result<f64, Inverted> {
-    points.iter().try_fold(0.0, |sum, point| {
-        let energy = material.energy(&point.f).ok_or(Inverted { det_f: point.det_f })?;
-        Ok(sum + point.weight * energy)
+pub fn stored_energy(samples: &[Sample], medium: Medium) -> Result<f64, Inverted> {
+    samples.iter().enumerate().try_fold(0.0, |sum, (q, sample)| {
+        let energy = medium.material.energy(&sample.f, medium.state(q)).ok_or(sample.inverted())?;
+        Ok(sum + sample.weight * energy)
     })
+}
+
+/// Work of the stress on plastic strain until now.
+pub fn plastic_work(samples: &[Sample], medium: Medium) -> f64 {
+    let work = |(q, sample): (usize, &Sample)| sample.weight * medium.material.plastic_work(medium.state(q));
+    samples.iter().enumerate().map(work).sum()
+}
+
+/// Equivalent plastic strain averaged over the current volume.
+pub fn average_plastic_strain(samples: &[Sample], states: &[State]) -> f64 {
+    let sum: f64 = samples.iter().zip(states).map(|(sample, state)| sample.volume() * state.equivalent).sum();
+    sum / samples.iter().map(Sample::volume).sum::<f64>()
+}
+
+/// Makes the states those that the material has at the samples. After an error they are undefined.
+pub fn advance(samples: &[Sample], material: &Material, states: &mut [State]) -> Result<(), Inverted> {
+    for (sample, state) in samples.iter().zip(states) {
+        *state = material.flow(&sample.f, state).ok_or(sample.inverted())?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

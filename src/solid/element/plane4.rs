@@ -5,8 +5,10 @@
 //! same F, so 2x2 points of the full thickness are exactly [`super::hex8`] (or [`super::hex8_fbar`]) with the forces of
 //! nodes above one another added up; forces and stiffnesses along z are left out.
 
-use super::{ElementMatrices, GAUSS, Gradients, Inverted, Point, deform, integrate, use_volume_of};
-use crate::solid::material::Material;
+use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, use_volume_of};
+
+/// Integration points.
+pub const POINTS: usize = 4;
 
 /// Parameters of the nodes, counter-clockwise seen from +z.
 const NODES: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
@@ -39,21 +41,41 @@ const GAUSS_POINTS: [Gradients<4>; 4] = {
 /// z do not count, and with the given thickness; with F-bar if `f_bar`. `out.tangent` keeps its old entries otherwise; after
 /// an error `out` is undefined.
 pub fn evaluate(
-    (x0, u): (&[[f64; 3]; 4], &[[f64; 3]; 4]),
+    nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
     thickness: f64,
-    material: &Material,
+    medium: Medium,
     (want_tangent, f_bar): (bool, bool),
     out: &mut ElementMatrices<12>,
 ) -> Result<(), Inverted> {
+    let (points, centre) = points(nodes, thickness, f_bar)?;
+    integrate(&points, centre.as_ref(), medium, want_tangent, out)
+}
+
+/// The integration points.
+pub fn samples(
+    nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
+    thickness: f64,
+    f_bar: bool,
+) -> Result<[Sample; POINTS], Inverted> {
+    Ok(points(nodes, thickness, f_bar)?.0.map(|point| point.sample()))
+}
+
+/// Integration points and, with F-bar, the gradients at the centre.
+#[inline(always)]
+fn points(
+    (x0, u): (&[[f64; 3]; 4], &[[f64; 3]; 4]),
+    thickness: f64,
+    f_bar: bool,
+) -> Result<([Point<4>; POINTS], Option<Gradients<4>>), Inverted> {
     let flat = |nodes: &[[f64; 3]; 4]| nodes.map(|[x, y, _]| [x, y, 0.0]);
     let (x0, u) = (flat(x0), flat(u));
-    let mut points: [Point<4>; 4] = deform(&x0, &u, &GAUSS_POINTS, 1.0, thickness)?;
+    let mut points = deform(&x0, &u, &GAUSS_POINTS, 1.0, thickness)?;
     if !f_bar {
-        return integrate(&points, None, material, want_tangent, out);
+        return Ok((points, None));
     }
     let [centre] = deform(&x0, &u, &[gradients(0.0, 0.0)], 4.0, thickness)?;
     use_volume_of(&centre, &mut points);
-    integrate(&points, Some(&centre.gradients), material, want_tangent, out)
+    Ok((points, Some(centre.gradients)))
 }
 
 #[cfg(test)]
@@ -61,6 +83,7 @@ mod tests {
     use super::*;
     use crate::scene::MaterialModel;
     use crate::solid::element::{hex8, hex8_fbar};
+    use crate::solid::material::Material;
 
     /// Forces and stiffnesses of the hexahedron, folded onto its lower nodes, without z.
     fn folded(hex: &ElementMatrices<24>) -> ([f64; 8], [[f64; 8]; 8]) {
@@ -94,9 +117,9 @@ mod tests {
             let material = Material::new(&model);
             for f_bar in [false, true] {
                 let (mut plane, mut hex) = (ElementMatrices::<12>::default(), ElementMatrices::<24>::default());
-                evaluate((&x0, &u), thickness, &material, (true, f_bar), &mut plane).unwrap();
+                evaluate((&x0, &u), thickness, Medium::virgin(&material), (true, f_bar), &mut plane).unwrap();
                 let of_hex = if f_bar { hex8_fbar::evaluate } else { hex8::evaluate };
-                of_hex(&solid, &moved, &material, true, &mut hex).unwrap();
+                of_hex(&solid, &moved, Medium::virgin(&material), true, &mut hex).unwrap();
                 let (force, stiffness) = folded(&hex);
                 for r in 0..8 {
                     let row = 3 * (r / 2) + r % 2;
@@ -116,6 +139,6 @@ mod tests {
         let u = [[0.0; 3], [0.0; 3], [-2.0, -2.0, 0.0], [0.0; 3]];
         let material = Material::new(&MaterialModel::NeoHookean { young: 3.0, poisson: 0.3 });
         let mut out = ElementMatrices::<12>::default();
-        assert!(evaluate((&x0, &u), 1.0, &material, (true, false), &mut out).is_err());
+        assert!(evaluate((&x0, &u), 1.0, Medium::virgin(&material), (true, false), &mut out).is_err());
     }
 }

@@ -2,10 +2,11 @@
 //!
 //! Node 3 lies on the side of the face 0-1-2 from which it is seen counter-clockwise.
 
-use super::{ElementMatrices, Gradients, Inverted, Point, average_stress, deform, integrate, jacobian, stored_energy};
+use super::{ElementMatrices, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian};
 use crate::Vec3;
-use crate::solid::material::Material;
-use crate::solid::voigt::Voigt;
+
+/// Integration points.
+pub const POINTS: usize = 1;
 
 /// Derivatives of 1 - xi - eta - zeta, xi, eta, zeta.
 const GRADIENTS: Gradients<4> = [[-1.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 1.0]];
@@ -18,21 +19,16 @@ const WEIGHT: f64 = 1.0 / 6.0;
 pub fn evaluate(
     x0: &[[f64; 3]; 4],
     u: &[[f64; 3]; 4],
-    material: &Material,
+    medium: Medium,
     want_tangent: bool,
     out: &mut ElementMatrices<12>,
 ) -> Result<(), Inverted> {
-    integrate(&points(x0, u)?, None, material, want_tangent, out)
+    integrate(&points(x0, u)?, None, medium, want_tangent, out)
 }
 
-/// Cauchy stress.
-pub fn stress(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], material: &Material) -> Result<Voigt, Inverted> {
-    average_stress(&points(x0, u)?, material)
-}
-
-/// Stored energy.
-pub fn energy(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], material: &Material) -> Result<f64, Inverted> {
-    stored_energy(&points(x0, u)?, material)
+/// The integration points.
+pub fn samples(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4]) -> Result<[Sample; POINTS], Inverted> {
+    Ok(points(x0, u)?.map(|point| point.sample()))
 }
 
 /// Volume with nodes at `x`, reference or current; negative when inside out.

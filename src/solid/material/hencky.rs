@@ -19,9 +19,9 @@
 //! part. The principal form of c is Simo and Taylor's, CMAME 85 (1991).
 
 use super::Response;
+use super::logarithmic::Principal;
 use crate::Mat3;
-use crate::solid::eigen::symmetric_eigen;
-use crate::solid::voigt::{IDENTITY, Voigt, left_cauchy_green, symmetric_product};
+use crate::solid::voigt::{IDENTITY, Voigt, add_square, compose, left_cauchy_green, mirror, symmetric_product};
 
 /// Hencky's material with Lame's constants.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ pub struct Hencky {
 impl Hencky {
     /// Stress and tangent.
     pub fn response(&self, f: &Mat3) -> Option<Response> {
-        let (strain, directions) = principal_strains(f)?;
+        let Principal { strains: strain, directions, .. } = principal(f)?;
         let stress = self.principal_stress(&strain);
         let mut tangent = [[0.0; 6]; 6];
         add_square(&mut tangent, self.lambda, &IDENTITY);
@@ -44,23 +44,19 @@ impl Hencky {
             let shear = self.mu * x_coth_x(strain[a] - strain[b]) - 0.5 * (stress[a] + stress[b]);
             add_square(&mut tangent, 4.0 * shear, &symmetric_product(&directions[a], &directions[b]));
         }
-        for i in 1..6 {
-            for j in 0..i {
-                tangent[i][j] = tangent[j][i];
-            }
-        }
+        mirror(&mut tangent);
         Some(Response { kirchhoff: compose(&stress, &directions), tangent })
     }
 
     /// Kirchhoff stress.
     pub fn kirchhoff(&self, f: &Mat3) -> Option<Voigt> {
-        let (strain, directions) = principal_strains(f)?;
+        let Principal { strains: strain, directions, .. } = principal(f)?;
         Some(compose(&self.principal_stress(&strain), &directions))
     }
 
     /// Stored energy per reference volume.
     pub fn energy(&self, f: &Mat3) -> Option<f64> {
-        let (e, _) = principal_strains(f)?;
+        let e = principal(f)?.strains;
         let trace = e[0] + e[1] + e[2];
         Some(self.mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + 0.5 * self.lambda * trace * trace)
     }
@@ -71,32 +67,9 @@ impl Hencky {
     }
 }
 
-/// Principal logarithmic strains and their directions in space; `None` unless det F > 0.
-fn principal_strains(f: &Mat3) -> Option<([f64; 3], [[f64; 3]; 3])> {
-    let (squares, directions) = symmetric_eigen(&left_cauchy_green(f));
-    // Rounding may leave no positive square when F is singular to working accuracy.
-    let valid = f.determinant() > 0.0 && squares.iter().all(|&b| b > 0.0);
-    valid.then(|| (squares.map(|b| 0.5 * b.ln()), directions))
-}
-
-/// sum_A values[A] n_A x n_A.
-fn compose(values: &[f64; 3], directions: &[[f64; 3]; 3]) -> Voigt {
-    let mut sum = [0.0; 6];
-    for (value, n) in values.iter().zip(directions) {
-        let product = symmetric_product(n, n);
-        (0..6).for_each(|i| sum[i] += value * product[i]);
-    }
-    sum
-}
-
-/// Adds `factor` t x t to the upper triangle.
-fn add_square(tangent: &mut [Voigt; 6], factor: f64, t: &Voigt) {
-    for i in 0..6 {
-        let row = factor * t[i];
-        for j in i..6 {
-            tangent[i][j] += row * t[j];
-        }
-    }
+/// Principal strains and directions in space; `None` unless det F > 0.
+fn principal(f: &Mat3) -> Option<Principal> {
+    Principal::new(&left_cauchy_green(f), f.determinant())
 }
 
 fn x_coth_x(x: f64) -> f64 {

@@ -7,17 +7,36 @@
 //! tau' - L tau - tau L^T = c : d         c: the tangent of the Lie derivative
 //! ```
 //!
-//! c is stored 6x6 in [`super::voigt`] order for engineering shear rates. It has the minor symmetries, and the major
-//! one as there is an energy.
+//! c is stored 6x6 in [`super::voigt`] order for engineering shear rates. It has the minor symmetries, and the major one, as
+//! there is an energy, of an increment at least. A material with memory is asked for what it is at the end of an increment
+//! that begins in a [`State`]; it changes nothing, so an increment can be tried again.
 
+mod hardening;
 mod hencky;
+mod logarithmic;
 mod neo_hookean;
+mod plastic;
 
 use super::voigt::Voigt;
 use crate::Mat3;
 use crate::scene::MaterialModel;
 pub use hencky::Hencky;
 pub use neo_hookean::NeoHookean;
+pub use plastic::Plastic;
+
+/// How a material has flowed at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Plastic logarithmic strain, tensor components by the material's axes.
+    pub plastic_strain: Voigt,
+    /// Equivalent plastic strain.
+    pub equivalent: f64,
+}
+
+impl State {
+    /// Of a material that has not flowed.
+    pub const VIRGIN: Self = Self { plastic_strain: [0.0; 6], equivalent: 0.0 };
+}
 
 /// Stress and tangent at a point, in the unit of the moduli.
 #[derive(Clone, Copy, Debug)]
@@ -29,55 +48,89 @@ pub struct Response {
 }
 
 /// A material with its constants.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Material {
     NeoHookean(NeoHookean),
     Hencky(Hencky),
+    Plastic(Box<Plastic>),
 }
 
 impl Material {
     /// The material of a card.
     pub fn new(model: &MaterialModel) -> Self {
-        match *model {
-            MaterialModel::NeoHookean { young, poisson } => {
+        match model {
+            &MaterialModel::NeoHookean { young, poisson } => {
                 let (lambda, mu) = lame(young, poisson);
                 Self::NeoHookean(NeoHookean { lambda, mu })
             }
-            MaterialModel::Hooke { young, poisson } => {
+            &MaterialModel::Hooke { young, poisson } => {
                 let (lambda, mu) = lame(young, poisson);
                 Self::Hencky(Hencky { lambda, mu })
+            }
+            MaterialModel::Plastic { young, poisson, hill, hardening } => {
+                Self::Plastic(Box::new(Plastic::new(lame(*young, *poisson), hill.as_ref(), hardening.clone())))
             }
         }
     }
 
     /// Lame's constants (lambda, mu) in the undeformed state.
     pub fn initial_moduli(&self) -> (f64, f64) {
-        match *self {
-            Self::NeoHookean(NeoHookean { lambda, mu }) | Self::Hencky(Hencky { lambda, mu }) => (lambda, mu),
+        match self {
+            &Self::NeoHookean(NeoHookean { lambda, mu }) | &Self::Hencky(Hencky { lambda, mu }) => (lambda, mu),
+            Self::Plastic(material) => (material.lambda(), material.mu),
         }
     }
 
-    /// Stress and tangent at the deformation gradient `f`; `None` unless det F > 0.
-    pub fn response(&self, f: &Mat3) -> Option<Response> {
+    /// Whether the material has states; without, those given to it do not count.
+    pub fn remembers(&self) -> bool {
+        match self {
+            Self::NeoHookean(_) | Self::Hencky(_) => false,
+            Self::Plastic(_) => true,
+        }
+    }
+
+    /// Stress and tangent at the deformation gradient `f`, reached in one increment from a state; `None` unless det F > 0.
+    #[inline(always)]
+    pub fn response(&self, f: &Mat3, before: &State) -> Option<Response> {
         match self {
             Self::NeoHookean(material) => material.response(f),
             Self::Hencky(material) => material.response(f),
+            Self::Plastic(material) => material.response(f, before),
         }
     }
 
     /// The stress of [`Material::response`] alone.
-    pub fn kirchhoff(&self, f: &Mat3) -> Option<Voigt> {
+    #[inline(always)]
+    pub fn kirchhoff(&self, f: &Mat3, before: &State) -> Option<Voigt> {
         match self {
             Self::NeoHookean(material) => material.kirchhoff(f),
             Self::Hencky(material) => material.kirchhoff(f),
+            Self::Plastic(material) => material.kirchhoff(f, before),
         }
     }
 
-    /// Stored energy per reference volume; `None` unless det F > 0.
-    pub fn energy(&self, f: &Mat3) -> Option<f64> {
+    /// The state at `f`, reached in one increment from a state; `None` unless det F > 0.
+    pub fn flow(&self, f: &Mat3, before: &State) -> Option<State> {
+        match self {
+            Self::NeoHookean(_) | Self::Hencky(_) => Some(*before),
+            Self::Plastic(material) => material.flow(f, before),
+        }
+    }
+
+    /// Stored energy per reference volume at `f`, reached in one increment from a state; `None` unless det F > 0.
+    pub fn energy(&self, f: &Mat3, before: &State) -> Option<f64> {
         match self {
             Self::NeoHookean(material) => material.energy(f),
             Self::Hencky(material) => material.energy(f),
+            Self::Plastic(material) => material.energy(f, before),
+        }
+    }
+
+    /// Work of the stress on plastic strain, per reference volume, until a state.
+    pub fn plastic_work(&self, state: &State) -> f64 {
+        match self {
+            Self::NeoHookean(_) | Self::Hencky(_) => 0.0,
+            Self::Plastic(material) => material.plastic_work(state),
         }
     }
 }
@@ -98,6 +151,8 @@ mod tests {
     use super::super::voigt::{INDEX, to_matrix};
     use super::*;
     use crate::Vec3;
+
+    const VIRGIN: &State = &State::VIRGIN;
 
     fn materials() -> [Material; 4] {
         [
@@ -134,8 +189,8 @@ mod tests {
         let mut random = Random::new(3);
         for (material, f) in materials().iter().flat_map(|m| gradients().into_iter().map(move |f| (m, f))) {
             let velocity_gradient = random.matrix(1.0);
-            let tau = to_matrix(&material.kirchhoff(&f).unwrap());
-            let rate = derivative(2e-3, |t| [material.energy(&(f + t * velocity_gradient * f)).unwrap()])[0];
+            let tau = to_matrix(&material.kirchhoff(&f, VIRGIN).unwrap());
+            let rate = derivative(2e-3, |t| [material.energy(&(f + t * velocity_gradient * f), VIRGIN).unwrap()])[0];
             assert!((rate - tau.dot(&velocity_gradient)).abs() < 1e-12 * material.initial_moduli().1 * 10.0);
         }
     }
@@ -145,9 +200,9 @@ mod tests {
         let mut random = Random::new(4);
         for (material, f) in materials().iter().flat_map(|m| gradients().into_iter().map(move |f| (m, f))) {
             let l = random.matrix(1.0);
-            let response = material.response(&f).unwrap();
+            let response = material.response(&f, VIRGIN).unwrap();
             let tau = to_matrix(&response.kirchhoff);
-            let rate = to_matrix(&derivative(1e-3, |t| material.kirchhoff(&(f + t * l * f)).unwrap()));
+            let rate = to_matrix(&derivative(1e-3, |t| material.kirchhoff(&(f + t * l * f), VIRGIN).unwrap()));
             let lie = rate - l * tau - tau * l.transpose();
             let d = 0.5 * (l + l.transpose());
             let engineering = [d[(0, 0)], d[(1, 1)], d[(2, 2)], 2.0 * d[(0, 1)], 2.0 * d[(1, 2)], 2.0 * d[(2, 0)]];
@@ -160,8 +215,8 @@ mod tests {
     #[test]
     fn response_and_stress_agree_and_the_tangent_is_symmetric() {
         for (material, f) in materials().iter().flat_map(|m| gradients().into_iter().map(move |f| (m, f))) {
-            let response = material.response(&f).unwrap();
-            assert_eq!(response.kirchhoff, material.kirchhoff(&f).unwrap());
+            let response = material.response(&f, VIRGIN).unwrap();
+            assert_eq!(response.kirchhoff, material.kirchhoff(&f, VIRGIN).unwrap());
             for i in 0..6 {
                 for j in 0..i {
                     assert_eq!(response.tangent[i][j], response.tangent[j][i]);
@@ -174,9 +229,9 @@ mod tests {
     fn hookes_law_in_the_undeformed_state() {
         for material in materials() {
             let (lambda, mu) = material.initial_moduli();
-            let response = material.response(&Mat3::identity()).unwrap();
+            let response = material.response(&Mat3::identity(), VIRGIN).unwrap();
             assert_eq!(response.kirchhoff, [0.0; 6]);
-            assert_eq!(material.energy(&Mat3::identity()), Some(0.0));
+            assert_eq!(material.energy(&Mat3::identity(), VIRGIN), Some(0.0));
             for (i, j) in (0..6).flat_map(|i| (0..6).map(move |j| (i, j))) {
                 let shear = if i < 3 { 2.0 * mu } else { mu };
                 let exact = if i < 3 && j < 3 { lambda } else { 0.0 } + if i == j { shear } else { 0.0 };
@@ -192,12 +247,13 @@ mod tests {
         let mut random = Random::new(5);
         for (material, f) in materials().iter().flat_map(|m| gradients().into_iter().map(move |f| (m, f))) {
             let (r, q) = (rotation(random.vector(3.0)), rotation(random.vector(3.0)));
-            let (a, b) = (material.response(&f).unwrap(), material.response(&(r * f * q)).unwrap());
+            let (a, b) = (material.response(&f, VIRGIN).unwrap(), material.response(&(r * f * q), VIRGIN).unwrap());
             let turned = r * to_matrix(&a.kirchhoff) * r.transpose();
             let (lambda, mu) = material.initial_moduli();
             let scale = lambda.abs() + 2.0 * mu;
             assert!((to_matrix(&b.kirchhoff) - turned).norm() < 2e-14 * scale);
-            assert!((material.energy(&f).unwrap() - material.energy(&(r * f * q)).unwrap()).abs() < 1e-14 * scale);
+            let energy = |f: &Mat3| material.energy(f, VIRGIN).unwrap();
+            assert!((energy(&f) - energy(&(r * f * q))).abs() < 1e-14 * scale);
             let component = |c: &[Voigt; 6], n: [usize; 4]| c[INDEX[n[0]][n[1]]][INDEX[n[2]][n[3]]];
             let each = |n: usize| [n / 27, n / 9 % 3, n / 3 % 3, n % 3];
             for to in (0..81).map(each) {
@@ -216,10 +272,10 @@ mod tests {
                 let (lambda, mu) = material.initial_moduli();
                 let axial = match material {
                     Material::NeoHookean(_) => mu * (s * s - 1.0) + lambda * s.ln(),
-                    Material::Hencky(_) => (lambda + 2.0 * mu) * s.ln(),
+                    Material::Hencky(_) | Material::Plastic(_) => (lambda + 2.0 * mu) * s.ln(),
                 };
                 let exact = [lambda * s.ln(), lambda * s.ln(), axial, 0.0, 0.0, 0.0];
-                let found = cauchy(&material.kirchhoff(&f).unwrap(), s);
+                let found = cauchy(&material.kirchhoff(&f, VIRGIN).unwrap(), s);
                 (0..6).for_each(|i| assert!((found[i] - exact[i] / s).abs() < 1e-14 * (lambda + mu).abs()));
             }
         }
@@ -230,7 +286,7 @@ mod tests {
         let material = Material::new(&MaterialModel::Hooke { young: 10.0, poisson: 0.3 });
         for s in [0.5f64, 1.2, 1.39] {
             let t = s.powf(-0.3);
-            let tau = material.kirchhoff(&Mat3::from_diagonal(&Vec3::new(t, s, t))).unwrap();
+            let tau = material.kirchhoff(&Mat3::from_diagonal(&Vec3::new(t, s, t)), VIRGIN).unwrap();
             assert!((tau[1] - 10.0 * s.ln()).abs() < 1e-13);
             assert!(tau[0].abs() < 1e-13 && tau[2].abs() < 1e-13);
         }
@@ -241,9 +297,9 @@ mod tests {
         let nan = Mat3::identity() * f64::NAN;
         for material in materials() {
             for f in [Mat3::zeros(), Mat3::from_diagonal(&Vec3::new(1.0, 1.0, -1.0)), nan] {
-                assert!(material.response(&f).is_none());
-                assert!(material.kirchhoff(&f).is_none());
-                assert!(material.energy(&f).is_none());
+                assert!(material.response(&f, VIRGIN).is_none());
+                assert!(material.kirchhoff(&f, VIRGIN).is_none());
+                assert!(material.energy(&f, VIRGIN).is_none());
             }
         }
     }

@@ -1,0 +1,141 @@
+//! Reads material cards: elastic constants, yield criteria and hardening.
+
+use super::reader::{Item, Table};
+use super::{Hardening, Hill, Located, Material, MaterialModel};
+use crate::error::Result;
+use crate::{Mat3, Vec3};
+
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    NeoHookean,
+    Hooke,
+    J2,
+    Hill,
+}
+
+const KINDS: [(&str, Kind); 4] =
+    [("neo-hookean", Kind::NeoHookean), ("hooke", Kind::Hooke), ("j2", Kind::J2), ("hill", Kind::Hill)];
+
+/// The material of a card.
+///
+/// # Errors
+/// What is not a material, with its place.
+pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
+    let table = item.table(&["model", "young", "poisson", "yield_stress", "hardening", "hill"])?;
+    let kind = table.require("model", "\"neo-hookean\"")?.choice(&KINDS)?;
+    let young = table.require("young", "210000.0")?.positive()?;
+    let poisson = table.require("poisson", "0.3")?;
+    let incompressible = poisson.number()? >= 0.5;
+    let help =
+        if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
+    let poisson = poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?;
+    let plastic = matches!(kind, Kind::J2 | Kind::Hill);
+    let belongs = [("yield_stress", plastic), ("hardening", plastic), ("hill", kind == Kind::Hill)];
+    for (key, _) in belongs.iter().filter(|(_, belongs)| !belongs) {
+        if let Some(extra) = table.get(key) {
+            let help = if *key == "hill" { "write model = \"hill\"" } else { "write model = \"j2\" or \"hill\"" };
+            return Err(extra.error("does not belong to this model", help));
+        }
+    }
+    let model = match kind {
+        Kind::NeoHookean => MaterialModel::NeoHookean { young, poisson },
+        Kind::Hooke => MaterialModel::Hooke { young, poisson },
+        Kind::J2 => MaterialModel::Plastic { young, poisson, hill: None, hardening: hardening(&table)? },
+        Kind::Hill => {
+            let criterion = hill(&table.require("hill", "{ f = 0.5, g = 0.5, h = 0.5, n = 1.5 }")?)?;
+            MaterialModel::Plastic { young, poisson, hill: Some(criterion), hardening: hardening(&table)? }
+        }
+    };
+    Ok(Material { name, model })
+}
+
+/// Hill's coefficients and axes.
+fn hill(item: &Item) -> Result<Hill> {
+    let table = item.table(&["f", "g", "h", "l", "m", "n", "x", "y"])?;
+    let number = |key: &str| table.require(key, "0.5")?.number();
+    let [f, g, h] = [number("f")?, number("g")?, number("h")?];
+    if f + g <= 0.0 || f * g + g * h + h * f <= 0.0 {
+        let help = "f + g, g + h, h + f and f g + g h + h f must be above 0";
+        return Err(item.error("is not a convex criterion", help));
+    }
+    let shear = |key: &str| table.optional(key, Item::positive).map(|given| given.unwrap_or(1.5));
+    let n = table.require("n", "1.5")?.positive()?;
+    let axis = |key: &str, default: Vec3| table.optional(key, Item::unit_vector).map(|given| given.unwrap_or(default));
+    let x = axis("x", Vec3::x())?;
+    let y = axis("y", Vec3::y())?;
+    let z = x.cross(&y);
+    if z.norm() < 1e-6 {
+        return Err(item.error("has x and y along one line", "give both, normal to each other"));
+    }
+    let z = z.normalize();
+    Ok(Hill { coefficients: [f, g, h, shear("l")?, shear("m")?, n], axes: Mat3::from_columns(&[x, z.cross(&x), z]) })
+}
+
+/// The yield stress and how it rises.
+fn hardening(material: &Table) -> Result<Hardening> {
+    let given = || material.require("yield_stress", "250.0")?.positive();
+    let Some(item) = material.get("hardening") else {
+        return Ok(Hardening::Linear { yield_stress: given()?, modulus: 0.0 });
+    };
+    let table = item.table(&["linear", "swift", "voce", "table"])?;
+    let laws: Vec<Item> = ["linear", "swift", "voce", "table"].iter().filter_map(|key| table.get(key)).collect();
+    let [law] = &laws[..] else {
+        return Err(item.error("must have one of `linear`, `swift`, `voce` and `table`", ""));
+    };
+    let not_falling =
+        |item: &Item| item.number_that_is("0 or more", |value| value >= 0.0, "the yield stress must not fall");
+    if table.get("linear").is_some() {
+        return Ok(Hardening::Linear { yield_stress: given()?, modulus: not_falling(law)? });
+    }
+    if table.get("swift").is_some() {
+        return swift(material, &law.table(&["k", "n", "e0"])?);
+    }
+    if table.get("voce").is_some() {
+        let yield_stress = given()?;
+        let law = law.table(&["saturation", "rate", "linear"])?;
+        let above = |value| value >= yield_stress;
+        let saturation = law.require("saturation", "400.0")?;
+        return Ok(Hardening::Voce {
+            yield_stress,
+            saturation: saturation.number_that_is(&format!("at least yield_stress ({yield_stress:?})"), above, "")?,
+            rate: law.require("rate", "10.0")?.positive()?,
+            modulus: law.optional("linear", not_falling)?.unwrap_or(0.0),
+        });
+    }
+    if let Some(extra) = material.get("yield_stress") {
+        return Err(extra.error("stands beside a table", "the first point of the table has the yield stress"));
+    }
+    points(law)
+}
+
+/// k (e0 + e)^n with e0, or with the yield stress that it gives.
+fn swift(material: &Table, law: &Table) -> Result<Hardening> {
+    let k = law.require("k", "500.0")?.positive()?;
+    let n =
+        law.require("n", "0.2")?.number_that_is("above 0 and at most 1", |value| value > 0.0 && value <= 1.0, "")?;
+    let e0 = match (material.get("yield_stress"), law.get("e0")) {
+        (Some(_), Some(e0)) => return Err(e0.error("stands beside `yield_stress`", "keep one of them")),
+        (None, Some(e0)) => e0.positive()?,
+        _ => (material.require("yield_stress", "250.0")?.positive()? / k).powf(1.0 / n),
+    };
+    Ok(Hardening::Swift { k, e0, n })
+}
+
+/// A table of strains from 0 and stresses.
+fn points(item: &Item) -> Result<Hardening> {
+    let rows = item.filled_list()?;
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(rows.len());
+    for row in &rows {
+        let point = row.array::<f64, 2>(Item::number, "[0.0, 250.0]")?;
+        match points.last() {
+            None if point[0] != 0.0 => return Err(row.error("must have the strain 0, as the first point", "")),
+            Some(last) if point[0] <= last[0] => return Err(row.error("must have a larger strain than the last", "")),
+            Some(last) if point[1] < last[1] => {
+                return Err(row.error("must not have a smaller stress than the last", ""));
+            }
+            _ if point[1] <= 0.0 => return Err(row.error("must have a stress above 0", "")),
+            _ => points.push(point),
+        }
+    }
+    Ok(Hardening::Table(points))
+}
