@@ -126,7 +126,7 @@ fn patches(n: usize, smoothing: Smoothing) -> Vec<MovingPatch> {
         facets: (0..n * n).map(facet).collect(),
         ..Mesh::default()
     };
-    MovingPatch::all(&mesh, &(0..count).collect::<Vec<_>>(), smoothing, 40.0).expect("a surface")
+    MovingPatch::all(&mesh, &(0..count).collect::<Vec<_>>(), smoothing, 40.0, &[]).expect("a surface")
 }
 
 /// Seconds on the processor that work takes which is done so many times, of the rank with most.

@@ -39,12 +39,24 @@ impl Body {
     }
 }
 
+/// A plane, orthogonal to an axis, in which a body ends and goes on as its mirror image.
+#[derive(Clone, Debug)]
+pub struct SymmetryPlane {
+    /// The nodes in it.
+    pub set: Located<String>,
+    /// 0, 1 or 2.
+    pub axis: usize,
+    /// Where the axis meets it.
+    pub at: f64,
+}
+
 /// What is modelled, on this rank.
 pub struct Model {
     pub part: Part,
     /// How the solids of the part have flowed until the last accepted increment.
     pub history: History,
     pub bodies: Vec<Body>,
+    pub symmetry: Vec<SymmetryPlane>,
     pub tools: Vec<Tool>,
     /// Deformable masters, one for each pair that has one.
     pub surfaces: Vec<BodySurface>,
@@ -70,7 +82,8 @@ impl Model {
         let read = || agree(comm, if root { assemble_bodies(scene, &names).map(Some) } else { Ok(None) });
         let global = phases.time(Phase::Read, read)?;
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
-        let patches = agree(comm, master_patches(scene, &names, global.as_ref(), &numbers))?;
+        let symmetry = symmetry_planes(comm, scene, &names, &part)?;
+        let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
         let mut bodies = Vec::new();
@@ -93,8 +106,19 @@ impl Model {
         let warnings = Vec::new();
         let points = part.solids.iter().map(|solid| bodies[solid.body as usize].points_with_memory(solid.shape));
         let history = History::new(points);
-        let mut model =
-            Self { part, history, bodies, tools, surfaces, pairs, set_index, stiffness: 0.0, size: 0.0, warnings };
+        let mut model = Self {
+            part,
+            history,
+            bodies,
+            symmetry,
+            tools,
+            surfaces,
+            pairs,
+            set_index,
+            stiffness: 0.0,
+            size: 0.0,
+            warnings,
+        };
         let passes = scene.passes();
         let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c.master.value.as_str(), given)));
         let mut avoided = Vec::new();
@@ -328,6 +352,7 @@ fn set_names(scene: &Scene) -> Vec<Located<String>> {
             names.push(name.clone());
         }
     };
+    scene.bodies.iter().flat_map(|b| &b.symmetry).for_each(&mut add);
     scene.contacts.iter().for_each(|c| add(&c.slave));
     scene.contacts.iter().for_each(|c| add(&c.master));
     for step in &scene.steps {
@@ -393,11 +418,68 @@ type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
 /// without any node entering the other side: on flat faces the conditions of two passes would depend on each other.
 const BULGE_OF_TWO: f64 = 0.99;
 
+/// The planes of symmetry of all bodies. Collective.
+///
+/// # Errors
+/// Groups that do not lie in a plane orthogonal to an axis, or where the body lies on both sides, on all ranks.
+fn symmetry_planes(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    names: &[Located<String>],
+    part: &Part,
+) -> Result<Vec<SymmetryPlane>> {
+    const FLAT: f64 = 1e-6;
+    /// Lowest and highest coordinates over all ranks.
+    fn extent(comm: &SimpleCommunicator, points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
+        let mut ends = [f64::NEG_INFINITY; 6];
+        for x in points {
+            (0..3).for_each(|d| (ends[d], ends[3 + d]) = (ends[d].max(-x[d]), ends[3 + d].max(x[d])));
+        }
+        max(comm, &mut ends);
+        [-Vec3::new(ends[0], ends[1], ends[2]), Vec3::new(ends[3], ends[4], ends[5])]
+    }
+    let mut planes = Vec::new();
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let owned = (0..part.owned).filter(|n| part.body[*n] as usize == b);
+        let [lowest, highest] = extent(comm, owned.map(|n| part.points[n]));
+        for set in &body.symmetry {
+            let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
+            let [low, high] = extent(comm, nodes.iter().map(|n| part.points[*n as usize]));
+            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= FLAT * (highest - lowest).norm()).collect();
+            let &[axis] = flat.as_slice() else {
+                let what = format!("`{}` lies in no plane that is orthogonal to the x, y or z axis", set.value);
+                let help = "name a group with all the faces in such a plane, or turn the mesh";
+                return Err(Error::input(&set.at, what, help));
+            };
+            let slack = FLAT * (highest - lowest).norm();
+            if low[axis] > lowest[axis] + slack && high[axis] < highest[axis] - slack {
+                let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
+                return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
+            }
+            planes.push(SymmetryPlane { set: set.clone(), axis, at: 0.5 * (low[axis] + high[axis]) });
+        }
+    }
+    Ok(planes)
+}
+
+/// The planes (point, normal) of the symmetry of the body of `master` in which its faces with these nodes end.
+fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> Vec<(Vec3, Vec3)> {
+    const NEAR: f64 = 1e-6;
+    let of_body = symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(master));
+    let ends = |plane: &&SymmetryPlane| {
+        let heights = || points.iter().map(|x| (x[plane.axis] - plane.at).abs());
+        let farthest = heights().fold(0.0, f64::max);
+        farthest > 0.0 && heights().filter(|h| *h <= NEAR * farthest).count() > 1
+    };
+    of_body.filter(ends).map(|plane| (Vec3::ith(plane.axis, plane.at), Vec3::ith(plane.axis, 1.0))).collect()
+}
+
 /// The patches of each deformable master, and in self-contact what its nodes avoid, on rank 0, which has the mesh and the
 /// numbers of its nodes over all ranks.
 fn master_patches(
     scene: &Scene,
     names: &[Located<String>],
+    symmetry: &[SymmetryPlane],
     mesh: Option<&GlobalMesh>,
     numbers: &[u64],
 ) -> Result<Vec<MasterPatches>> {
@@ -421,7 +503,8 @@ fn master_patches(
             ..Mesh::default()
         };
         let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-        let mut patches = MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle)?;
+        let planes = planes_of(symmetry, &master.value, &surface.points);
+        let mut patches = MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle, &planes)?;
         if contact.discretization == Discretization::TwoPass {
             patches.iter_mut().for_each(|patch| patch.bulge = BULGE_OF_TWO);
         }

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close, assert_small};
+use common::{Bench, History, Run, assert_close, assert_small};
 
 /// Two blocks with nested grids, the lower one finer, are pressed together between smooth walls: uniaxial strain.
 ///
@@ -329,4 +329,74 @@ fn elastic_indenter() {
         })
         .fold(0.0f64, |w, s| w.max(s.abs()));
     assert_small("balance", worst / 4506.0, 1e-8);
+}
+
+/// Half a roller on half a slab, or the whole: the plane x = 0 in which the halves are held is one of symmetry.
+///
+/// ```text
+///      \      |      /    The roller is moved down by 0.6 and its shape is that of Nagata patches; the grids
+///    ___\_ _  | _  _/___  are mirrored, with nodes in the plane.
+///   |         |         |
+///   |_________|_________|
+/// ```
+fn pressed_roller(halves: usize, contact: &str, symmetry: bool) -> Bench {
+    let body = |groups: &str| if symmetry && halves == 1 { format!("symmetry = {groups}") } else { String::new() };
+    let fix = match halves {
+        1 if !symmetry => {
+            ", { set = \"slab.xmin\", directions = \"x\" }, { set = \"roller.amin\", directions = \"x\" }"
+        }
+        _ => "",
+    };
+    let (from, left) = if halves == 1 { (270, 0.0) } else { (210, -12.0) };
+    Bench::new(&format!(
+        r#"
+        [body.slab]
+        block = {{ box = {{ origin = [{left:?}, -8.0, 0.0], size = [{}, 8.0, 2.0] }}, elements = [{}, 6, 2] }}
+        material = "soft"
+        {}
+        [body.roller]
+        block = {{ sector = {{ center = [0.0, 10.0, 0.0], radii = [6.0, 10.0], angles = [{from}, 330], length = 2.0 }}, elements = [3, {}, 2] }}
+        material = "hard"
+        {}
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [material.hard]
+        model = "neo-hookean"
+        young = 300.0
+        poisson = 0.3
+        [contact.line]
+        slave = "slab.ymax"
+        master = "roller.rmax"
+        {contact}
+        [[step]]
+        increments = 3
+        fix = [{{ set = "slab.ymin" }}{fix}]
+        move = [{{ target = "roller.rmin", by = [0.0, -0.6, 0.0] }}]
+        [output]
+        history = ["slab.ymin", "roller.rmin"]
+        "#,
+        12.0 * halves as f64,
+        9 * halves,
+        body("[\"xmin\"]"),
+        5 * halves,
+        body("[\"amin\"]"),
+    ))
+}
+
+#[test]
+fn half_with_a_plane_of_symmetry_is_half_of_the_whole() {
+    for transfer in ["patch", "variational", "bilinear"] {
+        let contact = format!("friction = 0.2\ntransfer = \"{transfer}\"");
+        let [half, whole] = [1, 2].map(|halves| pressed_roller(halves, &contact, true).solve(2, &[]).history());
+        let cut = pressed_roller(1, &contact, false).solve(2, &[]).history();
+        let of = |history: &History, c: &str| history.last(&format!("line.{c}"));
+        // In the whole, nodes in the plane take the side of one of two patches that meet there with a kink.
+        let lopsided = (of(&whole, "fx") / of(&whole, "fy")).abs();
+        assert!(lopsided < 3e-6, "{lopsided}");
+        assert_close(transfer, 2.0 * of(&half, "fy"), of(&whole, "fy"), 2e-6);
+        // Held, but without the normals of the whole.
+        assert!((2.0 * of(&cut, "fy") / of(&whole, "fy") - 1.0).abs() > 1e-3);
+    }
 }

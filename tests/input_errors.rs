@@ -108,6 +108,17 @@ fn a_group_that_the_mesh_does_not_have() {
 }
 
 #[test]
+fn groups_that_are_no_planes_of_symmetry() {
+    let symmetry =
+        |group: &str| bench("rubber\"\nmesh", &format!("rubber\"\nsymmetry = [\"bottom\", {group:?}]\nmesh"));
+    let words = ["`slab.edge` lies in no plane that is orthogonal", "name a group with all the faces"];
+    refuses(&symmetry("edge"), &[], "scene.toml:3:23: ", &words);
+    let bench = symmetry("middle");
+    bench.write("slab.inp", &(deck([2, 1, 1]) + "\n*NSET, NSET=middle\n2, 5, 8, 11\n"));
+    refuses(&bench, &[], "scene.toml:3:23: ", &["body `slab` lies on both sides of `slab.middle`", "mesh one side"]);
+}
+
+#[test]
 fn a_body_without_material() {
     let words = ["body.slab has no `material`", "| [body.slab]", "add `material = \"NAME\"` (known: rubber)"];
     refuses_scene("material = \"rubber\"\n", "", "scene.toml:1:1: ", &words);

@@ -199,6 +199,10 @@ impl Conditions {
                 self.prescribe_set(model, &target.value, &target.at, u, &motion.directions, &motion.by)?;
             }
         }
+        for plane in &model.symmetry {
+            let across = [0, 1, 2].map(|d| d == plane.axis);
+            self.prescribe_set(model, &plane.set.value, &plane.set.at, u, &across, &Vec3::zeros())?;
+        }
         for n in 0..model.part.owned {
             if model.bodies[model.part.body[n] as usize].plane_strain {
                 self.prescribed[3 * n + 2] = Some((u[n].z, 0.0));

@@ -154,7 +154,7 @@ mod tests {
         mesh.point_ids = (0..mesh.points.len() as u64).collect();
         let numbers: Vec<u64> = mesh.point_ids.clone();
         let points = mesh.points.iter().map(|x| Vec3::from(*x)).collect();
-        (MovingPatch::all(&mesh, &numbers, Smoothing::Facet, 40.0).unwrap(), points)
+        (MovingPatch::all(&mesh, &numbers, Smoothing::Facet, 40.0, &[]).unwrap(), points)
     }
 
     #[test]

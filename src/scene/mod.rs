@@ -24,6 +24,7 @@
 //! | `material` * | NAME of a material |
 //! | `element` = by the mesh | `"hex8"`, `"hex8-fbar"` (nearly incompressible, thin), `"tet4"` |
 //! | `plane_strain` = `false` | u_z = 0 in a body of one layer of elements along z |
+//! | `symmetry` = `[]` | groups of faces, each in a plane orthogonal to an axis, across which the body goes on as its mirror image: nodes there stay in the plane in every step, and smoothed surfaces have the normals of the whole |
 //!
 //! `block = { ... }`, a structured block of hexahedra:
 //!
@@ -204,6 +205,8 @@ pub struct Body {
     pub element: Option<Located<Element>>,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
     pub plane_strain: Option<Located<bool>>,
+    /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
+    pub symmetry: Vec<Located<String>>,
 }
 
 /// Where a mesh comes from.

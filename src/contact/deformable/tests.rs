@@ -45,7 +45,7 @@ fn noise(k: usize) -> f64 {
 impl Pair {
     fn new(mesh: &Mesh, smoothing: Smoothing, [now, before]: [usize; 2]) -> Self {
         let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
-        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0).unwrap();
+        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0, &[]).unwrap();
         let mut points: Vec<Vec3> = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
         let mut pair = Self {
             patches,

@@ -6,19 +6,29 @@ use crate::mesh::Mesh;
 use crate::scene::Smoothing;
 use crate::surface::facets::Facets;
 use crate::surface::from_mesh::{boundary_nodes, facet_edges};
-use crate::surface::normals::{Means, Weight};
+use crate::surface::normals::ends;
+use crate::surface::normals::{Means, Weight, Whole};
+use crate::surface::piece::Edge;
+use crate::{Mat3, Vec3};
 
 /// Most facets around a node.
 const MOST: usize = 64;
 
 /// The patches of a surface mesh, see [`MovingPatch::all`].
-pub fn patches(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle_deg: f64) -> Result<Vec<MovingPatch>> {
+pub fn patches(
+    mesh: &Mesh,
+    numbers: &[u64],
+    smoothing: Smoothing,
+    feature_angle_deg: f64,
+    planes: &[(Vec3, Vec3)],
+) -> Result<Vec<MovingPatch>> {
     let facets = Facets::new(mesh, false)?;
     let on_boundary = boundary_nodes(&facets);
-    let means = || Means::new(&facets, Weight::Sine, feature_angle_deg.to_radians(), |_, _| false);
+    let whole = Whole::new(mesh, &facets, planes)?;
+    let means = || Means::new(&whole.facets, Weight::Sine, feature_angle_deg.to_radians(), |_, _| false);
     let means = (smoothing == Smoothing::Nagata).then(means);
     let edges = means.as_ref().map_or_else(|| facet_edges(&facets), |means| means.normals.edges.clone());
-    let fans = means.as_ref().map(|means| Fans::new(mesh, &facets, means)).transpose()?;
+    let fans = means.as_ref().map(|means| Fans::new(mesh, &facets, &whole, means)).transpose()?;
     let patch = |f: usize| {
         let mut stencil =
             Stencil { nodes: (0..facets.count(f)).map(|k| facets.node(f, k)).collect(), ..Stencil::default() };
@@ -30,7 +40,7 @@ pub fn patches(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle
             id: f as u32,
             count: facets.counts[f],
             nodes: stencil.nodes.iter().map(|n| numbers[*n]).collect(),
-            edges: edges[f],
+            edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
             on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
             normals: stencil.rules,
             corners,
@@ -42,13 +52,20 @@ pub fn patches(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle
 
 /// The fans of a surface with the corners that count in their means, each as its node, the next and the last one.
 struct Fans<'a> {
+    whole: &'a Whole,
     means: &'a Means,
     corners: Vec<Vec<[usize; 3]>>,
+    /// Whether the fan has images of corners, too.
+    is_mirrored: Vec<bool>,
 }
 
 impl<'a> Fans<'a> {
-    fn new(mesh: &Mesh, facets: &Facets, means: &'a Means) -> Result<Self> {
+    fn new(mesh: &Mesh, facets: &Facets, whole: &'a Whole, means: &'a Means) -> Result<Self> {
         let mut corners = vec![Vec::new(); means.fans.count];
+        let mut is_mirrored = vec![false; means.fans.count];
+        for (f, k) in whole.facets.corners().filter(|(f, _)| *f >= facets.nodes.len()) {
+            is_mirrored[means.fans.of(f, k)] = true;
+        }
         for (f, k) in facets.corners().filter(|(f, k)| means.counts[*f][*k]) {
             let [next, last] = facets.beside(f, k);
             let fan: &mut Vec<_> = &mut corners[means.fans.of(f, k)];
@@ -59,7 +76,33 @@ impl<'a> Fans<'a> {
                 return Err(Error::input_anywhere(what, "mesh the surface with fewer facets around it"));
             }
         }
-        Ok(Self { means, corners })
+        Ok(Self { whole, means, corners, is_mirrored })
+    }
+}
+
+impl Fans<'_> {
+    /// The projector onto the symmetry planes across which the fan goes on.
+    fn within(&self, fan: usize) -> Option<Mat3> {
+        self.whole.within(self.corners[fan][0][0]).filter(|_| self.is_mirrored[fan])
+    }
+
+    /// What the normal of a fan at an end of the surface follows, and in how many directions. In a symmetry plane these are
+    /// the neighbours in the plane, if there are any: their normals and edges lie in it, and so does what follows.
+    fn end(&self, fan: usize) -> Option<(Vec<ends::Neighbour>, u8)> {
+        let end = self.means.ends[fan].as_ref()?;
+        let Some(within) = self.within(fan) else { return Some((end.neighbours.clone(), end.directions as u8)) };
+        let x = self.whole.facets.points[self.corners[fan][0][0]];
+        let lies_within = |u: &&ends::Neighbour| {
+            let edge = self.whole.facets.points[u.node] - x;
+            (edge - within * edge).norm() < 1e-4 * edge.norm()
+        };
+        let mut neighbours: Vec<_> = end.neighbours.iter().filter(lies_within).copied().collect();
+        neighbours.truncate(1);
+        for u in &mut neighbours {
+            let edge = self.whole.facets.points[u.node] - x;
+            u.weights = [1.0 / edge.norm(), 0.0];
+        }
+        (!neighbours.is_empty()).then_some((neighbours, 1))
     }
 }
 
@@ -83,21 +126,22 @@ impl Stencil {
             return known as u32;
         }
         let node = self.node(fans.corners[fan][0][0]);
-        let rule = match &fans.means.ends[fan] {
+        let within = fans.within(fan);
+        let rule = match fans.end(fan) {
             None => {
                 let (mut spokes, mut corners) = (Vec::new(), Vec::new());
                 for [_, next, last] in &fans.corners[fan] {
                     corners.push([next, last].map(|n| place(&mut spokes, self.node(*n))));
                 }
-                NormalRule::Mean { node, spokes, corners }
+                NormalRule::Mean { node, spokes, corners, within }
             }
-            Some(end) => {
-                let mut neighbours = Vec::with_capacity(end.neighbours.len());
-                for u in &end.neighbours {
+            Some((end, directions)) => {
+                let mut neighbours = Vec::with_capacity(end.len());
+                for u in &end {
                     let (node, normal) = (self.node(u.node), self.normal(fans, u.fan));
                     neighbours.push(Neighbour { node, normal, weights: u.weights });
                 }
-                NormalRule::End { node, neighbours, directions: end.directions as u8 }
+                NormalRule::End { node, neighbours, directions }
             }
         };
         self.fans.push(fan);

@@ -52,12 +52,19 @@ pub struct MovingPatch {
 }
 
 impl MovingPatch {
-    /// The patches of the facets of `mesh`, numbered alike; `numbers` are the global numbers of its points.
+    /// The patches of the facets of `mesh`, numbered alike; `numbers` are the global numbers of its points, and in the
+    /// `planes` (point, normal), which its nodes there do not leave, it goes on as its mirror image.
     ///
     /// Sharp edges, junctions and ends are those of [`super::patches_from_mesh`]. Sharp edges are straight. Fails when the
-    /// facets do not make a surface.
-    pub fn all(mesh: &Mesh, numbers: &[u64], smoothing: Smoothing, feature_angle_deg: f64) -> Result<Vec<Self>> {
-        frozen::patches(mesh, numbers, smoothing, feature_angle_deg)
+    /// facets do not make a surface, or do not end in a plane.
+    pub fn all(
+        mesh: &Mesh,
+        numbers: &[u64],
+        smoothing: Smoothing,
+        feature_angle_deg: f64,
+        planes: &[(Vec3, Vec3)],
+    ) -> Result<Vec<Self>> {
+        frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes)
     }
 
     /// The patch with its nodes at `positions`.

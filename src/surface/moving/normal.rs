@@ -8,6 +8,9 @@
 //!     n = N/|N|,     N = sum r_i x r_j
 //! ```
 //!
+//! Of a node in symmetry planes it has the corners on the one side; the sum over all their images is a multiple of P N, with
+//! P the projector onto the planes, which takes the place of N.
+//!
 //! **End.** At an end of the surface the normal y follows the neighbours u inside, see (*) of [`super::super::normals`].
 //! With d_u = x_u - x and weights chosen on the initial mesh, it satisfies two of the conditions (y + n_u).d_u = 0:
 //!
@@ -29,8 +32,9 @@ const LARGEST_LEAN: f64 = 0.75;
 /// How a nodal normal follows from the nodes of a patch, given as indices into [`super::MovingPatch::nodes`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum NormalRule {
-    /// The mean of `corners`, each between two of the edges from `node` to the `spokes`, counter-clockwise.
-    Mean { node: u32, spokes: Vec<u32>, corners: Vec<[u32; 2]> },
+    /// The mean of `corners`, each between two of the edges from `node` to the `spokes`, counter-clockwise; `within` is the
+    /// projector onto the symmetry planes in which the node lies.
+    Mean { node: u32, spokes: Vec<u32>, corners: Vec<[u32; 2]>, within: Option<Mat3> },
     /// At an end of the surface, by neighbours in 1 or 2 directions.
     End { node: u32, neighbours: Vec<Neighbour>, directions: u8 },
 }
@@ -49,9 +53,10 @@ impl NormalRule {
     /// The unit normal, with the normals before it. Without area around the node it is zero.
     pub fn value(&self, positions: &[Vec3], normals: &[Vec3]) -> Vec3 {
         match self {
-            Self::Mean { node, spokes, corners } => {
+            Self::Mean { node, spokes, corners, within } => {
                 let inverted = |k: u32| invert(&(positions[spokes[k as usize] as usize] - positions[*node as usize]));
                 let sum: Vec3 = corners.iter().map(|[i, j]| inverted(*i).cross(&inverted(*j))).sum();
+                let sum = within.map_or(sum, |within| within * sum);
                 sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
             }
             Self::End { node, neighbours, directions } => {
@@ -65,16 +70,17 @@ impl NormalRule {
         let State { positions, normals, spokes } = state;
         link.parts.clear();
         match self {
-            Self::Mean { node, spokes: ends, corners } => {
+            Self::Mean { node, spokes: ends, corners, within } => {
                 spread(positions, *node, ends, corners, spokes);
-                let sum: Vec3 = corners.iter().map(|[i, j]| cross(spokes, *i, *j)).sum();
+                let within = within.unwrap_or_else(Mat3::identity);
+                let sum: Vec3 = within * corners.iter().map(|[i, j]| cross(spokes, *i, *j)).sum::<Vec3>();
                 let size = sum.norm().max(f64::MIN_POSITIVE);
                 link.value = sum / size;
                 link.size = size;
                 link.outer = (Mat3::identity() - link.value * link.value.transpose()) / size;
                 let mut all = Mat3::zeros();
                 for (end, spoke) in ends.iter().zip(&*spokes) {
-                    let part = spoke.axis.cross_matrix() * spoke.turn;
+                    let part = within * spoke.axis.cross_matrix() * spoke.turn;
                     all -= part;
                     link.parts.push((*end as usize, part));
                 }
@@ -100,10 +106,10 @@ impl NormalRule {
     pub(super) fn bend(&self, index: usize, state: &mut State, link: &Link, g: &Vec3, hessian: &mut Hessian) {
         let State { positions, normals, spokes } = state;
         match self {
-            Self::Mean { node, spokes: ends, corners } => {
+            Self::Mean { node, spokes: ends, corners, within } => {
                 spread(positions, *node, ends, corners, spokes);
                 hessian.transform(index, &link.outer);
-                Mean { node: *node as usize, ends, corners, spokes }.bend(index, link, g, hessian);
+                Mean { node: *node as usize, ends, corners, within, spokes }.bend(index, link, g, hessian);
             }
             Self::End { node, neighbours, directions } => {
                 let end = End::new(positions, normals, *node, neighbours, *directions);
@@ -164,17 +170,19 @@ struct Mean<'a> {
     node: usize,
     ends: &'a [u32],
     corners: &'a [[u32; 2]],
+    within: &'a Option<Mat3>,
     spokes: &'a [Spoke],
 }
 
 impl Mean<'_> {
     /// Adds the second derivatives of g.N/|N|: those of the normalisation by N, number `index`, those of N by the spokes.
     fn bend(&self, index: usize, link: &Link, g: &Vec3, hessian: &mut Hessian) {
-        let Self { node, ends, corners, spokes } = *self;
+        let Self { node, ends, corners, within, spokes } = *self;
         let n = link.value;
         let on_sum = link.outer * g;
         let mixed = on_sum * n.transpose();
         hessian.add_diagonal(index, &(-(mixed + mixed.transpose() + link.outer * g.dot(&n)) / link.size));
+        let on_sum = within.map_or(on_sum, |within| within * on_sum);
         let mut add = |i: usize, j: usize, block: &Mat3| {
             // The edges are differences to the node.
             let (i, j) = (ends[i] as usize, ends[j] as usize);

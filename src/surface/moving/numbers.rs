@@ -1,6 +1,7 @@
 //! Moving patches as numbers, to be sent to other ranks.
 
 use super::{MovingPatch, Neighbour, NormalRule};
+use crate::Mat3;
 use crate::surface::numbers::{Numbers, flags, from_flags};
 
 impl MovingPatch {
@@ -13,9 +14,11 @@ impl MovingPatch {
         to.push(self.normals.len() as f64);
         for rule in &self.normals {
             match rule {
-                NormalRule::Mean { node, spokes, corners } => {
+                NormalRule::Mean { node, spokes, corners, within } => {
                     to.extend([0, *node, spokes.len() as u32, corners.len() as u32].map(f64::from));
                     to.extend(spokes.iter().chain(corners.iter().flatten()).map(|i| f64::from(*i)));
+                    to.push(within.iter().len() as f64);
+                    to.extend(within.iter().flatten());
                 }
                 NormalRule::End { node, neighbours, directions } => {
                     to.extend([*directions as u32, *node, neighbours.len() as u32].map(f64::from));
@@ -55,7 +58,9 @@ impl Numbers<'_> {
             let corners = self.count()?;
             let spokes = indices(self.take(count)?);
             let corners = self.take(2 * corners)?.chunks_exact(2).map(|c| [c[0] as u32, c[1] as u32]).collect();
-            return Some(NormalRule::Mean { node, spokes, corners });
+            let within = self.count()?;
+            let within = (within > 0).then(|| self.take(9).map(Mat3::from_column_slice)).flatten();
+            return Some(NormalRule::Mean { node, spokes, corners, within });
         }
         let neighbour = |u: &[f64]| Neighbour { node: u[0] as u32, normal: u[1] as u32, weights: [u[2], u[3]] };
         let neighbours = self.take(4 * count)?.chunks_exact(4).map(neighbour).collect();

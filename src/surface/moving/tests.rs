@@ -11,7 +11,7 @@ fn numbers(mesh: &Mesh) -> Vec<u64> {
 }
 
 fn patches(mesh: &Mesh, smoothing: Smoothing) -> Vec<MovingPatch> {
-    MovingPatch::all(mesh, &numbers(mesh), smoothing, 50.0).unwrap()
+    MovingPatch::all(mesh, &numbers(mesh), smoothing, 50.0, &[]).unwrap()
 }
 
 fn positions(patch: &MovingPatch, mesh: &Mesh) -> Vec<Vec3> {
@@ -49,6 +49,30 @@ pub fn samples(smoothing: Smoothing) -> Vec<(MovingPatch, Vec<Vec3>)> {
                 perturb(&mut x, 0.03 * size);
                 samples.push((patch, x));
             }
+        }
+    }
+    samples
+}
+
+/// A quarter of a dome, and the planes x = 0 and y = 0 in which it goes on.
+const PLANES: [(Vec3, Vec3); 2] =
+    [(Vec3::new(0.0, 0.0, 0.7), Vec3::new(1.0, 0.0, 0.0)), (Vec3::new(0.0, 0.0, 0.0), Vec3::new(0.0, -2.0, 0.0))];
+
+fn dome(s: f64, t: f64) -> [f64; 3] {
+    [3.0 * s, 3.0 * t, 1.1 * (1.0 - s * s) - 0.7 * t * t + 0.3 * s * s * t * t]
+}
+
+/// Patches in one and two symmetry planes, also at ends of the surface, with displaced nodes.
+fn mirrored_samples() -> Vec<(MovingPatch, Vec<Vec3>)> {
+    let mut samples = Vec::new();
+    for triangles in [false, true] {
+        let mesh = grid(3, 3, triangles, dome);
+        let all = MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &PLANES).unwrap();
+        for f in [0, 1, 2, 6] {
+            let patch = all[if triangles { 2 * f } else { f }].clone();
+            let mut x = positions(&patch, &mesh);
+            perturb(&mut x, 0.03);
+            samples.push((patch, x));
         }
     }
     samples
@@ -95,7 +119,12 @@ fn rare_ends_have_their_derivatives() {
     let neighbours = |wide: f64| vec![(1, 0, [0.7, wide]), (2, 1, [0.4, -0.9])];
     for (directions, wide, lean) in [(1, 0.0, 0.2), (2, 0.5, 0.2), (2, 0.5, 3.0)] {
         let end = neighbours(wide).into_iter().map(|(node, normal, weights)| Neighbour { node, normal, weights });
-        let mean = |node: u32| NormalRule::Mean { node, spokes: vec![3, 4, 5], corners: vec![[0, 1], [1, 2], [2, 0]] };
+        let mean = |node: u32| NormalRule::Mean {
+            node,
+            spokes: vec![3, 4, 5],
+            corners: vec![[0, 1], [1, 2], [2, 0]],
+            within: None,
+        };
         let patch = MovingPatch {
             id: 0,
             count: 3,
@@ -133,7 +162,7 @@ fn rare_ends_have_their_derivatives() {
 #[test]
 fn first_derivatives_match_differences() {
     for smoothing in [Smoothing::Facet, Smoothing::Nagata] {
-        for (patch, x) in samples(smoothing) {
+        for (patch, x) in samples(smoothing).into_iter().chain(mirrored_samples()) {
             let mut variation = Variation::default();
             patch.vary(&x, XI, &mut variation);
             assert_eq!(variation.local, patch.shape(&x).local(XI));
@@ -161,7 +190,7 @@ fn first_derivatives_match_differences() {
 fn second_derivatives_match_differences() {
     let force = Vec3::new(0.3, -0.5, 0.8);
     for smoothing in [Smoothing::Facet, Smoothing::Nagata] {
-        for (patch, x) in samples(smoothing) {
+        for (patch, x) in samples(smoothing).into_iter().chain(mirrored_samples()) {
             let (mut variation, other) = (Variation::default(), std::cell::RefCell::new(Variation::default()));
             let size = (x[1] - x[0]).norm();
             for transfer in [Transfer::Variational, Transfer::Patch, Transfer::Bilinear] {
@@ -242,6 +271,37 @@ fn patches_move_rigidly_with_their_nodes() {
         }
         let scaled: Vec<Vec3> = x.iter().map(|x| x * 1e-3).collect();
         assert!((patch.shape(&scaled).point(XI) - here.point(XI) * 1e-3).norm() < 1e-16);
+    }
+}
+
+/// A quarter with its planes is a quarter of the whole, wherever its nodes have gone.
+#[test]
+fn in_symmetry_planes_patches_are_those_of_the_whole() {
+    let bent = |mesh: &Mesh| {
+        let mut bent = mesh.clone();
+        for [x, y, z] in &mut bent.points {
+            let (a, b) = (*x * *x, *y * *y);
+            (*x, *y, *z) = (*x * (1.0 + 0.02 * b), *y * (1.1 + 0.01 * a * b), *z - 0.1 * b + 0.05 * a * b);
+        }
+        bent
+    };
+    let part = grid(3, 3, false, dome);
+    let whole = grid(6, 6, false, |s, t| dome(2.0 * s - 1.0, 2.0 * t - 1.0));
+    let planar = MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES).unwrap();
+    let of_whole = patches(&whole, Smoothing::Nagata);
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        let (here, there) = (&planar[3 * j + i], &of_whole[6 * (j + 3) + i + 3]);
+        let shape = |patch: &MovingPatch, mesh: &Mesh| patch.shape(&positions(patch, &bent(mesh)));
+        let [here, there] = [shape(here, &part), shape(there, &whole)];
+        for k in 0..4 {
+            // Further out the surface ends.
+            let off = (here.coefficients[k] - there.coefficients[k]).norm();
+            assert!(off < 1e-14 || i.max(j) == 2, "{i} {j} {k}: {off}");
+            let ends = [here.nodes[k], here.nodes[(k + 1) % 4]];
+            for d in (0..2).filter(|d| ends.iter().all(|x| x[*d] == 0.0)) {
+                assert!(here.coefficients[k][d].abs() < 1e-15 && here.coefficients[k].norm() > 0.01);
+            }
+        }
     }
 }
 
@@ -351,9 +411,9 @@ fn too_many_facets_around_a_node_are_refused() {
     let facets: Vec<[u32; 3]> = (0..count).map(|k| [0, 1 + k, 1 + (k + 1) % count]).collect();
     let facets: Vec<&[u32]> = facets.iter().map(|f| &f[..]).collect();
     let mesh = crate::surface::test_meshes::mesh_of(points, &facets);
-    let error = MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0).unwrap_err();
+    let error = MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &[]).unwrap_err();
     assert!(error.to_string().contains("more than 64 facets meet at a node of facet 1"), "{error}");
-    assert!(MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Facet, 50.0).is_ok());
+    assert!(MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Facet, 50.0, &[]).is_ok());
 }
 
 fn unit() -> impl Strategy<Value = Vec3> {

@@ -52,7 +52,7 @@ use ends::End;
 use groups::Groups;
 pub use options::NormalOptions;
 use sharp::SharpEdges;
-use symmetry::Whole;
+pub use symmetry::Whole;
 pub use weight::Weight;
 
 /// The normals of a surface mesh.

@@ -28,6 +28,8 @@ pub struct Whole {
     pub node_of: Vec<u32>,
     /// For each facet after those of the mesh the one that it is an image of, and the linear part of the map.
     pub images: Vec<(usize, Mat3)>,
+    /// The normals of the planes that each node of the mesh lies in, where there are planes.
+    pub across: Vec<Vec<Vec3>>,
 }
 
 impl Whole {
@@ -36,7 +38,7 @@ impl Whole {
     /// Fails on planes that the mesh does not end in, and that do not make a kaleidoscope.
     pub fn new(mesh: &Mesh, facets: &Facets, planes: &[(Vec3, Vec3)]) -> Result<Self> {
         let node_of = (0..facets.points.len() as u32).collect();
-        let mut whole = Self { facets: facets.clone(), node_of, images: Vec::new() };
+        let mut whole = Self { facets: facets.clone(), node_of, images: Vec::new(), across: Vec::new() };
         if planes.is_empty() {
             return Ok(whole);
         }
@@ -44,6 +46,8 @@ impl Whole {
         let mut growth = Growth::new(facets, planes).map_err(|(what, help)| fail(what, help))?;
         growth.grow().map_err(|(what, help)| fail(what, help))?;
         growth.append(&mut whole);
+        let normals = |of: &Vec<usize>| of.iter().map(|p| planes[*p].1.normalize()).collect();
+        whole.across = growth.planes_of.iter().map(normals).collect();
         whole.facets.across = vec![[None; 4]; whole.facets.nodes.len()];
         whole.facets.connect().map_err(|(f, g, _)| {
             let ids = [f, g].map(|f| mesh.facets[whole.original(f)].id);
@@ -56,6 +60,19 @@ impl Whole {
     /// The facet of the mesh that `f` is or is an image of.
     pub fn original(&self, f: usize) -> usize {
         f.checked_sub(self.facets.nodes.len() - self.images.len()).map_or(f, |image| self.images[image].0)
+    }
+
+    /// The projector onto the planes in which a node of the mesh lies; `None` in no plane.
+    pub fn within(&self, node: usize) -> Option<Mat3> {
+        let planes = self.across.get(node).filter(|planes| !planes.is_empty())?;
+        let mut within = Mat3::identity();
+        for plane in planes {
+            // Nothing is left of a plane that the others hold.
+            if let Some(across) = (within * plane).try_normalize(1e-6) {
+                within -= across * across.transpose();
+            }
+        }
+        Some(within)
     }
 
     /// Normals at the corners of all facets from those of the mesh.
