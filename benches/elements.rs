@@ -2,7 +2,7 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nagata::scene::MaterialModel;
-use nagata::solid::element::{ElementMatrices, Medium, hex8, hex8_fbar, tet4};
+use nagata::solid::element::{ElementMatrices, Medium, hex8, hex8_eas, hex8_fbar, hex8_sri, tet4};
 use nagata::solid::material::Material;
 use std::hint::black_box;
 
@@ -41,6 +41,16 @@ fn elements(criterion: &mut Criterion) {
             run("hex8-fbar", &mut || {
                 let (x0, u) = black_box(&hex);
                 hex8_fbar::evaluate(x0, u, Medium::virgin(material), want_tangent, black_box(&mut out24))
+                    .expect("sound element");
+            });
+            run("hex8-sri", &mut || {
+                let (x0, u) = black_box(&hex);
+                hex8_sri::evaluate(x0, u, Medium::virgin(material), want_tangent, black_box(&mut out24))
+                    .expect("sound element");
+            });
+            run("hex8-eas", &mut || {
+                let (x0, u) = black_box(&hex);
+                hex8_eas::evaluate(x0, u, Medium::virgin(material), want_tangent, black_box(&mut out24))
                     .expect("sound element");
             });
             run("tet4", &mut || {

@@ -106,6 +106,13 @@ fn frictionless() {
 }
 
 #[test]
+fn selective_integration_and_enhanced_strain() {
+    for element in ["hex8-sri", "hex8-eas"] {
+        check(&scene(element, "neo-hookean", SPHERE, "friction = 0.2", PRESS_AND_SLIDE), 1);
+    }
+}
+
+#[test]
 fn f_bar() {
     check(&scene("hex8-fbar", "neo-hookean", SPHERE, "friction = 0.2", PRESS_AND_SLIDE), 1);
 }

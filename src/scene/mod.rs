@@ -22,7 +22,7 @@
 //! | `mesh` or `block` * | a mesh file (Gmsh or Abaqus), relative to the scene file; or a structured block, see below |
 //! | `group` | the volume group of the mesh file to take; all without it |
 //! | `material` * | NAME of a material |
-//! | `element` = by the mesh | `"hex8"`, `"hex8-fbar"` (nearly incompressible, thin), `"tet4"` |
+//! | `element` = by the mesh | `"hex8"`; `"hex8-fbar"`, `"hex8-sri"`: nearly incompressible or plastic; `"hex8-eas"`: bent, in one layer, and incompressible, too; `"tet4"`: stiff, see the README |
 //! | `plane_strain` = `false` | u_z = 0 in a body of one layer of elements along z |
 //! | `symmetry` = `[]` | groups of faces, each in a plane orthogonal to an axis, across which the body goes on as its mirror image: nodes there stay in the plane in every step, and smoothed surfaces have the normals of the whole |
 //!
@@ -259,16 +259,25 @@ pub enum Element {
     Hex8,
     /// 8-node hexahedron, F-bar.
     Hex8Fbar,
+    /// 8-node hexahedron, selective reduced integration with the mean change of volume.
+    Hex8Sri,
+    /// 8-node hexahedron, enhanced assumed strain.
+    Hex8Eas,
     /// 4-node tetrahedron.
     Tet4,
 }
 
 impl Element {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Hex8, Self::Hex8Fbar, Self::Hex8Sri, Self::Hex8Eas, Self::Tet4];
+
     /// What the user calls it.
     pub fn key(self) -> &'static str {
         match self {
             Self::Hex8 => "hex8",
             Self::Hex8Fbar => "hex8-fbar",
+            Self::Hex8Sri => "hex8-sri",
+            Self::Hex8Eas => "hex8-eas",
             Self::Tet4 => "tet4",
         }
     }

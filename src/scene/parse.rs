@@ -121,7 +121,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         return Err(group.error("needs a mesh file", "the groups of a block are its `faces`"));
     }
     let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()))?;
-    let elements = [Element::Hex8, Element::Hex8Fbar, Element::Tet4].map(|e| (e.key(), e));
+    let elements = Element::ALL.map(|e| (e.key(), e));
     let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)))?;
     let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
@@ -136,7 +136,7 @@ fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
     if let Some(element) = body.element.as_ref().filter(|element| element.value == Element::Tet4) {
-        let help = "use element = \"hex8\" or \"hex8-fbar\"";
+        let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
     }
     if let Some(plane_strain) = body.plane_strain.as_ref().filter(|plane_strain| plane_strain.value)

@@ -9,9 +9,10 @@ use crate::model::Model;
 use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Element;
 use crate::solid::element::{
-    ElementMatrices, Inverted, Medium, Sample, advance, average_plastic_strain, average_stress, hex8, hex8_fbar,
-    plane4, plastic_work, stored_energy, tet4,
+    ElementMatrices, Inverted, Medium, Sample, advance, average_plastic_strain, average_stress, hex8, hex8_eas,
+    hex8_fbar, hex8_sri, plane4, plastic_work, stored_energy, tet4,
 };
+use crate::solid::history::History;
 use crate::solid::load;
 use crate::solid::voigt::Voigt;
 
@@ -34,16 +35,9 @@ impl Scratch {
         let solid = &model.part.solids[e];
         let body = &model.bodies[solid.body as usize];
         let (points, medium) = (&model.part.points, medium(model, e));
-        let f_bar = body.element == Element::Hex8Fbar;
         if body.plane_strain {
-            let (x, u) = (gather(points, solid), gather(u, solid));
-            return plane4::evaluate(
-                (&x, &u),
-                thickness(model, solid),
-                medium,
-                (want_tangent, f_bar),
-                &mut self.of_four,
-            );
+            let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, body.element));
+            return plane4::evaluate(nodes, thickness(model, solid), medium, how, &mut self.of_four);
         }
         match solid.shape {
             SolidShape::Tet4 => {
@@ -52,7 +46,12 @@ impl Scratch {
             }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
-                let evaluate = if f_bar { hex8_fbar::evaluate } else { hex8::evaluate };
+                let evaluate = match body.element {
+                    Element::Hex8Fbar => hex8_fbar::evaluate,
+                    Element::Hex8Sri => hex8_sri::evaluate,
+                    Element::Hex8Eas => hex8_eas::evaluate,
+                    Element::Hex8 | Element::Tet4 => hex8::evaluate,
+                };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_eight)
             }
         }
@@ -82,25 +81,26 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     z(4) - z(0)
 }
 
-/// Lets `act` on the integration points of an element at displacements `u`.
-fn sampled<T>(
-    model: &Model,
-    solid: &PartSolid,
-    u: &[Vec3],
-    act: impl FnOnce(&[Sample]) -> Result<T, Inverted>,
-) -> Result<T, Inverted> {
-    let body = &model.bodies[solid.body as usize];
-    let points = &model.part.points;
-    let f_bar = body.element == Element::Hex8Fbar;
-    match solid.shape {
-        _ if body.plane_strain => {
-            let (x, u) = (gather(points, solid), gather(u, solid));
-            act(&plane4::samples((&x, &u), thickness(model, solid), f_bar)?)
-        }
-        SolidShape::Tet4 => act(&tet4::samples(&gather(points, solid), &gather(u, solid))?),
-        SolidShape::Hex8 if f_bar => act(&hex8_fbar::samples(&gather(points, solid), &gather(u, solid))?),
-        SolidShape::Hex8 => act(&hex8::samples(&gather(points, solid), &gather(u, solid))?),
+/// The integration points of element `e` of the part at displacements `u`, with the states in `history`.
+fn samples(model: &Model, history: &History, e: usize, u: &[Vec3]) -> Result<Vec<Sample>, Inverted> {
+    let solid = &model.part.solids[e];
+    let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
+    let medium = Medium { material: &body.material, states: history.of(e) };
+    if body.plane_strain {
+        let nodes = (&gather(points, solid), &gather(u, solid));
+        return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.to_vec());
     }
+    if solid.shape == SolidShape::Tet4 {
+        return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.to_vec());
+    }
+    let (x, u) = (gather(points, solid), gather(u, solid));
+    let samples = match body.element {
+        Element::Hex8Fbar => hex8_fbar::samples(&x, &u),
+        Element::Hex8Sri => hex8_sri::samples(&x, &u),
+        Element::Hex8Eas => hex8_eas::samples(&x, &u, medium),
+        Element::Hex8 | Element::Tet4 => hex8::samples(&x, &u),
+    };
+    Ok(samples?.to_vec())
 }
 
 /// Whether an element could be evaluated.
@@ -160,11 +160,15 @@ pub fn add_tangent(model: &Model, pattern: &Pattern, u: &[Vec3], values: &mut [f
     }
 }
 
-/// Whether an element of this rank is inverted at displacements `u`.
+/// Whether an element of this rank is inverted at displacements `u`, or one with enhanced strain has no solution for it.
 pub fn any_inverted(model: &Model, u: &[Vec3]) -> bool {
-    model.part.solids.iter().any(|solid| match solid.shape {
-        SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
-        SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
+    model.part.solids.iter().enumerate().any(|(e, solid)| {
+        let inverted = match solid.shape {
+            SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
+        };
+        let enhanced = model.bodies[solid.body as usize].element == Element::Hex8Eas;
+        inverted || enhanced && samples(model, &model.history, e, u).is_err()
     })
 }
 
@@ -204,15 +208,15 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
 
 /// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx); zero where an element is inverted.
 pub fn stresses(model: &Model, u: &[Vec3]) -> Vec<Voigt> {
-    let of = |e: usize| sampled(model, &model.part.solids[e], u, |samples| average_stress(samples, medium(model, e)));
+    let of = |e: usize| average_stress(&samples(model, &model.history, e, u)?, medium(model, e));
     mine(model).map(|e| of(e).unwrap_or_default()).collect()
 }
 
 /// Mean equivalent plastic strain of each element that this rank counts.
 pub fn plastic_strains(model: &Model, u: &[Vec3]) -> Vec<f64> {
     let of = |e: usize| {
-        let states = model.history.of(e);
-        sampled(model, &model.part.solids[e], u, |samples| Ok(average_plastic_strain(samples, states)))
+        let samples = samples(model, &model.history, e, u)?;
+        Ok::<_, Inverted>(average_plastic_strain(&samples, model.history.of(e)))
     };
     mine(model).map(|e| of(e).unwrap_or_default()).collect()
 }
@@ -222,9 +226,8 @@ pub fn energies(model: &Model, u: &[Vec3], body: usize) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for e in mine(model).filter(|&e| model.part.solids[e].body as usize == body) {
         let medium = medium(model, e);
-        let of_element = sampled(model, &model.part.solids[e], u, |samples| {
-            Ok([stored_energy(samples, medium)?, plastic_work(samples, medium)])
-        });
+        let of_element = samples(model, &model.history, e, u)
+            .and_then(|samples| Ok([stored_energy(&samples, medium)?, plastic_work(&samples, medium)]));
         (0..2).for_each(|k| sums[k] += of_element.map_or(0.0, |energies| energies[k]));
     }
     sums
@@ -242,7 +245,7 @@ pub fn flow(model: &mut Model, u: &[Vec3]) {
     if !history.is_empty() {
         for (e, solid) in model.part.solids.iter().enumerate() {
             let material = &model.bodies[solid.body as usize].material;
-            let _ = sampled(model, solid, u, |samples| advance(samples, material, history.of_mut(e)));
+            let _ = samples(model, &history, e, u).and_then(|samples| advance(&samples, material, history.of_mut(e)));
         }
     }
     model.history = history;

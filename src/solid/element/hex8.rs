@@ -11,7 +11,7 @@ use crate::Vec3;
 pub const POINTS: usize = 8;
 
 /// Parameters of the nodes.
-const NODES: [[f64; 3]; 8] = [
+pub(super) const NODES: [[f64; 3]; 8] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
     [1.0, 1.0, -1.0],
@@ -45,7 +45,7 @@ const VALUES: [[f64; 8]; 8] = {
 };
 
 /// Derivatives at the Gauss points.
-const GRADIENTS: [Gradients<8>; 8] = {
+pub(super) const GRADIENTS: [Gradients<8>; 8] = {
     let mut gradients = [[[0.0; 8]; 3]; 8];
     let mut q = 0;
     while q < 8 {
@@ -56,7 +56,7 @@ const GRADIENTS: [Gradients<8>; 8] = {
 };
 
 /// Derivatives at the centre.
-const CENTRE: Gradients<8> = shape(0.0, 0.0, 0.0).1;
+pub(super) const CENTRE: Gradients<8> = shape(0.0, 0.0, 0.0).1;
 
 /// Shape functions and their derivatives by the parameters.
 const fn shape(xi: f64, eta: f64, zeta: f64) -> ([f64; 8], Gradients<8>) {

@@ -20,8 +20,11 @@
 //! makes the new ones when an increment is accepted. Each element gives its integration points as [`Sample`]s, over which
 //! stresses, energies and states are summed alike for all.
 
+mod enhanced;
 pub mod hex8;
+pub mod hex8_eas;
 pub mod hex8_fbar;
+pub mod hex8_sri;
 pub mod plane4;
 pub mod tet4;
 

@@ -2,10 +2,14 @@
 //! with u_z = 0.
 //!
 //! The lower four nodes carry it. In such a hexahedron the integration points lie in pairs above one another and see the
-//! same F, so 2x2 points of the full thickness are exactly [`super::hex8`] (or [`super::hex8_fbar`]) with the forces of
-//! nodes above one another added up; forces and stiffnesses along z are left out.
+//! same F, so 2x2 points of the full thickness are exactly [`super::hex8`], or another of the hexahedra, with the forces of
+//! nodes above one another added up; forces and stiffnesses along z are left out. Of the modes of [`super::hex8_eas`] those
+//! that vary along z, or shear along it, are zero by symmetry.
 
+use super::enhanced::{self, Modes, Rule, VOLUME};
+use super::hex8_sri::{self, use_mean_volume};
 use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, use_volume_of};
+use crate::scene::Element;
 
 /// Integration points.
 pub const POINTS: usize = 4;
@@ -27,7 +31,7 @@ const fn gradients(xi: f64, eta: f64) -> Gradients<4> {
 }
 
 /// Derivatives at the Gauss points, all of weight 1.
-const GAUSS_POINTS: [Gradients<4>; 4] = {
+const GAUSS_POINTS: [Gradients<4>; POINTS] = {
     let mut points = [[[0.0; 4]; 3]; 4];
     let mut q = 0;
     while q < 4 {
@@ -37,53 +41,92 @@ const GAUSS_POINTS: [Gradients<4>; 4] = {
     points
 };
 
+/// Derivatives at the centre.
+const CENTRE: Gradients<4> = gradients(0.0, 0.0);
+
+/// The five of the modes of [`super::hex8_eas`] that do not vanish.
+const MODES: Modes<5, POINTS> = {
+    let mut modes = Modes { components: [0, 1, 3, 4, VOLUME], amplitudes: [[0.0; 5]; POINTS] };
+    let mut q = 0;
+    while q < POINTS {
+        let [xi, eta] = NODES[q];
+        modes.amplitudes[q] = [xi, xi, eta, eta, xi * eta];
+        q += 1;
+    }
+    modes
+};
+
 /// Internal forces and, if `want_tangent`, the tangent of the layer with lower reference nodes `x0` displaced by `u`, whose
-/// z do not count, and with the given thickness; with F-bar if `f_bar`. `out.tangent` keeps its old entries otherwise; after
-/// an error `out` is undefined.
+/// z do not count, and with the given thickness. `out.tangent` keeps its old entries otherwise; after an error `out` is
+/// undefined.
 pub fn evaluate(
     nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
     thickness: f64,
     medium: Medium,
-    (want_tangent, f_bar): (bool, bool),
+    (want_tangent, element): (bool, Element),
     out: &mut ElementMatrices<12>,
 ) -> Result<(), Inverted> {
-    let (points, centre) = points(nodes, thickness, f_bar)?;
-    integrate(&points, centre.as_ref(), medium, want_tangent, out)
+    let (x0, u) = flat(nodes);
+    match element {
+        Element::Hex8Eas => enhanced::evaluate(&x0, &u, &rule(thickness), &MODES, (medium, want_tangent), out),
+        Element::Hex8Sri => hex8_sri::integrate(&mut points(&x0, &u, thickness)?, medium, want_tangent, out),
+        Element::Hex8Fbar => {
+            let mut points = points(&x0, &u, thickness)?;
+            let centre = centre(&x0, &u, thickness)?;
+            use_volume_of(&centre, &mut points);
+            integrate(&points, Some(&centre.gradients), medium, want_tangent, out)
+        }
+        _ => integrate(&points(&x0, &u, thickness)?, None, medium, want_tangent, out),
+    }
 }
 
 /// The integration points.
 pub fn samples(
     nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
     thickness: f64,
-    f_bar: bool,
+    medium: Medium,
+    element: Element,
 ) -> Result<[Sample; POINTS], Inverted> {
-    Ok(points(nodes, thickness, f_bar)?.0.map(|point| point.sample()))
+    let (x0, u) = flat(nodes);
+    if element == Element::Hex8Eas {
+        return enhanced::samples(&x0, &u, &rule(thickness), &MODES, medium);
+    }
+    let mut points = points(&x0, &u, thickness)?;
+    match element {
+        Element::Hex8Fbar => use_volume_of(&centre(&x0, &u, thickness)?, &mut points),
+        Element::Hex8Sri => use_mean_volume(&mut points),
+        _ => {}
+    }
+    Ok(points.map(|point| point.sample()))
 }
 
-/// Integration points and, with F-bar, the gradients at the centre.
-#[inline(always)]
-fn points(
-    (x0, u): (&[[f64; 3]; 4], &[[f64; 3]; 4]),
-    thickness: f64,
-    f_bar: bool,
-) -> Result<([Point<4>; POINTS], Option<Gradients<4>>), Inverted> {
+fn flat((x0, u): (&[[f64; 3]; 4], &[[f64; 3]; 4])) -> ([[f64; 3]; 4], [[f64; 3]; 4]) {
     let flat = |nodes: &[[f64; 3]; 4]| nodes.map(|[x, y, _]| [x, y, 0.0]);
-    let (x0, u) = (flat(x0), flat(u));
-    let mut points = deform(&x0, &u, &GAUSS_POINTS, 1.0, thickness)?;
-    if !f_bar {
-        return Ok((points, None));
-    }
-    let [centre] = deform(&x0, &u, &[gradients(0.0, 0.0)], 4.0, thickness)?;
-    use_volume_of(&centre, &mut points);
-    Ok((points, Some(centre.gradients)))
+    (flat(x0), flat(u))
+}
+
+fn rule(thickness: f64) -> Rule<'static, 4, POINTS> {
+    Rule { gradients: &GAUSS_POINTS, centre: &CENTRE, depth: thickness }
+}
+
+#[inline(always)]
+fn points(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], thickness: f64) -> Result<[Point<4>; POINTS], Inverted> {
+    deform(x0, u, &GAUSS_POINTS, 1.0, thickness)
+}
+
+#[inline(always)]
+fn centre(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], thickness: f64) -> Result<Point<4>, Inverted> {
+    deform(x0, u, &[CENTRE], 4.0, thickness).map(|[centre]| centre)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::MaterialModel;
-    use crate::solid::element::{hex8, hex8_fbar};
+    use crate::solid::element::{average_stress, hex8, hex8_eas, hex8_fbar};
     use crate::solid::material::Material;
+
+    type Hex = fn(&[[f64; 3]; 8], &[[f64; 3]; 8], Medium, bool, &mut ElementMatrices<24>) -> Result<(), Inverted>;
 
     /// Forces and stiffnesses of the hexahedron, folded onto its lower nodes, without z.
     fn folded(hex: &ElementMatrices<24>) -> ([f64; 8], [[f64; 8]; 8]) {
@@ -115,19 +158,35 @@ mod tests {
             [MaterialModel::NeoHookean { young: 3.0, poisson: 0.3 }, MaterialModel::Hooke { young: 3.0, poisson: 0.45 }]
         {
             let material = Material::new(&model);
-            for f_bar in [false, true] {
+            let hexes: [(Element, Hex); 4] = [
+                (Element::Hex8, hex8::evaluate),
+                (Element::Hex8Fbar, hex8_fbar::evaluate),
+                (Element::Hex8Sri, hex8_sri::evaluate),
+                (Element::Hex8Eas, hex8_eas::evaluate),
+            ];
+            for (element, of_hex) in hexes {
                 let (mut plane, mut hex) = (ElementMatrices::<12>::default(), ElementMatrices::<24>::default());
-                evaluate((&x0, &u), thickness, Medium::virgin(&material), (true, f_bar), &mut plane).unwrap();
-                let of_hex = if f_bar { hex8_fbar::evaluate } else { hex8::evaluate };
+                evaluate((&x0, &u), thickness, Medium::virgin(&material), (true, element), &mut plane).unwrap();
                 of_hex(&solid, &moved, Medium::virgin(&material), true, &mut hex).unwrap();
                 let (force, stiffness) = folded(&hex);
                 for r in 0..8 {
                     let row = 3 * (r / 2) + r % 2;
-                    assert!((plane.residual[row] - force[r]).abs() < 1e-14, "{model:?} {f_bar}");
+                    assert!((plane.residual[row] - force[r]).abs() < 1e-14, "{model:?} {element:?}");
                     for c in 0..8 {
                         let column = 3 * (c / 2) + c % 2;
-                        assert!((plane.tangent[row][column] - stiffness[r][c]).abs() < 2e-14, "{model:?} {f_bar}");
+                        assert!((plane.tangent[row][column] - stiffness[r][c]).abs() < 2e-14, "{model:?} {element:?}");
                     }
+                }
+                let samples = samples((&x0, &u), thickness, Medium::virgin(&material), element).unwrap();
+                let mut mean = average_stress(&samples, Medium::virgin(&material)).unwrap();
+                let virial = |i: usize, j: usize| -> f64 {
+                    (0..4).map(|a| plane.residual[3 * a + i] * (x0[a][j] + u[a][j])).sum::<f64>()
+                };
+                let volume: f64 = samples.iter().map(Sample::volume).sum();
+                mean.iter_mut().for_each(|s| *s *= volume);
+                let found = [mean[0], mean[1], mean[3], mean[3]];
+                for (a, b) in found.iter().zip([virial(0, 0), virial(1, 1), virial(0, 1), virial(1, 0)]) {
+                    assert!((a - b).abs() < 1e-14, "{model:?} {element:?} {a} {b}");
                 }
             }
         }
@@ -139,6 +198,6 @@ mod tests {
         let u = [[0.0; 3], [0.0; 3], [-2.0, -2.0, 0.0], [0.0; 3]];
         let material = Material::new(&MaterialModel::NeoHookean { young: 3.0, poisson: 0.3 });
         let mut out = ElementMatrices::<12>::default();
-        assert!(evaluate((&x0, &u), 1.0, Medium::virgin(&material), (true, false), &mut out).is_err());
+        assert!(evaluate((&x0, &u), 1.0, Medium::virgin(&material), (true, Element::Hex8), &mut out).is_err());
     }
 }
