@@ -261,8 +261,13 @@ impl Trial {
 
     /// Takes over the response of a new iterate.
     pub fn update(&mut self, &Response { status, force, slip, constraint, asked, violation, .. }: &Response) {
-        let tangential = |f: Vec3| self.projection.map_or(f, |p| f - p.normal * p.normal.dot(&f));
-        let turned = status == Status::Slip && self.status == Status::Slip && tangential(self.force).dot(&force) < 0.0;
+        // Beyond rounding, for without friction there is nothing else.
+        let turned = |p: &Projection| {
+            let tangential = self.force - p.normal * p.normal.dot(&self.force);
+            tangential.dot(&force) < -1e-12 * force.norm_squared()
+        };
+        let slips = status == Status::Slip && self.status == Status::Slip;
+        let turned = slips && self.projection.as_ref().is_some_and(turned);
         self.changed = status != self.status || turned;
         self.flips = if self.changed { self.flips + 1 } else { 0 };
         (self.status, self.force, self.slip) = (status, force, slip);

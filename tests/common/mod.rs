@@ -226,6 +226,11 @@ impl History {
         self.columns.get(name).unwrap_or_else(|| panic!("no column {name} in {:?}", self.columns.keys()))
     }
 
+    /// Names of the columns.
+    pub fn names(&self) -> Vec<String> {
+        self.columns.keys().cloned().collect()
+    }
+
     /// Whether it has a tool or set.
     pub fn has(&self, name: &str) -> bool {
         self.columns.contains_key(&format!("{name}.fx"))

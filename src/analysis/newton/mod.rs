@@ -3,8 +3,10 @@
 //! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
 //! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
 //! the last converged increment. [`contact`] has the part of the contact elements on tools, [`deformable`] that of those
-//! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`drag`] what helps a jump along.
+//! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
+//! from overshooting, [`drag`] what helps a jump along.
 
+mod backtrack;
 mod contact;
 mod deformable;
 mod drag;
@@ -20,6 +22,7 @@ use crate::parallel::{any, max, sum};
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
+use backtrack::Tried;
 use deformable::{Meeting, Workspace};
 use drag::Drag;
 use mpi::topology::SimpleCommunicator;
@@ -80,6 +83,10 @@ pub struct Newton<'a> {
     meetings: Vec<Vec<Option<Meeting>>>,
     workspace: Workspace,
     drag: Drag,
+    /// Some body can flow.
+    plastic: bool,
+    /// The iterate that the last step leads to, where it was tried.
+    tried: Option<Tried>,
     /// Contact force on each tool.
     pub tool_forces: Vec<Vec3>,
     /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
@@ -89,6 +96,8 @@ pub struct Newton<'a> {
     /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
     moves: bool,
     residual_max: f64,
+    /// The square of its length, where some body can flow.
+    squared_residual: f64,
     /// What rounding may leave of it.
     rounding: f64,
     evaluated_at: Vec<f64>,
@@ -129,6 +138,7 @@ impl<'a> Newton<'a> {
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
         };
+        let plastic = model.bodies.iter().any(|body| body.material.remembers());
         let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
         let mut newton = Self {
             comm,
@@ -159,11 +169,14 @@ impl<'a> Newton<'a> {
             meetings,
             workspace: Workspace::default(),
             drag: Drag::default(),
+            plastic,
+            tried: None,
             tool_forces: vec![Vec3::zeros(); tools],
             clearances: vec![0.0; tools],
             predicting: true,
             moves,
             residual_max: f64::INFINITY,
+            squared_residual: f64::INFINITY,
             rounding: 0.0,
             evaluated_at: Vec::new(),
             values,
@@ -277,6 +290,9 @@ impl<'a> Newton<'a> {
         self.residual_max = reduced[0];
         self.scale = self.seen.max(reduced[1]);
         self.rounding = ROUNDING * reduced[3] * reduced[2];
+        if self.plastic {
+            self.squared_residual = backtrack::squared(self.comm, r);
+        }
         self.evaluated_at.clear();
         self.evaluated_at.extend(x);
         sound
@@ -337,7 +353,8 @@ impl Newton<'_> {
 
 impl Problem for Newton<'_> {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> std::result::Result<Evaluation, String> {
-        Ok(if self.evaluate(x, r) { Evaluation::Done } else { Evaluation::OutOfDomain })
+        let sound = (self.plastic && self.recall(x, r)) || self.evaluate(x, r);
+        Ok(if sound { Evaluation::Done } else { Evaluation::OutOfDomain })
     }
 
     fn jacobian(&mut self, x: &[f64]) -> std::result::Result<Jacobian<'_>, String> {
@@ -377,9 +394,11 @@ impl Problem for Newton<'_> {
         Ok(Verdict::Iterate)
     }
 
-    /// Shortens a step that would move a slave node by more than a facet or turn an element inside out.
+    /// Shortens a step that would move a slave node by more than a facet or turn an element inside out, or plastic flow too
+    /// far.
     fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
-        self.predicting = false;
+        // The residual of a prediction says nothing.
+        let judged = !std::mem::replace(&mut self.predicting, false);
         // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too.
         let mut longest = [0.0, f64::NEG_INFINITY];
         for pair in &self.model.pairs {
@@ -401,8 +420,11 @@ impl Problem for Newton<'_> {
             }
             factor *= 0.5;
         }
-        if factor < 1.0 {
-            step.iter_mut().for_each(|v| *v *= factor);
+        scale(step, factor);
+        if self.plastic && judged {
+            let part = self.backtrack(x, step);
+            scale(step, part);
+            factor *= part;
         }
         Ok(factor < 1.0)
     }
@@ -426,6 +448,10 @@ impl Newton<'_> {
         self.unpack(&there);
         any(self.comm, assembly::any_inverted(self.model, &self.u))
     }
+}
+
+fn scale(step: &mut [f64], factor: f64) {
+    step.iter_mut().for_each(|v| *v *= factor);
 }
 
 /// Gives halo nodes the displacements of their owners. Collective.

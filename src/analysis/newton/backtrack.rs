@@ -1,0 +1,80 @@
+//! Shorter steps where plastic flow makes full ones overshoot.
+//!
+//! Points that have just yielded are much softer than before, and a full Newton step may send the iteration far away. The
+//! step is halved or more, to the minimum of the parabola through what is known of the squared residual (Dennis and
+//! Schnabel, Numerical Methods for Unconstrained Optimization, 1983, section 6.3), until the residual falls. A change of
+//! contact can make it rise whatever the step: when nothing helps, the full step is taken. Elastic bodies always take it.
+
+use super::Newton;
+use crate::contact::{Slave, Trial};
+use crate::parallel::{any, sum};
+use mpi::topology::SimpleCommunicator;
+
+/// Decrease of the squared residual over that of its tangent.
+const DECREASE: f64 = 1e-4;
+/// Shortest step over the full one.
+const SHORTEST: f64 = 0.01;
+
+/// An iterate that has been evaluated, and will be asked for again.
+#[derive(Default)]
+pub struct Tried {
+    x: Vec<f64>,
+    residual: Vec<f64>,
+}
+
+impl Newton<'_> {
+    /// Part of `step` by which the residual falls below that at `x`. Collective.
+    pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
+        let start = self.squared_residual;
+        let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
+        let mut factor = 1.0;
+        let mut best = self.try_step(x, step, factor, &trials);
+        while best > (1.0 - 2.0 * DECREASE * factor) * start {
+            if factor <= SHORTEST {
+                factor = 1.0;
+                self.try_step(x, step, factor, &trials);
+                break;
+            }
+            // r^2 = start (1 - 2 t) + bend t^2.
+            let bend = (best - start * (1.0 - 2.0 * factor)) / (factor * factor);
+            let lowest = start / bend;
+            factor *= if lowest.is_finite() { (lowest / factor).clamp(0.1, 0.5) } else { 0.1 };
+            best = self.try_step(x, step, factor, &trials);
+        }
+        factor
+    }
+
+    /// The squared residual after a part of the step, infinite where an element is inverted. Each try begins from the same
+    /// state of contact. Collective.
+    fn try_step(&mut self, x: &[f64], step: &[f64], factor: f64, trials: &[Trial]) -> f64 {
+        let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
+        slaves.zip(trials).for_each(|(slave, trial)| slave.trial = *trial);
+        let mut tried = Tried { x: x.iter().zip(step).map(|(x, s)| x - factor * s).collect(), ..Tried::default() };
+        tried.residual.resize(x.len(), 0.0);
+        let sound = self.evaluate(&tried.x, &mut tried.residual);
+        let inverted = any(self.comm, !sound);
+        self.tried = (!inverted).then_some(tried);
+        if inverted || !self.squared_residual.is_finite() { f64::INFINITY } else { self.squared_residual }
+    }
+
+    /// The residual at `x`, if it was the last tried. Collective.
+    pub(super) fn recall(&mut self, x: &[f64], r: &mut [f64]) -> bool {
+        let known =
+            any(self.comm, self.tried.is_some()) && !any(self.comm, self.tried.as_ref().is_none_or(|t| t.x != x));
+        if let Some(tried) = self.tried.take().filter(|_| known) {
+            r.copy_from_slice(&tried.residual);
+        }
+        known
+    }
+
+    fn slaves(&self) -> impl Iterator<Item = &Slave> {
+        self.model.pairs.iter().flat_map(|p| &p.slaves)
+    }
+}
+
+/// The square of the length of a distributed vector. Collective.
+pub(super) fn squared(comm: &SimpleCommunicator, r: &[f64]) -> f64 {
+    let mut total = [r.iter().map(|v| v * v).sum::<f64>()];
+    sum(comm, &mut total);
+    total[0]
+}
