@@ -10,15 +10,17 @@ use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
-use crate::scene::{Smoothing, Step};
+use crate::scene::{MaterialModel, Smoothing, Step};
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
 
-/// Failures in succession after which there may be no equilibrium near.
+/// Failures in succession after which there may be no equilibrium near. In elastic-plastic bodies a jump is the last resort:
+/// what flows on the way stays.
 const JUMP_AFTER: usize = 2;
+const JUMP_AFTER_PLASTIC: usize = 8;
 
 /// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
 const ENOUGH_WITH_DRAG: usize = 7;
@@ -85,8 +87,8 @@ pub(super) struct Failed {
     extrapolated: bool,
     /// The worst equation of this rank, with its residual.
     worst: (usize, f64),
-    /// Nodes that changed their status in the last iteration.
-    changes: usize,
+    trace: Vec<f64>,
+    changes: Vec<usize>,
 }
 
 impl Analysis<'_> {
@@ -122,10 +124,13 @@ impl Analysis<'_> {
         let mut since_written = 0;
         let mut warned = false;
         let mut failures = 0;
+        let plastic = self.scene.materials.iter().any(|m| matches!(m.model, MaterialModel::Plastic { .. }));
+        let jump_after = if plastic { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
         while let Some(end) = increments.next() {
-            let outcome = match failures {
-                ..JUMP_AFTER => self.attempt(&mut frame, &mut snes, &mut x, end, 0.0)?,
-                _ => self.jump(&mut frame, &mut snes, &mut x, end)?,
+            let outcome = if failures < jump_after {
+                self.attempt(&mut frame, &mut snes, &mut x, end, 0.0)?
+            } else {
+                self.jump(&mut frame, &mut snes, &mut x, end)?
             };
             self.summary.analyses = analyses + snes.linear_statistics().analyses;
             match outcome {
@@ -164,7 +169,8 @@ impl Analysis<'_> {
                     let line =
                         format!("  {}: {} with increment {size:.3e}; cut to a half", step.name.value, failed.reason);
                     self.log.line(&line);
-                    if failures == JUMP_AFTER {
+                    self.log.record(&describe::trace(&failed.trace, &failed.changes));
+                    if failures == jump_after {
                         increments.lengthen();
                     }
                 }
@@ -377,7 +383,7 @@ impl Analysis<'_> {
             unsettled: failed.unsettled,
             place: place.as_deref().unwrap_or("an unknown equation"),
             residual: largest[0] / self.state.scale,
-            changes: failed.changes,
+            changes: failed.changes.last().copied().unwrap_or(0),
             size,
         })
     }
@@ -401,8 +407,8 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
 
 /// What is told of an iterate that is no solution.
 fn failed(newton: &Newton, reason: String, singular: bool, extrapolated: bool) -> Failed {
-    let changes = newton.changes.last().copied().unwrap_or(0);
-    Failed { reason, singular, unsettled: false, extrapolated, worst: newton.worst, changes }
+    let (trace, changes) = (newton.trace.clone(), newton.changes.clone());
+    Failed { reason, singular, unsettled: false, extrapolated, worst: newton.worst, trace, changes }
 }
 
 /// Whether there are equations that determine nothing: MUMPS found them, or what it solved is no solution.
