@@ -149,7 +149,10 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let strain =
             if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
         let element = model.map_or(String::new(), |m| m.element.key().to_string());
-        let _ = writeln!(text, "body `{}`: {element}{strain}, {}", body.name.value, kind.unwrap_or("?"));
+        let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
+        let mirrored =
+            if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
+        let _ = writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}", body.name.value, kind.unwrap_or("?"));
     }
     for tool in &model.tools {
         let _ = writeln!(text, "{}", self::tool(tool));
