@@ -98,7 +98,7 @@ impl Block {
 
     fn hexes(&self) -> Vec<[usize; 8]> {
         let [nx, ny, nz] = self.elements;
-        let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+        let corners = CUBE.map(|corner| corner.map(|c| c as usize));
         let mut list = Vec::new();
         for i in 0..nx {
             for j in 0..ny {

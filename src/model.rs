@@ -7,8 +7,9 @@ use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, max, number, sum};
+use crate::partition::parcels::{bounds, hull};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, distribute};
-use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, did_you_mean};
+use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4};
 use crate::solid::history::History;
 use crate::solid::material::Material;
@@ -313,12 +314,9 @@ impl Model {
         sums[0] / sums[1]
     }
 
-    /// What a pair has for its master, in words.
-    pub fn master_name(&self, pair: &Pair) -> &str {
-        match pair.master {
-            Master::Tool(t) => &self.tools[t].name,
-            Master::Surface(k) => &self.surfaces[k].name,
-        }
+    /// Whether some body is elastic-plastic; the same on all ranks.
+    pub fn can_flow(&self) -> bool {
+        self.bodies.iter().any(|body| body.material.remembers())
     }
 
     /// Slave nodes of all ranks, for each pair. Collective.
@@ -429,29 +427,20 @@ fn symmetry_planes(
     part: &Part,
 ) -> Result<Vec<SymmetryPlane>> {
     const FLAT: f64 = 1e-6;
-    /// Lowest and highest coordinates over all ranks.
-    fn extent(comm: &SimpleCommunicator, points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
-        let mut ends = [f64::NEG_INFINITY; 6];
-        for x in points {
-            (0..3).for_each(|d| (ends[d], ends[3 + d]) = (ends[d].max(-x[d]), ends[3 + d].max(x[d])));
-        }
-        max(comm, &mut ends);
-        [-Vec3::new(ends[0], ends[1], ends[2]), Vec3::new(ends[3], ends[4], ends[5])]
-    }
     let mut planes = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
         let owned = (0..part.owned).filter(|n| part.body[*n] as usize == b);
-        let [lowest, highest] = extent(comm, owned.map(|n| part.points[n]));
+        let (lowest, highest) = hull(comm, bounds(owned.map(|n| part.points[n]))).unwrap_or_default();
+        let slack = FLAT * (highest - lowest).norm();
         for set in &body.symmetry {
             let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
-            let [low, high] = extent(comm, nodes.iter().map(|n| part.points[*n as usize]));
-            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= FLAT * (highest - lowest).norm()).collect();
+            let (low, high) = hull(comm, bounds(nodes.iter().map(|n| part.points[*n as usize]))).unwrap_or_default();
+            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= slack).collect();
             let &[axis] = flat.as_slice() else {
                 let what = format!("`{}` lies in no plane that is orthogonal to the x, y or z axis", set.value);
                 let help = "name a group with all the faces in such a plane, or turn the mesh";
                 return Err(Error::input(&set.at, what, help));
             };
-            let slack = FLAT * (highest - lowest).norm();
             if low[axis] > lowest[axis] + slack && high[axis] < highest[axis] - slack {
                 let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
                 return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
@@ -543,11 +532,6 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     let facets = found.facets.iter().map(|&k| &mesh.facets[k as usize]);
     let facets = facets.map(|f| GlobalFacet { count: f.count, nodes: f.nodes, id: f.id }).collect();
     Ok(Some(GlobalSet { nodes: found.nodes.clone(), facets }))
-}
-
-/// The body of `body` or `body.group`.
-fn body_of(set: &str) -> &str {
-    set.split('.').next().unwrap_or(set)
 }
 
 fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {

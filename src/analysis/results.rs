@@ -158,8 +158,6 @@ impl Results {
     /// A file that cannot be written, on all ranks.
     pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
         let stresses = assembly::stresses(model, u);
-        let plastic = !model.history.is_empty();
-        let plastic_strains = if plastic { assembly::plastic_strains(model, u) } else { Vec::new() };
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
@@ -167,9 +165,7 @@ impl Results {
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
             let mut cell = vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)];
             if model.bodies[b].material.remembers() {
-                let mine = model.part.solids.iter().filter(|s| s.mine).zip(&plastic_strains);
-                let of_body = mine.filter(|(s, _)| s.body == b as u32).map(|(_, strain)| *strain).collect();
-                cell.push(("equivalent_plastic_strain", 1, of_body));
+                cell.push(("equivalent_plastic_strain", 1, assembly::plastic_strains(model, u, b)));
             }
             let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
             grids.push(Columns { grid: shown.id, node, cell });

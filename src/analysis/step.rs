@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
-use crate::scene::{MaterialModel, Smoothing, Step};
+use crate::scene::{Smoothing, Step};
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
@@ -124,8 +124,7 @@ impl Analysis<'_> {
         let mut since_written = 0;
         let mut warned = false;
         let mut failures = 0;
-        let plastic = self.scene.materials.iter().any(|m| matches!(m.model, MaterialModel::Plastic { .. }));
-        let jump_after = if plastic { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
+        let jump_after = if self.model.can_flow() { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
         while let Some(end) = increments.next() {
             let outcome = if failures < jump_after {
                 self.attempt(&mut frame, &mut snes, &mut x, end, 0.0)?

@@ -353,11 +353,11 @@ impl Slave {
     }
 
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
-    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen
-    /// from the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
+    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then (given to
+    /// it) as seen from the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
     pub fn is_beside(
         &self,
-        start: Option<Vec3>,
+        start: impl FnOnce(&Vec3) -> Option<Vec3>,
         position: &Vec3,
         at: &Projection,
         facet_size: f64,
@@ -365,7 +365,10 @@ impl Slave {
     ) -> bool {
         const BEHIND: f64 = 1e-6;
         const MOST: f64 = 32.0;
-        let Some(start) = start.filter(|_| at.gap < 0.0 && self.committed.warm.is_none()) else { return false };
+        if at.gap >= 0.0 || self.committed.warm.is_some() {
+            return false;
+        }
+        let Some(start) = self.committed.place.and_then(|place| start(&place)) else { return false };
         if (start - at.point).dot(&at.normal) >= -BEHIND * facet_size {
             return false;
         }

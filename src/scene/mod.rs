@@ -164,6 +164,7 @@ pub use descriptions::{
 };
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
+pub(crate) use references::body_of;
 
 use crate::error::Location;
 use crate::{Mat3, Vec3};

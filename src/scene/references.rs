@@ -131,8 +131,8 @@ impl Names {
     }
 }
 
-/// The part of `body.group` before the first dot.
-fn body_of(name: &str) -> &str {
+/// The body of `body` or `body.group`.
+pub fn body_of(name: &str) -> &str {
     name.split('.').next().unwrap_or(name)
 }
 

@@ -12,7 +12,6 @@ use crate::solid::element::{
     ElementMatrices, Inverted, Medium, Sample, advance, average_plastic_strain, average_stress, hex8, hex8_eas,
     hex8_fbar, hex8_sri, plane4, plastic_work, stored_energy, tet4,
 };
-use crate::solid::history::History;
 use crate::solid::load;
 use crate::solid::voigt::Voigt;
 
@@ -81,11 +80,11 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     z(4) - z(0)
 }
 
-/// The integration points of element `e` of the part at displacements `u`, with the states in `history`.
-fn samples(model: &Model, history: &History, e: usize, u: &[Vec3]) -> Result<Vec<Sample>, Inverted> {
+/// The integration points of element `e` of the part at displacements `u`.
+fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Vec<Sample>, Inverted> {
     let solid = &model.part.solids[e];
     let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
-    let medium = Medium { material: &body.material, states: history.of(e) };
+    let medium = medium(model, e);
     if body.plane_strain {
         let nodes = (&gather(points, solid), &gather(u, solid));
         return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.to_vec());
@@ -168,7 +167,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3]) -> bool {
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         let enhanced = model.bodies[solid.body as usize].element == Element::Hex8Eas;
-        inverted || enhanced && samples(model, &model.history, e, u).is_err()
+        inverted || enhanced && samples(model, e, u).is_err()
     })
 }
 
@@ -208,25 +207,22 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
 
 /// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx); zero where an element is inverted.
 pub fn stresses(model: &Model, u: &[Vec3]) -> Vec<Voigt> {
-    let of = |e: usize| average_stress(&samples(model, &model.history, e, u)?, medium(model, e));
+    let of = |e: usize| average_stress(&samples(model, e, u)?, medium(model, e));
     mine(model).map(|e| of(e).unwrap_or_default()).collect()
 }
 
-/// Mean equivalent plastic strain of each element that this rank counts.
-pub fn plastic_strains(model: &Model, u: &[Vec3]) -> Vec<f64> {
-    let of = |e: usize| {
-        let samples = samples(model, &model.history, e, u)?;
-        Ok::<_, Inverted>(average_plastic_strain(&samples, model.history.of(e)))
-    };
-    mine(model).map(|e| of(e).unwrap_or_default()).collect()
+/// Mean equivalent plastic strain of each element of a body that this rank counts.
+pub fn plastic_strains(model: &Model, u: &[Vec3], body: usize) -> Vec<f64> {
+    let of = |e: usize| Ok::<_, Inverted>(average_plastic_strain(&samples(model, e, u)?, model.history.of(e)));
+    of_body(model, body).map(|e| of(e).unwrap_or_default()).collect()
 }
 
 /// Stored energy and plastic work of what this rank counts of a body.
 pub fn energies(model: &Model, u: &[Vec3], body: usize) -> [f64; 2] {
     let mut sums = [0.0; 2];
-    for e in mine(model).filter(|&e| model.part.solids[e].body as usize == body) {
+    for e in of_body(model, body) {
         let medium = medium(model, e);
-        let of_element = samples(model, &model.history, e, u)
+        let of_element = samples(model, e, u)
             .and_then(|samples| Ok([stored_energy(&samples, medium)?, plastic_work(&samples, medium)]));
         (0..2).for_each(|k| sums[k] += of_element.map_or(0.0, |energies| energies[k]));
     }
@@ -238,17 +234,23 @@ fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
     model.part.solids.iter().enumerate().filter(|(_, solid)| solid.mine).map(|(e, _)| e)
 }
 
+/// Those of a body.
+fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
+    mine(model).filter(move |&e| model.part.solids[e].body as usize == body)
+}
+
 /// Makes the states of all integration points those at displacements `u`, at which no element is inverted. Every rank does so
 /// for all elements that it knows, from the same numbers.
 pub fn flow(model: &mut Model, u: &[Vec3]) {
-    let mut history = std::mem::take(&mut model.history);
-    if !history.is_empty() {
-        for (e, solid) in model.part.solids.iter().enumerate() {
-            let material = &model.bodies[solid.body as usize].material;
-            let _ = samples(model, &history, e, u).and_then(|samples| advance(&samples, material, history.of_mut(e)));
+    for e in 0..model.part.solids.len() {
+        if model.history.of(e).is_empty() {
+            continue;
+        }
+        if let Ok(samples) = samples(model, e, u) {
+            let Model { part, bodies, history, .. } = &mut *model;
+            let _ = advance(&samples, &bodies[part.solids[e].body as usize].material, history.of_mut(e));
         }
     }
-    model.history = history;
 }
 
 /// Nodal forces of a force per reference volume on an element.

@@ -67,7 +67,7 @@ impl Newton<'_> {
         known
     }
 
-    fn slaves(&self) -> impl Iterator<Item = &Slave> {
+    pub(super) fn slaves(&self) -> impl Iterator<Item = &Slave> {
         self.model.pairs.iter().flat_map(|p| &p.slaves)
     }
 }

@@ -24,10 +24,10 @@ impl Newton<'_> {
                 let node = slave.node as usize;
                 let position = part.points[node] + self.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
                 let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-                let was = slave.committed.place.map(|place| tool.trial.outward(&place));
                 let projection = tool.project(&position, pair.reach, warm);
                 let gap = |x: &Vec3| tool.project(x, pair.reach, None).map(|p| p.gap);
-                let projection = projection.filter(|p| !slave.is_beside(was, &position, p, pair.facet_size, gap));
+                let start = |place: &Vec3| Some(tool.trial.outward(place));
+                let projection = projection.filter(|p| !slave.is_beside(start, &position, p, pair.facet_size, gap));
                 slave.trial.projection = projection;
                 let clearance = projection.map_or(pair.reach, |p| p.gap.max(0.0));
                 nearest[t] = nearest[t].max(-clearance);

@@ -334,17 +334,14 @@ fn repeats(surface: &BodySurface, at: &Projection, yields: bool) -> bool {
 
 /// Whether slave node `s`, found inside the master, has come past an end of it.
 fn is_beside(pair: &Pair, surface: &BodySurface, s: usize, position: &Vec3, at: &Projection) -> bool {
-    let slave = &pair.slaves[s];
-    if at.gap >= 0.0 || slave.committed.warm.is_some() {
-        return false;
-    }
-    let Some((patch, stencil)) = surface.patch(at.patch) else { return false };
-    let mut before = Vec::new();
-    pick(&mut before, &surface.before, stencil);
-    let then = patch.shape(&before).point(at.xi);
-    let start = slave.committed.place.map(|place| at.point + (place - then));
+    let start = |place: &Vec3| {
+        let (patch, stencil) = surface.patch(at.patch)?;
+        let mut before = Vec::new();
+        pick(&mut before, &surface.before, stencil);
+        Some(at.point + (place - patch.shape(&before).point(at.xi)))
+    };
     let gap = |x: &Vec3| pair.project(surface, s, x, None).map(|p| p.gap);
-    slave.is_beside(start, position, at, pair.facet_size, gap)
+    pair.slaves[s].is_beside(start, position, at, pair.facet_size, gap)
 }
 
 /// In which directions a slave node with prescribed moves (NaN where free) cannot give way on the master: where its nodes

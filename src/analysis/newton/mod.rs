@@ -138,7 +138,7 @@ impl<'a> Newton<'a> {
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
         };
-        let plastic = model.bodies.iter().any(|body| body.material.remembers());
+        let plastic = model.can_flow();
         let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
         let mut newton = Self {
             comm,

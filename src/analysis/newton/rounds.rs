@@ -100,12 +100,10 @@ impl Newton<'_> {
 
     /// Changes the active set; `false` when it was there before even as nodes change one at a time. Collective.
     fn change_set(&mut self, limit: f64, largest: f64) -> bool {
-        let current = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| s.trial.status).collect();
+        let before = self.active_set();
         if self.rounds.sets.is_empty() {
-            let begin = current();
-            self.rounds.sets.push(begin);
+            self.rounds.sets.push(before.clone());
         }
-        let before: Vec<Status> = current();
         self.take_asked(limit);
         let mut returned = self.has_returned();
         if returned && !self.rounds.singly {
@@ -115,9 +113,14 @@ impl Newton<'_> {
             self.take_asked(largest * (1.0 - 1e-9));
             returned = false;
         }
-        let now = self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| s.trial.status).collect();
+        let now = self.active_set();
         self.rounds.sets.push(now);
         !returned
+    }
+
+    /// The statuses of this rank's slave nodes.
+    fn active_set(&self) -> Vec<Status> {
+        self.slaves().map(|s| s.trial.status).collect()
     }
 
     /// Gives nodes of which the violation is above a limit the status that they ask for.
@@ -144,7 +147,7 @@ impl Newton<'_> {
 
     /// Whether the active set of all ranks is one that was there. Collective.
     fn has_returned(&self) -> bool {
-        let now: Vec<Status> = self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| s.trial.status).collect();
+        let now = self.active_set();
         let mut differ: Vec<f64> = self.rounds.sets.iter().map(|set| f64::from(*set != now)).collect();
         max(self.comm, &mut differ);
         differ.contains(&0.0)

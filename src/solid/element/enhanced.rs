@@ -37,6 +37,14 @@ pub struct Modes<const M: usize, const Q: usize> {
     pub amplitudes: [[f64; M]; Q],
 }
 
+impl<const M: usize, const Q: usize> Modes<M, Q> {
+    /// Whether some mode has component `c`, one of the first nine.
+    #[inline(always)]
+    fn have(&self, c: usize) -> bool {
+        self.components.contains(&c) || self.components.contains(&VOLUME) && c.is_multiple_of(4)
+    }
+}
+
 /// See [`Modes::components`].
 pub const VOLUME: usize = 9;
 
@@ -176,7 +184,7 @@ impl<const N: usize, const Q: usize> Kinematics<N, Q> {
             let tau = to_matrix(&response.kirchhoff);
             let initial = carried.map_or(tau, |carried| f * carried[q] * f.transpose());
             for c in 0..9 {
-                if modes.components.contains(&c) || modes.components.contains(&VOLUME) && c % 4 == 0 {
+                if modes.have(c) {
                     h[c] = self.base.column(c / 3) * duals.row(c % 3);
                     rate[c] = stress_rate_of(&h[c], &initial, &response.tangent);
                 }
@@ -339,7 +347,7 @@ pub(super) fn evaluate<const M: usize, const N: usize, const Q: usize, const D: 
         let tau = to_matrix(&response.kirchhoff);
         let mut of_component = [[[0.0; N]; 3]; 10];
         for c in 0..9 {
-            if modes.components.contains(&c) || modes.components.contains(&VOLUME) && c % 4 == 0 {
+            if modes.have(c) {
                 let dual = duals[q].row(c % 3);
                 let rate = stress_rate_of(&(base.column(c / 3) * dual), &tau, &response.tangent);
                 let of_base = dual * tau;
