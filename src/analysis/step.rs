@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
-use crate::scene::{Smoothing, Step};
+use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
@@ -25,6 +25,9 @@ const JUMP_AFTER_PLASTIC: usize = 8;
 /// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
 const ENOUGH_WITH_DRAG: usize = 7;
 
+/// How far to extrapolate, over the base.
+const FARTHEST: f64 = 2.0;
+
 /// What stays the same over a step.
 pub(super) struct Frame<'a> {
     pub(super) step: &'a Step,
@@ -35,7 +38,7 @@ pub(super) struct Frame<'a> {
     poses: Vec<Pose>,
     /// Force-driven translations of the tools so far in it.
     pub(super) offsets: Vec<Vec3>,
-    /// Unknowns at the last converged ends of increments of this step, at most two, with their fractions of the step.
+    /// Unknowns at the last converged ends of increments of this step, at most three, with their fractions of the step.
     pub(super) past: Vec<(f64, Vec<f64>)>,
 }
 
@@ -43,15 +46,18 @@ impl Frame<'_> {
     /// Remembers the unknowns of a converged increment.
     fn remember(&mut self, end: f64, x: &[f64]) {
         self.past.push((end, x.to_vec()));
-        if self.past.len() > 2 {
+        if self.past.len() > 3 {
             self.past.remove(0);
         }
     }
 
-    /// The unknowns at `end` if they go on as in the last increment; `None` while there is no last two.
+    /// The unknowns at `end` if they go on as before; `None` while there are no two to go on from. A short last increment, to a
+    /// time of the grid, says too little of a long one: what it follows is then part of the base.
     fn extrapolated(&self, end: f64) -> Option<Vec<f64>> {
-        let [(before, old), (last, new)] = &self.past[..] else { return None };
-        let ratio = (end - last) / (last - before);
+        let [earlier @ .., (last, new)] = &self.past[..] else { return None };
+        let ratio = |from: f64| (end - last) / (last - from);
+        let (from, old) = earlier.iter().rev().find(|(from, _)| ratio(*from) <= FARTHEST).or(earlier.first())?;
+        let ratio = ratio(*from);
         Some(old.iter().zip(new).map(|(a, b)| b + (b - a) * ratio).collect())
     }
 }
@@ -213,10 +219,7 @@ impl Analysis<'_> {
             scale: self.state.scale,
             watcher: &watcher,
         };
-        // Between facets the solution jumps: extrapolated, it would be sought on the facet that a node is about to leave.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted)
-            && self.model.surfaces.iter().all(|s| s.given.smoothing != Smoothing::Facet);
-        let trial = frame.extrapolated(end).filter(|_| smooth);
+        let trial = frame.extrapolated(end);
         let extrapolated = trial.is_some();
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
         let mut newton = Newton::new(

@@ -1,9 +1,11 @@
 //! Shorter steps where plastic flow makes full ones overshoot.
 //!
-//! Points that have just yielded are much softer than before, and a full Newton step may send the iteration far away. The
-//! step is halved or more, to the minimum of the parabola through what is known of the squared residual (Dennis and
-//! Schnabel, Numerical Methods for Unconstrained Optimization, 1983, section 6.3), until the residual falls. A change of
-//! contact can make it rise whatever the step: when nothing helps, the full step is taken. Elastic bodies always take it.
+//! Points that have just yielded are much softer than before, and a full Newton step may send the iteration far away, or to
+//! and fro between two states. The step is halved or more, to the minimum of the parabola through what is known of the
+//! squared residual (Dennis and Schnabel, Numerical Methods for Unconstrained Optimization, 1983, section 6.3), until the
+//! residual falls below the largest of the last few iterates (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23,
+//! 1986). It need not fall below the last one: where contact changes it rises on the way to a solution, and short steps would
+//! creep. When nothing helps, the full step is taken. Elastic bodies always take it.
 
 use super::Newton;
 use crate::contact::{Slave, Trial};
@@ -14,6 +16,8 @@ use mpi::topology::SimpleCommunicator;
 const DECREASE: f64 = 1e-4;
 /// Shortest step over the full one.
 const SHORTEST: f64 = 0.01;
+/// Iterates below the largest residual of which the next must fall.
+const MEMORY: usize = 8;
 
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
@@ -23,13 +27,15 @@ pub struct Tried {
 }
 
 impl Newton<'_> {
-    /// Part of `step` by which the residual falls below that at `x`. Collective.
+    /// Part of `step` from `x` by which the residual falls below those of the last iterates. Collective.
     pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
         let start = self.squared_residual;
+        self.recent.push(start);
+        let highest = self.recent.iter().rev().take(MEMORY).copied().fold(0.0, f64::max);
         let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
         let mut factor = 1.0;
         let mut best = self.try_step(x, step, factor, &trials);
-        while best > (1.0 - 2.0 * DECREASE * factor) * start {
+        while best > highest - 2.0 * DECREASE * factor * start {
             if factor <= SHORTEST {
                 factor = 1.0;
                 self.try_step(x, step, factor, &trials);

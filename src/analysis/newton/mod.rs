@@ -98,6 +98,8 @@ pub struct Newton<'a> {
     residual_max: f64,
     /// The square of its length, where some body can flow.
     squared_residual: f64,
+    /// That of the iterates so far.
+    recent: Vec<f64>,
     /// What rounding may leave of it.
     rounding: f64,
     evaluated_at: Vec<f64>,
@@ -177,6 +179,7 @@ impl<'a> Newton<'a> {
             moves,
             residual_max: f64::INFINITY,
             squared_residual: f64::INFINITY,
+            recent: Vec::new(),
             rounding: 0.0,
             evaluated_at: Vec::new(),
             values,
