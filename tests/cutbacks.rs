@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Bench, History, assert_small};
+use common::{Bench, History, assert_close, assert_small};
 
 /// A roll is pressed into a slab and drawn along it, in two steps with these increments.
 fn rolling(friction: f64, increments: &str) -> Bench {
@@ -134,4 +134,52 @@ fn contacts_shorten_increments() {
         assert!(two.column("time").contains(&time));
     }
     assert_small("ranks", one.difference(&two), 1e-9);
+}
+
+/// A shallow clamped arch under a roll: the force on it falls by half after a limit, and then rises again. A roll that is moved
+/// passes that. One that a force drives goes over to where the arch hangs through, on the same curve.
+#[test]
+fn snap_through() {
+    let arch = |drive: &str| {
+        let scene = format!(
+            r#"
+            [body.arch]
+            block = {{ sector = {{ radii = [99.8, 100.2], angles = [80.0, 100.0], length = 1.0 }}, elements = [2, 40, 1] }}
+            material = "steel"
+            element = "hex8-eas"
+            [material.steel]
+            model = "hooke"
+            young = 1000.0
+            poisson = 0.3
+            [tool.roll]
+            cylinder = {{ point = [0.0, 105.2, 0.0], axis = [0.0, 0.0, 1.0], radius = 5.0 }}
+            [contact.top]
+            slave = "arch.rmax"
+            master = "roll"
+            [[step]]
+            increments = 16
+            fix = [{{ set = "arch.amin" }}, {{ set = "arch.amax" }}, {{ set = "arch.zmin", directions = "z" }},
+                   {{ set = "arch.zmax", directions = "z" }}]
+            {drive}
+            "#
+        );
+        let run = Bench::new(&scene).solve(1, &[]);
+        let history = run.history();
+        let curve = ["roll.uy", "roll.fy"].map(|name| history.column(name).iter().map(|v| -v).collect::<Vec<f64>>());
+        assert_eq!(run.summary()["jumps"], 0);
+        curve
+    };
+    let [way, force] = arch("move = [{ target = \"roll\", by = [0.0, -3.2, 0.0] }]");
+    println!("{force:?}");
+    let limit = (1..).find(|&k| force[k] < force[k - 1]).unwrap() - 1;
+    let valley = force[limit..].iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((0.4..0.6).contains(&(valley / force[limit])), "{force:?}");
+
+    let [driven, load] = arch("force = [{ target = \"roll\", total = [0.0, -0.2, 0.0], directions = \"y\" }]");
+    println!("{driven:?}");
+    assert_close("load", *load.last().unwrap(), 0.2, 1e-8);
+    let after = (limit..).find(|&k| force[k] > 0.2).unwrap();
+    let share = (0.2 - force[after - 1]) / (force[after] - force[after - 1]);
+    let there = way[after - 1] + share * (way[after] - way[after - 1]);
+    assert_close("where it hangs through", *driven.last().unwrap(), there, 1e-2);
 }
