@@ -47,6 +47,11 @@ impl Increments {
         }
     }
 
+    /// How many equal parts the increment to `end` may be taken in, of which none is shorter than the minimum.
+    pub fn most_parts(&self, end: f64) -> usize {
+        ((end - self.done) / self.min * (1.0 + 1e-9)).max(1.0) as usize
+    }
+
     /// Makes the next increment as long as it may be, whatever has failed before.
     pub fn lengthen(&mut self) {
         self.size = self.max;
@@ -62,6 +67,11 @@ impl Increments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Limits;
+
+    fn bounds(initial: f64, min: f64, max: f64) -> Increment {
+        Increment { initial, min, max, limits: Limits::default() }
+    }
 
     fn times(mut increments: Increments, fails: impl Fn(f64, f64) -> bool) -> Vec<f64> {
         let mut times = Vec::new();
@@ -78,17 +88,16 @@ mod tests {
 
     #[test]
     fn uniform_increments_hit_the_end_exactly() {
-        let bounds = Increment { initial: 0.1, min: 1e-3, max: 0.1 };
-        let all = times(Increments::new(&bounds, 1.0), |_, _| false);
+        let all = times(Increments::new(&bounds(0.1, 1e-3, 0.1), 1.0), |_, _| false);
         assert_eq!(all.len(), 10);
         assert_eq!(all[9], 1.0);
-        let bounds = Increment { initial: 0.00125, min: 1e-6, max: 0.00125 };
+        let bounds = bounds(0.00125, 1e-6, 0.00125);
         assert_eq!(times(Increments::new(&bounds, 1.0), |_, _| false).len(), 800);
     }
 
     #[test]
     fn after_a_cut_the_grid_is_met_again() {
-        let bounds = Increment { initial: 0.1, min: 1e-3, max: 0.1 };
+        let bounds = bounds(0.1, 1e-3, 0.1);
         let cut = times(Increments::new(&bounds, 1.0), |from, to| to > 0.35 && to - from > 0.06 && from < 0.35);
         for k in 1..=10 {
             assert!(cut.iter().any(|t| (t - 0.1 * k as f64).abs() < 1e-12), "{k} in {cut:?}");
@@ -98,16 +107,24 @@ mod tests {
 
     #[test]
     fn a_grid_that_almost_meets_the_end_ends_there() {
-        let bounds = Increment { initial: 0.3333, min: 1e-3, max: 0.3333 };
+        let bounds = bounds(0.3333, 1e-3, 0.3333);
         let all = times(Increments::new(&bounds, 1.0), |_, _| false);
         assert_eq!((all.len(), all[2]), (3, 1.0));
     }
 
     #[test]
     fn the_minimum_is_the_end() {
-        let bounds = Increment { initial: 0.1, min: 0.04, max: 0.1 };
+        let bounds = bounds(0.1, 0.04, 0.1);
         let mut increments = Increments::new(&bounds, 1.0);
         assert!(increments.cut(0.1));
         assert!(!increments.cut(0.05));
+    }
+
+    #[test]
+    fn parts_are_not_below_the_minimum() {
+        let mut increments = Increments::new(&bounds(0.1, 0.025, 0.1), 1.0);
+        assert_eq!(increments.most_parts(0.1), 4);
+        increments.accept(0.05, 3, false);
+        assert_eq!((increments.most_parts(0.1), increments.most_parts(0.06)), (2, 1));
     }
 }

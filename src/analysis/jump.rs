@@ -8,6 +8,7 @@
 //! The end is an equilibrium without drag.
 
 use super::Analysis;
+use super::newton::Share;
 use super::step::{Attempt, Frame};
 use crate::Vec3;
 use crate::contact::{Pair, Pose};
@@ -43,7 +44,7 @@ impl Analysis<'_> {
         let (mut drag, mut way) = (FIRST, String::new());
         for step in 1.. {
             frame.past.clear();
-            let attempt = self.attempt(frame, snes, x, end, drag * self.model.stiffness)?;
+            let attempt = self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness)?;
             let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {

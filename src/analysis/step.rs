@@ -2,7 +2,7 @@
 
 use super::conditions::Conditions;
 use super::increments::Increments;
-use super::newton::{Newton, Round, Start};
+use super::newton::{Newton, Round, Share, Start};
 use super::{Analysis, describe, results};
 use crate::contact::{Master, Pose, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
@@ -64,6 +64,8 @@ impl Frame<'_> {
 
 /// A converged increment, before it is accepted.
 pub(super) struct Converged {
+    /// Fraction of the step.
+    end: f64,
     u: Vec<Vec3>,
     forces: Vec<Vec3>,
     tool_forces: Vec<Vec3>,
@@ -84,6 +86,8 @@ pub(super) enum Attempt {
 
 /// An attempt that did not converge.
 pub(super) struct Failed {
+    /// Fraction of the step at the end of the increment.
+    end: f64,
     reason: String,
     /// The matrix was singular from the start: a shorter increment does not help.
     singular: bool,
@@ -127,13 +131,15 @@ impl Analysis<'_> {
 
         let (start, analyses) = (self.state.time, self.summary.analyses);
         let mut increments = Increments::new(&step.increment, step.duration);
+        let limits = step.increment.limits;
         let mut since_written = 0;
         let mut warned = false;
         let mut failures = 0;
         let jump_after = if self.model.can_flow() { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
         while let Some(end) = increments.next() {
             let outcome = if failures < jump_after {
-                self.attempt(&mut frame, &mut snes, &mut x, end, 0.0)?
+                let share = Share { begin: increments.done, most: increments.most_parts(end), limits };
+                self.attempt(&mut frame, &mut snes, &mut x, (end, share), 0.0)?
             } else {
                 self.jump(&mut frame, &mut snes, &mut x, end)?
             };
@@ -141,6 +147,7 @@ impl Analysis<'_> {
             match outcome {
                 Attempt::Converged(converged) => {
                     failures = 0;
+                    let end = converged.end;
                     let iterations = converged.trace.len() - 1;
                     let size = (end - increments.done) * step.duration;
                     frame.remember(end, &x.array()?);
@@ -163,6 +170,7 @@ impl Analysis<'_> {
                 Attempt::Failed(failed) => {
                     self.summary.cutbacks += 1;
                     failures += 1;
+                    let end = failed.end;
                     let size = (end - increments.done) * step.duration;
                     if failed.singular || !increments.cut(end) {
                         if since_written > 0 {
@@ -195,14 +203,14 @@ impl Analysis<'_> {
         pattern
     }
 
-    /// Tries one increment to fraction `end` of the step. A search that proves too narrow is widened and the iteration goes
-    /// on from where it is. All that moves has the `drag` of so much force per length. Collective.
+    /// Tries one increment to fraction `end` of the step, or a share of it. A search that proves too narrow is widened and
+    /// the iteration goes on from where it is. All that moves has the `drag` of so much force per length. Collective.
     pub(super) fn attempt(
         &mut self,
         frame: &mut Frame,
         snes: &mut Snes,
         x: &mut Vector,
-        end: f64,
+        (end, share): (f64, Share),
         drag: f64,
     ) -> Result<Attempt> {
         self.watch_ahead(frame, end);
@@ -214,6 +222,7 @@ impl Analysis<'_> {
             committed: &self.state.u,
             offsets: &frame.offsets,
             s: end,
+            share,
             tolerance: self.scene.solver.tolerance,
             max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
             scale: self.state.scale,
@@ -394,6 +403,7 @@ impl Analysis<'_> {
 /// What is kept of a converged iterate.
 fn converged(newton: &Newton, x: &[f64]) -> Converged {
     Converged {
+        end: newton.s,
         u: newton.u.clone(),
         forces: newton.forces.clone(),
         tool_forces: newton.tool_forces.clone(),
@@ -410,7 +420,7 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
 /// What is told of an iterate that is no solution.
 fn failed(newton: &Newton, reason: String, singular: bool, extrapolated: bool) -> Failed {
     let (trace, changes) = (newton.trace.clone(), newton.changes.clone());
-    Failed { reason, singular, unsettled: false, extrapolated, worst: newton.worst, trace, changes }
+    Failed { end: newton.s, reason, singular, unsettled: false, extrapolated, worst: newton.worst, trace, changes }
 }
 
 /// Whether there are equations that determine nothing: MUMPS found them, or what it solved is no solution.

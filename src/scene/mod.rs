@@ -123,7 +123,7 @@
 //! |---|---|
 //! | `name` = `step 1` ... | NAME |
 //! | `duration` = `1.0` | time |
-//! | `increments` or `increment` * | number of uniform increments, which may still be cut; or `{ initial = duration/10, min = initial/1024, max = initial }`, in time, `min <= initial <= max <= duration` |
+//! | `increments` or `increment` * | number of uniform increments, which may still be cut; or `{ initial = duration/10, min = initial/1024, max = initial, strain, contacts }`, in time, `min <= initial <= max <= duration`; an increment is shortened, to no less than `min`, when its trial state says that an integration point would be strained by more than `strain` (logarithmic), or that more than a share `contacts` of the slave nodes would touch or leave |
 //! | `fix` | `[{ set* = SET, directions = "xyz" }, ...]` |
 //! | `move` | `[{ target* = tool or SET, by = VECTOR, directions = "xyz" (sets), rotate = { point* = VECTOR, axis* = VECTOR, angle* = degrees } (tools) }, ...]`, with `by`, `rotate` or both: displacement over the step, linear in time |
 //! | `force` | `[{ target* = tool or SET, total* = VECTOR, directions (tools: *) }, ...]`, a total force; it frees a tool in these directions |
@@ -461,6 +461,16 @@ pub struct Increment {
     pub initial: f64,
     pub min: f64,
     pub max: f64,
+    pub limits: Limits,
+}
+
+/// What an increment may change by its trial state; else it is shortened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// Largest principal logarithmic strain at an integration point.
+    pub strain: Option<f64>,
+    /// Share of the slave nodes that touch or leave.
+    pub contacts: Option<f64>,
 }
 
 /// Holds nodes where they are in the given directions.

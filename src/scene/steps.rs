@@ -2,10 +2,11 @@
 
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
-use super::{BodyForce, Fix, Force, Increment, Located, Move, Pressure, Rotation, Step};
+use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Step};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
 
+const SHARE: &str = "it is a share of the slave nodes";
 const ADD_STEP: &str = "add a table `[[step]]` with its increments and conditions";
 
 /// The steps, one or more, with unique names.
@@ -68,9 +69,9 @@ fn increment(step: &Table, duration: f64) -> Result<Increment> {
         (Some(_), Some(count)) => return Err(count.error("stands beside `increment`", "keep one of the two")),
         (None, Some(count)) => {
             let size = duration / count.count()? as f64;
-            return Ok(Increment { initial: size, min: size / 1024.0, max: size });
+            return Ok(Increment { initial: size, min: size / 1024.0, max: size, limits: Limits::default() });
         }
-        (Some(sizes), None) => sizes.table(&["initial", "min", "max"])?,
+        (Some(sizes), None) => sizes.table(&["initial", "min", "max", "strain", "contacts"])?,
     };
     let bounded = |key, low: f64, high: f64, high_name: &str| {
         let from = if low > 0.0 { format!("at least min ({low:?})") } else { "above 0".to_string() };
@@ -84,7 +85,10 @@ fn increment(step: &Table, duration: f64) -> Result<Increment> {
     let low = min.unwrap_or(0.0);
     let initial = bounded("initial", low, high, high_name)?;
     let initial = initial.unwrap_or((duration / 10.0).max(low).min(high));
-    Ok(Increment { initial, min: min.unwrap_or(initial / 1024.0), max: max.unwrap_or(initial) })
+    let share = |item: &Item| item.number_that_is("above 0 and at most 1", |v| v > 0.0 && v <= 1.0, SHARE);
+    let limits =
+        Limits { strain: table.optional("strain", Item::positive)?, contacts: table.optional("contacts", share)? };
+    Ok(Increment { initial, min: min.unwrap_or(initial / 1024.0), max: max.unwrap_or(initial), limits })
 }
 
 fn fix(item: &Item, names: &Names) -> Result<Fix> {

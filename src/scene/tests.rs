@@ -128,6 +128,9 @@ fn increment_sizes_follow_from_those_given() {
     assert_eq!(sizes("{ initial = 0.1, max = 1 }"), [0.1, 0.1 / 1024.0, 1.0]);
     assert_eq!(sizes("{ min = 0.5 }"), [0.5, 0.5, 0.5]);
     assert_eq!(sizes("{ max = 0.1, min = 1e-3 }"), [0.1, 1e-3, 0.1]);
+    let limits = |given: &str| read(&SCENE.replace("{ max = 0.05 }", given), &[]).unwrap().steps[1].increment.limits;
+    assert_eq!(limits("{ max = 0.05 }"), Limits { strain: None, contacts: None });
+    assert_eq!(limits("{ strain = 0.02, contacts = 0.1 }"), Limits { strain: Some(0.02), contacts: Some(0.1) });
 }
 
 #[test]
@@ -466,6 +469,12 @@ fn parameters_are_physical() {
         reason("{ max = 0.05 }", "{ max = 0.1, min = 0.2 }"),
         "step.1.increment.min must be above 0 and at most max (0.1), not 0.2"
     );
+    assert_eq!(
+        message("{ max = 0.05 }", "{ contacts = 20 }"),
+        "in/test.toml:34:26: step.1.increment.contacts must be above 0 and at most 1, not 20.0\n  \
+         | increment = { contacts = 20 }\n  help: it is a share of the slave nodes"
+    );
+    assert_eq!(reason("max = 0.05 }", "strain = 0 }"), "step.1.increment.strain must be above 0, not 0.0");
     assert_eq!(reason("max = 0.05 }", "max = 0.05 }\nincrements = 3"), "step.1.increments stands beside `increment`");
     assert_eq!(
         reason("normal = [0, 0, 2]", "normal = [0, 0, 0]"),

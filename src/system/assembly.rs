@@ -13,6 +13,7 @@ use crate::solid::element::{
     hex8_fbar, hex8_sri, plane4, plastic_work, stored_energy, tet4,
 };
 use crate::solid::load;
+use crate::solid::material::strain_between;
 use crate::solid::voigt::Voigt;
 
 /// Matrices of one element, made once for a sweep over all.
@@ -227,6 +228,17 @@ pub fn energies(model: &Model, u: &[Vec3], body: usize) -> [f64; 2] {
         (0..2).for_each(|k| sums[k] += of_element.map_or(0.0, |energies| energies[k]));
     }
     sums
+}
+
+/// Largest principal logarithmic strain between two states of displacements, of what this rank counts; infinite where an
+/// element is inverted.
+pub fn largest_strain(model: &Model, before: &[Vec3], after: &[Vec3]) -> f64 {
+    let of = |e: usize| {
+        let (before, after) = (samples(model, e, before).ok()?, samples(model, e, after).ok()?);
+        let mut strains = before.iter().zip(&after).map(|(from, to)| strain_between(&from.f, &to.f));
+        strains.try_fold(0.0, |most: f64, strain| Some(most.max(strain?)))
+    };
+    mine(model).map(|e| of(e).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
 }
 
 /// The elements that this rank counts.

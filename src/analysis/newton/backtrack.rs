@@ -52,9 +52,8 @@ impl Newton<'_> {
 
     /// The squared residual after a part of the step, infinite where an element is inverted. Each try begins from the same
     /// state of contact. Collective.
-    fn try_step(&mut self, x: &[f64], step: &[f64], factor: f64, trials: &[Trial]) -> f64 {
-        let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
-        slaves.zip(trials).for_each(|(slave, trial)| slave.trial = *trial);
+    pub(super) fn try_step(&mut self, x: &[f64], step: &[f64], factor: f64, trials: &[Trial]) -> f64 {
+        self.reset(trials);
         let mut tried = Tried { x: x.iter().zip(step).map(|(x, s)| x - factor * s).collect(), ..Tried::default() };
         tried.residual.resize(x.len(), 0.0);
         let sound = self.evaluate(&tried.x, &mut tried.residual);
@@ -71,6 +70,12 @@ impl Newton<'_> {
             r.copy_from_slice(&tried.residual);
         }
         known
+    }
+
+    /// Makes the state of contact what it was.
+    pub(super) fn reset(&mut self, trials: &[Trial]) {
+        let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
+        slaves.zip(trials).for_each(|(slave, trial)| slave.trial = *trial);
     }
 
     pub(super) fn slaves(&self) -> impl Iterator<Item = &Slave> {

@@ -4,13 +4,15 @@
 //! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
 //! the last converged increment. [`contact`] has the part of the contact elements on tools, [`deformable`] that of those
 //! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
-//! from overshooting, [`drag`] what helps a jump along.
+//! from overshooting, [`drag`] what helps a jump along,
+//! [`trial`] how long an increment may be.
 
 mod backtrack;
 mod contact;
 mod deformable;
 mod drag;
 mod rounds;
+mod trial;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -31,6 +33,7 @@ use petsc::{Evaluation, Iterate, Jacobian, Problem, Verdict};
 pub use rounds::Round;
 use rounds::Rounds;
 use std::time::Instant;
+pub use trial::Share;
 
 /// Rounding of a nodal force over the largest nodal stiffness times the element size, or times the largest displacement
 /// where that is more: no residual gets below it.
@@ -50,6 +53,7 @@ pub struct Newton<'a> {
     pub committed: &'a [Vec3],
     /// Fraction of the step at the end of the increment.
     pub s: f64,
+    share: Share,
     pub tolerance: f64,
     pub max_iterations: usize,
     watcher: &'a dyn Fn(usize),
@@ -112,6 +116,7 @@ pub struct Start<'a> {
     pub committed: &'a [Vec3],
     pub offsets: &'a [Vec3],
     pub s: f64,
+    pub share: Share,
     pub tolerance: f64,
     pub max_iterations: usize,
     pub scale: f64,
@@ -152,6 +157,7 @@ impl<'a> Newton<'a> {
             start_poses: start.start_poses,
             committed: start.committed,
             s: start.s,
+            share: start.share,
             tolerance: start.tolerance,
             max_iterations: start.max_iterations,
             watcher: start.watcher,
@@ -188,10 +194,18 @@ impl<'a> Newton<'a> {
         newton
     }
 
-    /// Starts from given unknowns, with the prescribed displacements of the end of the increment.
+    /// Starts from given unknowns, with the prescribed displacements of the end of the increment; or on the way there, if the
+    /// increment is to be shorter.
     pub fn start_ahead(&mut self, trial: &[f64], x: &mut [f64]) {
-        x.copy_from_slice(trial);
         self.predicting = false;
+        self.start_behind(x);
+        let step: Vec<f64> = x.iter().zip(trial).map(|(x, t)| x - t).collect();
+        let part = self.shorten(x, &step);
+        if part < 1.0 {
+            x.iter_mut().zip(step).for_each(|(x, s)| *x -= part * s);
+        } else {
+            x.copy_from_slice(trial);
+        }
     }
 
     /// Starts from the unknowns of the last converged state; the prescribed displacements enter the first iteration linearly.
@@ -402,6 +416,8 @@ impl Problem for Newton<'_> {
     fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
         // The residual of a prediction says nothing.
         let judged = !std::mem::replace(&mut self.predicting, false);
+        let part = if judged { 1.0 } else { self.shorten(x, step) };
+        scale(step, part);
         // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too.
         let mut longest = [0.0, f64::NEG_INFINITY];
         for pair in &self.model.pairs {
@@ -429,7 +445,7 @@ impl Problem for Newton<'_> {
             scale(step, part);
             factor *= part;
         }
-        Ok(factor < 1.0)
+        Ok(part * factor < 1.0)
     }
 }
 

@@ -185,6 +185,13 @@ impl Principal {
     }
 }
 
+/// Largest principal logarithmic strain of what lies between two deformation gradients; `None` where one is inverted.
+pub fn strain_between(before: &Mat3, after: &Mat3) -> Option<f64> {
+    let f = after * before.try_inverse()?;
+    let principal = Principal::new(&right_cauchy_green(&f), f.determinant())?;
+    Some(principal.strains.iter().fold(0.0, |most, strain| strain.abs().max(most)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::super::testing::{Random, rotation};
@@ -209,6 +216,18 @@ mod tests {
                 assert!((ends / (values[low] - values[high]) / series - 1.0).abs() < 4e-14);
             }
         }
+    }
+
+    #[test]
+    fn strain_between_does_not_see_rotations() {
+        let mut random = Random::new(32);
+        let before = Mat3::identity() + random.matrix(0.2);
+        let stretch = Mat3::from_diagonal(&[1.1, 0.8, 0.95].into());
+        let turn = [(); 3].map(|()| rotation(random.vector(2.0)));
+        let after = turn[0] * stretch * turn[1] * before;
+        assert!((strain_between(&before, &after).unwrap() + 0.8f64.ln()).abs() < 1e-14);
+        assert!(strain_between(&before, &(turn[2] * before)).unwrap() < 1e-14);
+        assert!(strain_between(&before, &-before).is_none());
     }
 
     #[test]

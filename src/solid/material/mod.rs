@@ -17,6 +17,8 @@ mod logarithmic;
 mod neo_hookean;
 mod plastic;
 
+pub use logarithmic::strain_between;
+
 use super::voigt::Voigt;
 use crate::Mat3;
 use crate::scene::MaterialModel;
