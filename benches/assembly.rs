@@ -28,7 +28,7 @@ fn assemble(criterion: &mut Criterion) {
     let world = universe.world();
     let parsed = scene::parse("bench.toml", SCENE, Path::new("."), &[]);
     let model = parsed.and_then(|s| Model::new(&world, &s, &Phases::default()));
-    let model = model.unwrap_or_else(|e| panic!("{e}"));
+    let mut model = model.unwrap_or_else(|e| panic!("{e}"));
     let held: Vec<_> = model.part.points.iter().flat_map(|x| [(x.z == 0.0).then_some((0.0, 0.0)); 3]).collect();
     let dofs = DofMap::new(&world, &model, &held, &[]);
     let place = |n: u32| model.part.points[n as usize];
@@ -49,7 +49,7 @@ fn assemble(criterion: &mut Criterion) {
     group.bench_function("tangent", |b| {
         b.iter(|| {
             values.fill(0.0);
-            assembly::add_tangent(&model, &pattern, black_box(&u), &mut values);
+            assembly::add_tangent(&mut model, &pattern, black_box(&u), &mut values);
         });
     });
     group.bench_function("pattern", |b| b.iter(|| black_box(Pattern::new(&world, &model, &dofs, place)).columns.len()));

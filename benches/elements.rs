@@ -1,7 +1,7 @@
 //! Elements a second on one core.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nagata::scene::MaterialModel;
+use nagata::scene::{Hardening, MaterialModel};
 use nagata::solid::element::{ElementMatrices, Medium, hex8, hex8_eas, hex8_fbar, hex8_sri, tet4};
 use nagata::solid::material::Material;
 use std::hint::black_box;
@@ -18,6 +18,9 @@ fn nodes<const N: usize>(corners: Nodes<N>) -> (Nodes<N>, Nodes<N>) {
 fn elements(criterion: &mut Criterion) {
     let neo_hookean = Material::new(&MaterialModel::NeoHookean { young: 210.0, poisson: 0.3 });
     let hooke = Material::new(&MaterialModel::Hooke { young: 210.0, poisson: 0.3 });
+    let hardening = Hardening::Swift { k: 0.5653, e0: 0.0071156, n: 0.2589 };
+    let plastic = MaterialModel::Plastic { young: 210.0, poisson: 0.3, hill: None, hardening };
+    let plastic = Material::new(&plastic);
     let hex = nodes(
         [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
             .map(|corner: [u8; 3]| corner.map(f64::from)),
@@ -28,7 +31,10 @@ fn elements(criterion: &mut Criterion) {
 
     let mut group = criterion.benchmark_group("elements");
     group.throughput(Throughput::Elements(1));
-    for (law, material) in [("neo-hookean", &neo_hookean), ("hooke", &hooke)] {
+    for (law, material) in [("neo-hookean", &neo_hookean), ("hooke", &hooke), ("j2", &plastic)] {
+        // As at the end of an iteration.
+        let mut known = ElementMatrices::default();
+        hex8_eas::evaluate(&hex.0, &hex.1, Medium::virgin(material), true, &mut known).expect("sound element");
         for (what, want_tangent) in [("residual", false), ("residual+tangent", true)] {
             let mut run = |element: &str, f: &mut dyn FnMut()| {
                 group.bench_function(format!("{element} {law} {what}"), |bencher| bencher.iter(&mut *f));
@@ -52,6 +58,11 @@ fn elements(criterion: &mut Criterion) {
                 let (x0, u) = black_box(&hex);
                 hex8_eas::evaluate(x0, u, Medium::virgin(material), want_tangent, black_box(&mut out24))
                     .expect("sound element");
+            });
+            run("hex8-eas with known amplitudes", &mut || {
+                let (x0, u) = black_box(&hex);
+                let medium = Medium { amplitudes: Some(&known.amplitudes), ..Medium::virgin(material) };
+                hex8_eas::evaluate(x0, u, medium, want_tangent, black_box(&mut out24)).expect("sound element");
             });
             run("tet4", &mut || {
                 let (x0, u) = black_box(&tet);

@@ -8,7 +8,7 @@ use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
-use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, distribute};
+use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4};
 use crate::solid::history::History;
@@ -105,8 +105,11 @@ impl Model {
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let (surfaces, pairs) = (Vec::new(), Vec::new());
         let warnings = Vec::new();
-        let points = part.solids.iter().map(|solid| bodies[solid.body as usize].points_with_memory(solid.shape));
-        let history = History::new(points);
+        let remembers = |solid: &PartSolid| {
+            let body: &Body = &bodies[solid.body as usize];
+            (body.points_with_memory(solid.shape), body.element == Element::Hex8Eas)
+        };
+        let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {
             part,
             history,

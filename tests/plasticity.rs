@@ -266,3 +266,44 @@ fn what_failed_leaves_no_flow() {
     assert_close("plastic work", cut.last("sheet.plastic_work"), halves.last("sheet.plastic_work"), 1e-9);
     assert!(quarters.row_difference(3, &halves, 1, &sets) > 1e-4, "the way matters");
 }
+
+/// A cantilever of sheet metal, one layer of enhanced elements, bent under a roller by a third of its length: no increment is
+/// cut, as it is where the enhanced strain is sought from zero. The beginning on two ranks is the same.
+#[test]
+fn sheet_of_one_layer_folds() {
+    let scene = |increments: usize| {
+        Bench::new(&format!(
+            r#"
+            [body.sheet]
+            block = {{ box = {{ size = [30.0, 0.78, 1.0] }}, elements = [24, 1, 1] }}
+            material = "steel"
+            element = "hex8-eas"
+            plane_strain = true
+            [material.steel]
+            model = "j2"
+            young = 206e3
+            poisson = 0.3
+            hardening = {{ swift = {{ k = 565.32, n = 0.2589, e0 = 0.0071156 }} }}
+            [tool.roller]
+            cylinder = {{ point = [24.0, 5.78, 0.0], axis = [0.0, 0.0, 1.0], radius = 5.0 }}
+            [contact.top]
+            slave = "sheet.ymax"
+            master = "roller"
+            friction = 0.1
+            [[step]]
+            increments = {increments}
+            fix = [{{ set = "sheet.xmin" }}]
+            move = [{{ target = "roller", by = [0.0, {}, 0.0] }}]
+            [output]
+            every = 1000
+            "#,
+            -0.05 * increments as f64
+        ))
+    };
+    let run = scene(180).solve(1, &[]);
+    assert_eq!(run.summary()["cutbacks"], 0);
+    let (one, two) = (run.history(), scene(10).solve(2, &[]).history());
+    for (one, two) in one.column("roller.fy").iter().zip(two.column("roller.fy")) {
+        assert_close("force", *two, *one, 1e-9);
+    }
+}

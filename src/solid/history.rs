@@ -1,25 +1,32 @@
-//! The states of all integration points that have any, at the last accepted increment.
+//! The states of all integration points that have any, at the last accepted increment, and the amplitudes of enhanced strain,
+//! at it and at the last tangent.
 
+use super::element::Amplitudes;
 use super::material::State;
 
-/// States of the points of elements, one element after the other.
+/// What elements remember, one element after the other.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     /// Where the states of each element begin, and the end of the last.
     starts: Vec<u32>,
     states: Vec<State>,
+    /// Of each element with enhanced strain, at the last tangent.
+    amplitudes: Vec<Option<Box<Amplitudes>>>,
+    /// At the last accepted increment.
+    accepted: Vec<Option<Box<Amplitudes>>>,
 }
 
 impl History {
-    /// Nothing has flowed; each element has so many points with states.
-    pub fn new(points: impl IntoIterator<Item = usize>) -> Self {
+    /// Nothing has flowed; each element has so many points with states, and enhanced strain or not.
+    pub fn new(elements: impl IntoIterator<Item = (usize, bool)>) -> Self {
         let mut end = 0;
-        let ends = points.into_iter().map(|count| {
-            end += count as u32;
-            end
-        });
-        let starts: Vec<u32> = std::iter::once(0).chain(ends).collect();
-        Self { starts, states: vec![State::VIRGIN; end as usize] }
+        let (mut starts, mut amplitudes) = (vec![0], Vec::new());
+        for (points, enhanced) in elements {
+            end += points as u32;
+            starts.push(end);
+            amplitudes.push(enhanced.then(Box::default));
+        }
+        Self { starts, states: vec![State::VIRGIN; end as usize], accepted: amplitudes.clone(), amplitudes }
     }
 
     /// The states of an element.
@@ -30,6 +37,26 @@ impl History {
     /// The states of an element, to be changed.
     pub fn of_mut(&mut self, element: usize) -> &mut [State] {
         &mut self.states[self.starts[element] as usize..self.starts[element + 1] as usize]
+    }
+
+    /// The amplitudes of an element with enhanced strain.
+    pub fn amplitudes(&self, element: usize) -> Option<&Amplitudes> {
+        self.amplitudes[element].as_deref()
+    }
+
+    /// The same, to be changed.
+    pub fn amplitudes_mut(&mut self, element: usize) -> Option<&mut Amplitudes> {
+        self.amplitudes[element].as_deref_mut()
+    }
+
+    /// The amplitudes are those of an accepted increment.
+    pub fn accept(&mut self) {
+        self.accepted.clone_from(&self.amplitudes);
+    }
+
+    /// Goes back to the amplitudes of the last accepted increment.
+    pub fn go_back(&mut self) {
+        self.amplitudes.clone_from(&self.accepted);
     }
 
     /// Whether no element has states.
@@ -44,10 +71,11 @@ mod tests {
 
     #[test]
     fn elements_with_and_without_states() {
-        let mut history = History::new([4, 0, 1]);
+        let mut history = History::new([(4, false), (0, true), (1, false)]);
         history.of_mut(2)[0].equivalent = 0.5;
         assert_eq!([0, 1, 2].map(|e| history.of(e).len()), [4, 0, 1]);
         assert_eq!((history.of(0)[3], history.of(2)[0].equivalent), (State::VIRGIN, 0.5));
-        assert!(!history.is_empty() && History::new([0, 0]).is_empty());
+        assert!(!history.is_empty() && History::new([(0, false), (0, true)]).is_empty());
+        assert_eq!([0, 1, 2].map(|e| history.amplitudes(e).is_some()), [false, true, false]);
     }
 }

@@ -57,6 +57,14 @@ impl Scratch {
         }
     }
 
+    /// Keeps the amplitudes at the tangent of element `e`, the last one.
+    fn keep(&self, model: &mut Model, e: usize) {
+        let four = model.bodies[model.part.solids[e].body as usize].plane_strain;
+        if let Some(kept) = model.history.amplitudes_mut(e) {
+            kept.clone_from(if four { &self.of_four.amplitudes } else { &self.of_eight.amplitudes });
+        }
+    }
+
     /// Internal forces of the last element, which so many nodes carry.
     fn forces(&self, nodes: usize) -> &[[f64; 3]] {
         let flat: &[f64] = if nodes == 4 { &self.of_four.residual } else { &self.of_eight.residual };
@@ -72,7 +80,7 @@ impl Scratch {
 /// What fills element `e` of the part.
 fn medium(model: &Model, e: usize) -> Medium<'_> {
     let material = &model.bodies[model.part.solids[e].body as usize].material;
-    Medium { material, states: model.history.of(e) }
+    Medium { material, states: model.history.of(e), amplitudes: model.history.amplitudes(e) }
 }
 
 /// Thickness of an element in plane strain.
@@ -146,29 +154,31 @@ pub fn add_tangent_times(model: &Model, u: &[Vec3], du: &[Vec3], forces: &mut [V
     }
 }
 
-/// Adds the tangents of all elements to the matrix values of this rank's rows. Inverted elements add nothing.
-pub fn add_tangent(model: &Model, pattern: &Pattern, u: &[Vec3], values: &mut [f64]) {
+/// Adds the tangents of all elements to the matrix values of this rank's rows. Inverted elements add nothing. From here on
+/// enhanced strain is sought from what it is here.
+pub fn add_tangent(model: &mut Model, pattern: &Pattern, u: &[Vec3], values: &mut [f64]) {
     let mut scratch = Scratch::default();
-    for (e, solid) in model.part.solids.iter().enumerate() {
+    for e in 0..model.part.solids.len() {
         if scratch.evaluate(model, e, u, true).is_err() {
             continue;
         }
-        match carrying(model, solid) {
+        match carrying(model, &model.part.solids[e]) {
             four @ [_, _, _, _] => pattern.add_element(values, four, e, &scratch.of_four.tangent),
             eight => pattern.add_element(values, eight, e, &scratch.of_eight.tangent),
         }
+        scratch.keep(model, e);
     }
 }
 
-/// Whether an element of this rank is inverted at displacements `u`, or one with enhanced strain has no solution for it.
-pub fn any_inverted(model: &Model, u: &[Vec3]) -> bool {
+/// Whether an element of this rank is inverted at displacements `u`, or, if asked for, one with enhanced strain has no
+/// solution for it.
+pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
     model.part.solids.iter().enumerate().any(|(e, solid)| {
         let inverted = match solid.shape {
             SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
-        let enhanced = model.bodies[solid.body as usize].element == Element::Hex8Eas;
-        inverted || enhanced && samples(model, e, u).is_err()
+        inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
     })
 }
 
@@ -251,10 +261,14 @@ fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
     mine(model).filter(move |&e| model.part.solids[e].body as usize == body)
 }
 
-/// Makes the states of all integration points those at displacements `u`, at which no element is inverted. Every rank does so
-/// for all elements that it knows, from the same numbers.
+/// Makes the states of all integration points, and the enhanced strain, those at displacements `u`, at which no element is
+/// inverted. Every rank does so for all elements that it knows, from the same numbers.
 pub fn flow(model: &mut Model, u: &[Vec3]) {
+    let mut scratch = Scratch::default();
     for e in 0..model.part.solids.len() {
+        if model.history.amplitudes(e).is_some() && scratch.evaluate(model, e, u, true).is_ok() {
+            scratch.keep(model, e);
+        }
         if model.history.of(e).is_empty() {
             continue;
         }
@@ -263,6 +277,7 @@ pub fn flow(model: &mut Model, u: &[Vec3]) {
             let _ = advance(&samples, &bodies[part.solids[e].body as usize].material, history.of_mut(e));
         }
     }
+    model.history.accept();
 }
 
 /// Nodal forces of a force per reference volume on an element.

@@ -145,6 +145,7 @@ impl<'a> Newton<'a> {
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
         };
+        model.history.go_back();
         let plastic = model.can_flow();
         let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
         let mut newton = Self {
@@ -434,7 +435,7 @@ impl Problem for Newton<'_> {
         let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
         for _ in 0..6 {
-            if !self.would_invert(x, step, factor) {
+            if !self.would_invert(x, step, factor, !(self.plastic && judged)) {
                 break;
             }
             factor *= 0.5;
@@ -461,11 +462,11 @@ impl Newton<'_> {
         pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
     }
 
-    /// Whether an element is inverted at x - factor step, on any rank. Collective.
-    fn would_invert(&mut self, x: &[f64], step: &[f64], factor: f64) -> bool {
+    /// Whether an element is inverted at x - factor step, on any rank; with `solve`, or cannot be evaluated. Collective.
+    fn would_invert(&mut self, x: &[f64], step: &[f64], factor: f64, solve: bool) -> bool {
         let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - factor * s).collect();
         self.unpack(&there);
-        any(self.comm, assembly::any_inverted(self.model, &self.u))
+        any(self.comm, assembly::any_inverted(self.model, &self.u, solve))
     }
 }
 

@@ -10,7 +10,9 @@
 //! that its modes turn with the element; j0/j makes their integral vanish with that of f_m, and so the patch test is passed
 //! (Simo and Armero, IJNME 33, 1992; Glaser and Armero, Eng. Comput. 14, 1997). The amplitudes alpha make r vanish and are
 //! no unknowns of the system: they are found for given displacements by Newton's method, so that forces and tangent are
-//! functions of the displacements.
+//! functions of the displacements. It begins from the amplitudes at the last tangent, with their linear change since: in
+//! Newton's method on the displacements that is the step of both together, beside which the amplitudes have little left to
+//! find. From zero, under displacements that change the volume much, they may not be found.
 //!
 //! As x0 follows the nodes, the gradient of a node is that of its shape function and a part of E:
 //!
@@ -77,8 +79,39 @@ pub(super) struct Solution<const M: usize, const N: usize, const Q: usize> {
     base: Mat3,
     /// Of K_mn.
     factor: Factor<M>,
+    amplitudes: [f64; M],
     /// -K_mn^-1 r_n, the step that is left.
     step: [f64; M],
+}
+
+/// Most modes and most displacements of an element with enhanced strain.
+const MODES: usize = 12;
+const DISPLACEMENTS: usize = 24;
+
+/// The amplitudes of an element near some displacements, to first order. Smaller elements leave entries unused.
+#[derive(Clone, Debug)]
+pub struct Amplitudes {
+    at: [f64; DISPLACEMENTS],
+    /// alpha there.
+    pub(super) values: [f64; MODES],
+    /// d(alpha)/du = -K_mn^-1 K_na.
+    pub(super) slopes: [[f64; DISPLACEMENTS]; MODES],
+}
+
+impl Default for Amplitudes {
+    fn default() -> Self {
+        Self { at: [0.0; DISPLACEMENTS], values: [0.0; MODES], slopes: [[0.0; DISPLACEMENTS]; MODES] }
+    }
+}
+
+impl Amplitudes {
+    /// At displacements `u`.
+    #[inline(always)]
+    fn ahead<const M: usize, const N: usize>(&self, u: &[[f64; 3]; N]) -> [f64; M] {
+        let mut by = [0.0; DISPLACEMENTS];
+        by.iter_mut().zip(u.as_flattened()).zip(&self.at).for_each(|((by, u), at)| *by = u - at);
+        std::array::from_fn(|m| self.values[m] + dot(&self.slopes[m], &by))
+    }
 }
 
 /// How the amplitudes are sought.
@@ -93,7 +126,7 @@ enum Way {
     Carry,
 }
 
-/// The ways, each from zero, and the most iterations.
+/// The ways, the last from zero, and the most iterations.
 const WAYS: [(Way, usize); 3] = [(Way::Descend, 10), (Way::Carry, 25), (Way::Descend, 60)];
 /// Most halvings of a step.
 const MOST_HALVINGS: usize = 12;
@@ -102,7 +135,6 @@ const MOST_HALVINGS: usize = 12;
 const TOLERANCE: f64 = 1e-16;
 
 /// Deformation and response at given amplitudes.
-#[derive(Clone)]
 struct Trial<const M: usize, const Q: usize> {
     f: [(Mat3, Mat3, f64); Q],
     responses: [Response; Q],
@@ -265,10 +297,16 @@ pub(super) fn solve<const M: usize, const N: usize, const Q: usize>(
 ) -> Result<Solution<M, N, Q>, Inverted> {
     let kinematics = Kinematics::new(x0, u, rule);
     let enough = TOLERANCE * medium.material.initial_moduli().1 * kinematics.volume;
-    let start = kinematics.at(modes, &[0.0; M], medium, None)?;
+    let known = medium.amplitudes.map_or([0.0; M], |known| known.ahead(u));
     let mut failure = Inverted { det_f: f64::NAN };
-    for (way, most) in WAYS {
-        let (mut amplitudes, mut state) = ([0.0; M], start.clone());
+    for ((way, most), mut amplitudes) in WAYS.into_iter().zip([known, known, [0.0; M]]) {
+        let mut state = match kinematics.at(modes, &amplitudes, medium, None) {
+            Ok(state) => state,
+            Err(inverted) => {
+                failure = inverted;
+                continue;
+            }
+        };
         for _ in 0..most {
             let step = match Factor::new(&state.tangent) {
                 Some(factor) if factor.energy(&state.residual) <= enough => {
@@ -324,7 +362,8 @@ fn finish<const M: usize, const N: usize, const Q: usize>(
         }
         Point { gradients, f, det_f, weight: kinematics.points[q].2 }
     });
-    Solution { points, responses: state.responses, duals: state.duals, factor, step, base: kinematics.base }
+    let (amplitudes, base) = (*amplitudes, kinematics.base);
+    Solution { points, responses: state.responses, duals: state.duals, factor, amplitudes, step, base }
 }
 
 /// Internal forces and, if wanted, the symmetric tangent.
@@ -338,7 +377,7 @@ pub(super) fn evaluate<const M: usize, const N: usize, const Q: usize, const D: 
     out: &mut ElementMatrices<D>,
 ) -> Result<(), Inverted> {
     const { assert!(D == 3 * N) };
-    let Solution { points, responses, duals, factor, step, base } = &solve(x0, u, rule, modes, medium)?;
+    let Solution { points, responses, duals, factor, amplitudes, step, base } = &solve(x0, u, rule, modes, medium)?;
     let mut force = [[0.0; N]; 3];
     let mut coupling = [[[0.0; N]; 3]; M];
     for q in 0..Q {
@@ -404,6 +443,17 @@ pub(super) fn evaluate<const M: usize, const N: usize, const Q: usize, const D: 
                 out.tangent[3 * a + i][3 * b + k] -= row[b];
                 out.tangent[3 * b + k][3 * a + i] = out.tangent[3 * a + i][3 * b + k];
             }
+        }
+    }
+    // -K_mn^-1 K_na = -L^-T D^-1 C.
+    let Amplitudes { at, values, slopes } = &mut out.amplitudes;
+    at[..D].copy_from_slice(u.as_flattened());
+    for m in (0..M).rev() {
+        values[m] = amplitudes[m] + step[m];
+        let (row, done) = slopes[m..].split_first_mut().expect("at most as many modes");
+        for k in 0..D {
+            let rest: f64 = (m + 1..M).map(|n| factor.lower[n][m] * done[n - m - 1][k]).sum();
+            row[k] = -coupling[m][k % 3][k / 3] / factor.diagonal[m] - rest;
         }
     }
     Ok(())

@@ -31,6 +31,7 @@ pub mod tet4;
 use super::material::{Material, State};
 use super::voigt::{INDEX, Voigt};
 use crate::Mat3;
+pub use enhanced::Amplitudes;
 
 /// Internal forces of an element with D degrees of freedom, and their derivative.
 #[derive(Clone, Debug)]
@@ -39,11 +40,13 @@ pub struct ElementMatrices<const D: usize> {
     pub residual: [f64; D],
     /// K\[row\]\[column\], full, force per length.
     pub tangent: [[f64; D]; D],
+    /// Of the enhanced strain, where there is any; set with the tangent.
+    pub amplitudes: Amplitudes,
 }
 
 impl<const D: usize> Default for ElementMatrices<D> {
     fn default() -> Self {
-        Self { residual: [0.0; D], tangent: [[0.0; D]; D] }
+        Self { residual: [0.0; D], tangent: [[0.0; D]; D], amplitudes: Amplitudes::default() }
     }
 }
 
@@ -54,18 +57,21 @@ pub struct Inverted {
     pub det_f: f64,
 }
 
-/// What fills an element: its material, and how each integration point has flowed until the last accepted increment.
+/// What fills an element: its material, how each integration point has flowed until the last accepted increment, and where
+/// the search for the enhanced strain begins.
 #[derive(Clone, Copy, Debug)]
 pub struct Medium<'a> {
     pub material: &'a Material,
     /// One for each integration point; none for a material without memory, and where nothing has flowed yet.
     pub states: &'a [State],
+    /// Of the enhanced strain, where some are known.
+    pub amplitudes: Option<&'a Amplitudes>,
 }
 
 impl<'a> Medium<'a> {
     /// A material that has not flowed.
     pub fn virgin(material: &'a Material) -> Self {
-        Self { material, states: &[] }
+        Self { material, states: &[], amplitudes: None }
     }
 
     /// The state of an integration point.

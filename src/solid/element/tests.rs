@@ -140,7 +140,7 @@ fn tangents_in_plastic_flow_are_the_derivative_of_the_residual() {
             advance(&hex8::samples(&x0, &before).unwrap(), &material, &mut states).unwrap();
             let u = add(&before, &random.points(0.1));
             for (k, hex) in HEXES.into_iter().enumerate() {
-                let samples = SAMPLES[k](&x0, &u, Medium { material: &material, states: &states }).unwrap();
+                let samples = SAMPLES[k](&x0, &u, Medium { states: &states, ..Medium::virgin(&material) }).unwrap();
                 let mut after = states;
                 advance(&samples, &material, &mut after).unwrap();
                 assert!((0..8).all(|q| after[q].equivalent > states[q].equivalent + 1e-3), "{states:?} {after:?}");
@@ -507,7 +507,7 @@ fn elements_of_plastic_material() {
                 let homogeneous = affine(&x0, &f, Vec3::zeros())[a];
                 std::array::from_fn(|i| step as f64 * (rate[a][i] + homogeneous[i]))
             });
-            let medium = Medium { material: &material, states: &states };
+            let medium = Medium { states: &states, ..Medium::virgin(&material) };
             let mut out = ElementMatrices::default();
             hex(&x0, &u, medium, true, &mut out).unwrap();
             let columns: [[f64; 24]; 24] = std::array::from_fn(|dof| {
@@ -525,7 +525,7 @@ fn elements_of_plastic_material() {
             assert!(after.iter().all(|state| state.equivalent > 0.005 * step as f64), "{after:?}");
             states = after;
             let mut again = ElementMatrices::default();
-            hex(&x0, &u, Medium { material: &material, states: &states }, false, &mut again).unwrap();
+            hex(&x0, &u, Medium { states: &states, ..Medium::virgin(&material) }, false, &mut again).unwrap();
             let error = relative_error(&again.residual, &out.residual);
             assert!(error < 1e-8, "{error}");
         }
@@ -548,4 +548,32 @@ fn enhanced_strain_is_found_in_large_steps() {
         let count = found.count();
         assert!(count >= least, "{model:?}: {count} of 100");
     }
+}
+
+/// Amplitudes that are known for other displacements: their slopes are derivatives, and what is found from there after a
+/// large step is what is found from zero.
+#[test]
+fn enhanced_strain_goes_on_from_known_amplitudes() {
+    let hardening = Hardening::Swift { k: 0.5653, e0: 0.0071156, n: 0.2589 };
+    let steel = MaterialModel::Plastic { young: 206.9, poisson: 0.29, hill: None, hardening };
+    let (material, mut random) = (Material::new(&steel), Random::new(31));
+    let (mut both, mut same) = (0, 0);
+    for case in 0..100 {
+        let (x0, u) = (add(&CUBE, &random.points(0.15)), random.points(0.05));
+        let at = |u: &_, amplitudes| {
+            let mut out = ElementMatrices::default();
+            hex8_eas::evaluate(&x0, u, Medium { amplitudes, ..Medium::virgin(&material) }, true, &mut out).map(|()| out)
+        };
+        let Ok(ElementMatrices { amplitudes: known, .. }) = at(&u, None) else { continue };
+        let slope = derivative(1e-5, |t| at(&moved(&u, case % 24, t), Some(&known)).unwrap().amplitudes.values);
+        let error = relative_error(&known.slopes.map(|row| row[case % 24]), &slope);
+        assert!(error < 1e-5, "{error}");
+        let u = add(&u, &random.points(0.1));
+        if let (Ok(a), Ok(b)) = (at(&u, Some(&known)), at(&u, None)) {
+            both += 1;
+            same += usize::from(relative_error(&a.residual, &b.residual) < 1e-8);
+        }
+    }
+    // So far from a solution there may be two.
+    assert!(both > 80 && same + 3 >= both, "{same} of {both}");
 }
