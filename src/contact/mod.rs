@@ -135,7 +135,7 @@ impl Pair {
 /// How much projections onto a patch and its neighbour may differ, over the facet size, to be of the same place.
 const SAME: f64 = 0.1;
 
-/// The projection of a slave node in the first iteration of an increment: a gap that is but rounding, against the size of
+/// The projection of a slave node in the first iteration of a step: a gap that is but rounding, against the size of
 /// the slave facets, is closed. Bodies that are meshed to touch are as far apart as the mesh file rounds, and one that
 /// only a force drives would have no support. Further iterations see the gap as it is.
 pub fn touching(projection: Projection, facet_size: f64) -> Projection {

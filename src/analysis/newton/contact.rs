@@ -16,6 +16,7 @@ impl Newton<'_> {
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64], largest: &mut f64) {
         let mut on_tools = vec![0.0; 3 * self.model.tools.len()];
         let mut nearest = vec![f64::NEG_INFINITY; self.model.tools.len()];
+        let first = self.is_first();
         let Model { part, tools, pairs, .. } = &mut *self.model;
         for (p, pair) in pairs.iter_mut().enumerate() {
             let Master::Tool(t) = pair.master else { continue };
@@ -42,7 +43,7 @@ impl Newton<'_> {
                 let held = carried.map(|can| !can);
                 let guide = Guide { held, drawn: [0, 1, 2].map(|d| locked[d] && !held[d]) };
                 let felt = projection.filter(|p| guide.gives_way(&p.normal)).map(|p| element::framed(p, pair.tangent));
-                let felt = felt.map(|p| if self.predicting { touching(p, pair.facet_size) } else { p });
+                let felt = felt.map(|p| if first { touching(p, pair.facet_size) } else { p });
                 let sigma = slave.local.at(&(position - tool.trial.translation), |_| None);
                 let multiplier = slave.multiplier(pair.method, lambda, tool.trial.rotation * slave.held.carried, sigma);
                 let anchor = slave.slip_origin(&tool.trial);

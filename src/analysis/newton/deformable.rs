@@ -82,6 +82,7 @@ impl Newton<'_> {
             return;
         }
         self.follow(ahead);
+        let first = self.is_first();
         let Model { part, surfaces, pairs, .. } = &mut *self.model;
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         for p in 0..pairs.len() {
@@ -96,7 +97,7 @@ impl Newton<'_> {
                 let unknown = Vec3::from_fn(|d, _| equations[d].map_or(0.0, |k| x[k]));
                 let moves = [0, 1, 2].map(|d| self.conditions.move_of(node as u32, d));
                 let mut meeting = meet(pair, surface, s, &position, &moves, &unknown);
-                if self.predicting {
+                if first {
                     meeting.contact = meeting.contact.map(|(p, origin)| (touching(p, pair.facet_size), origin));
                 }
                 let e = self.workspace.evaluate(surface, &meeting, false);

@@ -316,6 +316,11 @@ impl<'a> Newton<'a> {
         sound
     }
 
+    /// Whether this is the first iteration of a step.
+    fn is_first(&self) -> bool {
+        self.predicting && self.share.begin == 0.0
+    }
+
     /// How far each prescribed displacement still is from its value at the end of the increment; zero elsewhere. Collective.
     fn prescribed_increments(&self) -> Vec<Vec3> {
         let mut ahead = vec![Vec3::zeros(); self.model.part.points.len()];
