@@ -18,7 +18,7 @@ def arguments():
     parser.add_argument("results")
     parser.add_argument("png")
     parser.add_argument("--field", default="displacement")
-    parser.add_argument("--time", type=float)
+    parser.add_argument("--time", type=float, nargs="+", default=[None])
     parser.add_argument("--view", choices=("xy", "xz", "yz", "iso"))
     parser.add_argument("--zoom", type=float, default=1.0)
     return parser.parse_args()
@@ -85,12 +85,12 @@ def show(source, view, color=None, edges=False, opacity=1.0):
     return display
 
 
-def color_by(display, source, field, view):
-    """Colours a shown source by NAME or NAME.COMPONENT, with a scale beside the picture."""
+def color_by(display, source, field, view, more):
+    """Colours a shown source by NAME or NAME.COMPONENT, with a scale beside the picture, for `more` stages than one."""
     name, _, component = field.partition(".")
     where = association(source, name)
     simple.ColorBy(display, (where, name, component.upper() or "Magnitude"))
-    display.RescaleTransferFunctionToDataRange(False)
+    display.RescaleTransferFunctionToDataRange(more)
     table = simple.GetColorTransferFunction(name)
     low, high = table.RGBPoints[0], table.RGBPoints[-4]
     if 0.0 < low < 0.01 * high:
@@ -145,7 +145,7 @@ def best_view(points):
     return "xy" if size[2] < 0.05 * max(size) else "iso"
 
 
-def place_camera(view, direction, points, centre, zoom):
+def place_camera(view, size, direction, points, centre, zoom):
     """Shows all points; zoomed in, what is around the centre, if there is one. Returns the direction of sight."""
     towards, up = (np.array(v, float) for v in {
         "xy": ((0, 0, -1), (0, 1, 0)),
@@ -162,7 +162,7 @@ def place_camera(view, direction, points, centre, zoom):
     seen = points @ np.column_stack([right, up, towards])
     half_width, half_height, depth = np.ptp(seen, axis=0) / 2
     view.CameraParallelProjection = 1
-    view.CameraParallelScale = max(1.15 * half_height, 1.3 * half_width * view.ViewSize[1] / view.ViewSize[0])
+    view.CameraParallelScale = max(1.15 * half_height, 1.3 * half_width * size[1] / size[0])
     middle = (seen.min(axis=0) + seen.max(axis=0)) / 2 @ np.vstack([right, up, towards])
     view.CameraParallelScale /= zoom
     if zoom > 1.0 and centre is not None:
@@ -173,20 +173,15 @@ def place_camera(view, direction, points, centre, zoom):
     return towards
 
 
-def main():
-    args = arguments()
-    groups, time = read(args.results, args.time)
-    sources = {kind: displaced(group) for kind, group in groups.items()}
-    body, contact, tool = (sources.get(kind) for kind in KINDS)
-
+def draw(view, size, sources, time, args):
+    """Draws one time in a view of `size`; `sources` are those of all times."""
+    body, contact, tool = (sources[time].get(kind) for kind in KINDS)
     name = args.field.partition(".")[0]
     colored = next((s for s in (body, contact) if association(s, name)), None)
     if colored is None:
         known = sorted({n for s in (body, contact) if s for n in s.PointData.keys() + s.CellData.keys()})
         sys.exit(f"scripts/render: there is no field {name}; there are {', '.join(known)}")
 
-    view = simple.CreateView("RenderView")
-    view.ViewSize = [1600, 900]
     view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]
     view.OrientationAxesLabelColor = [0, 0, 0]
@@ -199,8 +194,9 @@ def main():
         arrows(contact, 0.15 * max(extent(body)) / args.zoom, view)
         if colored is contact:
             displays[contact] = show(contact, view, edges=True)
-    color_by(displays[colored], colored, args.field, view)
-    points = np.vstack([corners(s) for s in sources.values()])
+    color_by(displays[colored], colored, args.field, view, len(sources) > 1)
+    displays[colored].SetScalarBarVisibility(view, time == max(sources))
+    points = np.vstack([corners(s) for sources in sources.values() for s in sources.values()])
     direction = args.view or best_view(points)
     if direction != "iso":  # nothing to shade: colours as on the scale
         displays[colored].Ambient, displays[colored].Diffuse = 1.0, 0.0
@@ -209,10 +205,29 @@ def main():
     label.Color = [0, 0, 0]
     label.FontSize = 26
     label.WindowLocation = "Upper Left Corner"
-    sight = place_camera(view, direction, points, contact_middle(contact), args.zoom)
+    middles = [contact_middle(sources[t].get("contact")) for t in sorted(sources)]
+    middle = next((m for m in reversed(middles) if m is not None), None)
+    sight = place_camera(view, size, direction, points, middle, args.zoom)
     if contact in displays:  # in front of the body's face that it lies on
         displays[contact].Position = list(-2e-3 * max(extent(body)) * sight)
-    simple.SaveScreenshot(args.png, view, CompressionLevel=9)
+
+
+def main():
+    args = arguments()
+    stages = [read(args.results, time) for time in args.time]
+    sources = {time: {kind: displaced(group) for kind, group in groups.items()} for groups, time in stages}
+    size = [1600 if len(sources) == 1 else 560, 900]
+    layout, place = simple.CreateLayout("stages"), 0
+    for left, time in zip(reversed(range(len(sources))), sources):
+        view = simple.CreateView("RenderView")
+        view.ViewSize = size
+        if left:
+            layout.SplitHorizontal(place, 1.0 / (left + 1))
+        simple.AssignViewToLayout(view, layout, 2 * place + 1 if left else place)
+        place = 2 * place + 2
+        draw(view, size, sources, time, args)
+    picture = [size[0] * len(sources), size[1]]
+    simple.SaveScreenshot(args.png, layout, ImageResolution=picture, SeparatorWidth=0, CompressionLevel=9)
 
 
 main()
