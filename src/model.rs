@@ -143,6 +143,7 @@ impl Model {
         }
         model.join_passes();
         model.find_mates(comm, scene)?;
+        model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         model.warnings = guidance::warnings(comm, scene, &model.part, &model.set_index);
         Ok(model)
     }

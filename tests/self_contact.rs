@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, Run, assert_small};
+use common::{Bench, History, Run, assert_small, nagata};
 
 /// Length of the facets of the legs.
 const FACET: f64 = 0.8;
@@ -205,4 +205,36 @@ fn the_number_of_ranks_does_not_matter() {
         let difference = alone.difference(&bench.solve(ranks, &arguments).history());
         assert_small(&format!("{ranks} ranks"), difference, 1e-8);
     }
+}
+
+/// A surface that nowhere looks at itself adds no more to the matrix than the multipliers of its nodes.
+#[test]
+fn what_cannot_meet_before_long_is_not_coupled() {
+    let bench = Bench::new(
+        r#"
+        [body.tube]
+        material = "metal"
+        block = { sector = { radii = [9.0, 10.0], angles = [0.0, 90.0], length = 10.0 }, elements = [1, 6, 6] }
+        [material.metal]
+        model = "neo-hookean"
+        young = 1.0
+        poisson = 0.3
+        [tool.far]
+        plane = { point = [0.0, 0.0, -9.0], normal = [0.0, 0.0, 1.0] }
+        [contact.outer]
+        slave = "tube.rmax"
+        master = "tube.rmax"
+        [[step]]
+        increments = 1
+        fix = [{ set = "tube.zmin", directions = "xy" }]
+    "#,
+    );
+    let entries = |master: &str| -> f64 {
+        let master = format!("contact.outer.master={master}");
+        let run = nagata(&bench.path(""), 1, &["check", "scene.toml", "--set", &master], bench.path("out/scene"));
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let (before, _) = run.stdout.split_once(" entries").unwrap();
+        before.rsplit(' ').next().unwrap().parse().unwrap()
+    };
+    assert_eq!(entries("tube.rmax"), entries("far"));
 }

@@ -157,7 +157,6 @@ impl Analysis<'_> {
 
     /// Projects every slave node where it stands: the first slip origins. Warns of those deep in a tool. Collective.
     fn look_around(&mut self) {
-        self.model.turn_slaves(&self.state.u);
         let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
         let place = |n: u32| part.points[n as usize];
         watch_all(self.comm, tools, pairs, place);

@@ -107,6 +107,14 @@ impl Pair {
             .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
+    /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
+    pub fn may_meet(&self, slave: usize, patch: &Patch) -> bool {
+        match (self.outward.get(slave), self.avoided.get(slave)) {
+            (Some(outward), Some(avoided)) => avoided.may_meet(outward, patch),
+            _ => true,
+        }
+    }
+
     /// The slave at an owned node, if there is one.
     pub fn slave_at(&mut self, node: u32) -> Option<&mut Slave> {
         self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &mut self.slaves[s])

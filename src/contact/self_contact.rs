@@ -38,6 +38,12 @@ impl Avoided {
         outward.dot(normal) < FACING && (x - point).dot(normal) > -self.deep && self.around.binary_search(&id).is_err()
     }
 
+    /// Whether the node, which looks `outward`, may meet a patch before long.
+    pub fn may_meet(&self, outward: &Vec3, patch: &Patch) -> bool {
+        let normal = patch.local(patch.center()).area_vector();
+        outward.dot(&normal) < 0.0 && self.around.binary_search(&patch.id).is_err()
+    }
+
     /// How far the node may go in one iteration without a danger of coming out on the other side of a sheet.
     pub fn longest_step(&self) -> f64 {
         0.5 * self.deep

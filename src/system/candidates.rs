@@ -3,8 +3,9 @@
 //! Candidates are the patches whose boxes come within a facet, of the finer side, of the slave node; the one it touches;
 //! and the one that has its slip origin. For a node that slides they lie ahead: within half a facet of its way over the next
 //! two increments, one and a half facets at least and four at most, so that their number does not grow with the fineness of
-//! the master. The matrix couples the node, its multiplier and the stencil of each candidate; with friction the stencils
-//! of any two, since the node may be on one and have its slip origin on the other.
+//! the master. In self-contact those around the node are none, nor those that look the same way. The matrix couples the
+//! node, its multiplier and the stencil of each candidate; with friction the stencils of any two, since the node may be on
+//! one and have its slip origin on the other.
 
 use super::dofs::{DofMap, NONE};
 use crate::Vec3;
@@ -27,14 +28,15 @@ impl Candidates {
             Master::Surface(k) => {
                 let shapes = surfaces[k].shapes();
                 let facet = pair.facet_size.min(surfaces[k].facet_size);
-                let near = |slave: &Slave| {
+                let near = |(s, slave): (usize, &Slave)| {
                     if let Some(mate) = &slave.mate {
                         return vec![mate.patch];
                     }
                     let x = place(slave.node);
                     let (low, high) = ahead(slave, facet);
                     let found = shapes.within(&(x + low), &(x + high));
-                    let mut ids: Vec<u32> = found.iter().map(|&k| shapes.pieces()[k as usize].id).collect();
+                    let found = found.iter().map(|&k| &shapes.pieces()[k as usize]);
+                    let mut ids: Vec<u32> = found.filter(|patch| pair.may_meet(s, patch)).map(|p| p.id).collect();
                     let touching = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap);
                     ids.extend(touching.map(|p| p.patch));
                     if !ids.is_empty() && pair.friction > 0.0 {
@@ -44,7 +46,7 @@ impl Candidates {
                     ids.dedup();
                     ids
                 };
-                pair.slaves.iter().map(near).collect()
+                pair.slaves.iter().enumerate().map(near).collect()
             }
         };
         Self { ids: pairs.iter().map(of_pair).collect() }
