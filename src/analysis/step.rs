@@ -40,6 +40,9 @@ pub(super) struct Frame<'a> {
     pub(super) offsets: Vec<Vec3>,
     /// Unknowns at the last converged ends of increments of this step, at most three, with their fractions of the step.
     pub(super) past: Vec<(f64, Vec<f64>)>,
+    /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
+    /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
+    strict: bool,
 }
 
 impl Frame<'_> {
@@ -114,7 +117,7 @@ impl Analysis<'_> {
         let pattern = self.pattern(&conditions, &dofs);
         let poses = self.model.tools.iter().map(|t| t.committed).collect();
         let offsets = vec![Vec3::zeros(); self.model.tools.len()];
-        let mut frame = Frame { step, conditions, dofs, pattern, poses, offsets, past: Vec::new() };
+        let mut frame = Frame { step, conditions, dofs, pattern, poses, offsets, past: Vec::new(), strict: false };
         self.summary.dofs = frame.dofs.total;
         self.summary.multipliers = frame.dofs.total_multipliers;
 
@@ -137,6 +140,7 @@ impl Analysis<'_> {
         let mut failures = 0;
         let jump_after = if self.model.can_flow() { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
         while let Some(end) = increments.next() {
+            frame.strict = failures >= jump_after || failures % 2 == 1;
             let outcome = if failures < jump_after {
                 let share = Share { begin: increments.done, most: increments.most_parts(end), limits };
                 self.attempt(&mut frame, &mut snes, &mut x, (end, share), 0.0)?
@@ -224,6 +228,7 @@ impl Analysis<'_> {
             s: end,
             share,
             tolerance: self.scene.solver.tolerance,
+            strict: frame.strict,
             max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
             scale: self.state.scale,
             watcher: &watcher,

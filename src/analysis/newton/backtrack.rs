@@ -4,8 +4,9 @@
 //! and fro between two states. The step is halved or more, to the minimum of the parabola through what is known of the
 //! squared residual (Dennis and Schnabel, Numerical Methods for Unconstrained Optimization, 1983, section 6.3), until the
 //! residual falls below the largest of the last few iterates (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23,
-//! 1986). It need not fall below the last one: where contact changes it rises on the way to a solution, and short steps would
-//! creep. When nothing helps, the full step is taken. Elastic bodies always take it.
+//! 1986). It need not fall below the last one: where contact changes it rises on the way to a solution, and short steps
+//! would creep. Where flow alone is in the way each fall counts: an increment that fails is tried again with the last
+//! iterate alone. When nothing helps, the full step is taken. Elastic bodies always take it.
 
 use super::Newton;
 use crate::contact::{Slave, Trial};
@@ -16,8 +17,8 @@ use mpi::topology::SimpleCommunicator;
 const DECREASE: f64 = 1e-4;
 /// Shortest step over the full one.
 const SHORTEST: f64 = 0.01;
-/// Iterates below the largest residual of which the next must fall.
-const MEMORY: usize = 8;
+/// Iterates below the largest residual of which the next must fall, where it need not fall below each.
+pub(super) const MEMORY: usize = 8;
 
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
@@ -31,7 +32,7 @@ impl Newton<'_> {
     pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
         let start = self.squared_residual;
         self.recent.push(start);
-        let highest = self.recent.iter().rev().take(MEMORY).copied().fold(0.0, f64::max);
+        let highest = self.recent.iter().rev().take(self.memory).copied().fold(0.0, f64::max);
         let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
         let mut factor = 1.0;
         let mut best = self.try_step(x, step, factor, &trials);

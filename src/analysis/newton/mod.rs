@@ -102,8 +102,9 @@ pub struct Newton<'a> {
     residual_max: f64,
     /// The square of its length, where some body can flow.
     squared_residual: f64,
-    /// That of the iterates so far.
+    /// That of the iterates so far, and below how many of the last the next must fall.
     recent: Vec<f64>,
+    memory: usize,
     /// What rounding may leave of it.
     rounding: f64,
     evaluated_at: Vec<f64>,
@@ -120,6 +121,8 @@ pub struct Start<'a> {
     pub tolerance: f64,
     pub max_iterations: usize,
     pub scale: f64,
+    /// Each residual must be below the last where plastic flow shortens steps.
+    pub strict: bool,
     /// Told the number of each iteration.
     pub watcher: &'a dyn Fn(usize),
 }
@@ -187,6 +190,7 @@ impl<'a> Newton<'a> {
             residual_max: f64::INFINITY,
             squared_residual: f64::INFINITY,
             recent: Vec::new(),
+            memory: if start.strict { 1 } else { backtrack::MEMORY },
             rounding: 0.0,
             evaluated_at: Vec::new(),
             values,
