@@ -31,7 +31,8 @@ fn assemble(criterion: &mut Criterion) {
     let mut model = model.unwrap_or_else(|e| panic!("{e}"));
     let held: Vec<_> = model.part.points.iter().flat_map(|x| [(x.z == 0.0).then_some((0.0, 0.0)); 3]).collect();
     let dofs = DofMap::new(&world, &model, &held, &[]);
-    let place = |n: u32| model.part.points[n as usize];
+    let points = model.part.points.clone();
+    let place = |n: u32| points[n as usize];
     let pattern = Pattern::new(&world, &model, &dofs, place);
     let u: Vec<Vec3> = model.part.points.iter().map(|x| 1e-3 * x.z * Vec3::new(x.x, x.z, -x.z)).collect();
     let mut forces = vec![Vec3::zeros(); u.len()];
