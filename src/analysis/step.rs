@@ -10,7 +10,7 @@ use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, first_word, max, sum};
-use crate::scene::{Smoothing, Step};
+use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
@@ -233,10 +233,9 @@ impl Analysis<'_> {
             scale: self.state.scale,
             watcher: &watcher,
         };
-        // Between facets the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a node is
-        // about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted)
-            && self.model.surfaces.iter().all(|s| s.given.smoothing != Smoothing::Facet);
+        // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
+        // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
+        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
         let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
         let extrapolated = trial.is_some();
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
