@@ -220,6 +220,7 @@ impl Model {
             friction: contact.friction,
             tangent: contact.tangent,
             method: contact.method,
+            tolerance: contact.tolerance,
             set: self.set_index[&contact.slave.value],
             slaves,
             reach: contact.reach.unwrap_or(2.0 * facet_size),

@@ -277,6 +277,25 @@ fn a_friction_penalty_that_makes_slips_flip_is_reduced() {
     assert_small("the penalty does not matter", difference, 1e-8);
 }
 
+/// With a tolerance Uzawa's method ends its rounds as soon as what is left is below that: the looser, the sooner.
+#[test]
+fn a_tolerance_ends_uzawas_rounds() {
+    let bench = ball();
+    let exact = bench.solve(1, &[]).history();
+    let of = |tolerance: f64| {
+        let set = ["contact.pair.penalty=300.0".to_string(), format!("contact.pair.tolerance={tolerance:e}")];
+        let run = solve(&bench, 2, "uzawa", &["--set", &set[0], "--set", &set[1]]);
+        let (history, summary) = (run.history(), run.summary());
+        let penetration = history.column("pair.max_penetration").iter().copied().fold(0.0, f64::max);
+        assert!(penetration <= tolerance && penetration > 1e-4 * tolerance, "{penetration:e} with {tolerance:e}");
+        (summary["outer_iterations"].as_u64().unwrap(), without_iterations(&history, &exact))
+    };
+    let [loose, tight] = [1e-3, 1e-6].map(of);
+    println!("rounds and errors: {loose:?} {tight:?}");
+    assert!(2 * loose.0 < tight.0);
+    assert!(loose.1 < 1e-2 && tight.1 < 1e-5);
+}
+
 /// A penalty far below the stiffness takes Uzawa's method too many rounds.
 #[test]
 fn rounds_that_do_not_settle_name_the_worst_node() {

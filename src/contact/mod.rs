@@ -54,6 +54,8 @@ pub struct Pair {
     pub friction: f64,
     pub tangent: Tangent,
     pub method: Enforcement,
+    /// With Uzawa's method: penetration and slip that may remain, a length; `None` is what the solver's tolerance lets through.
+    pub tolerance: Option<f64>,
     /// Index of the slave surface in the part's sets.
     pub set: usize,
     pub slaves: Vec<Slave>,
@@ -98,11 +100,7 @@ impl Pair {
         };
         let found = surface.shapes().closest_of(position, self.reach, warm, &admitted)?;
         let found = surface.shapes().beside_edge(position, &found).unwrap_or(found);
-        let same = |p: &Projection| {
-            (p.point - found.point).norm() < SAME * surface.facet_size && p.normal.dot(&found.normal) > 1.0 - SAME
-        };
-        let last = warm.filter(|(id, _)| *id != found.patch);
-        let stays = last.and_then(|(id, xi)| surface.shapes().on_piece(position, id, xi)).filter(same);
+        let stays = surface.shapes().stays(position, warm, &found);
         Some(stays.unwrap_or(found))
             .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
@@ -139,9 +137,6 @@ impl Pair {
         }
     }
 }
-
-/// How much projections onto a patch and its neighbour may differ, over the facet size, to be of the same place.
-const SAME: f64 = 0.1;
 
 /// The projection of a slave node in the first iteration of a step: a gap that is but rounding, against the size of
 /// the slave facets, is closed. Bodies that are meshed to touch are as far apart as the mesh file rounds, and one that

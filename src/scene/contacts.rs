@@ -5,6 +5,20 @@ use super::references::Names;
 use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer};
 use crate::error::{Error, Result};
 
+/// Keys of every pair.
+const KEYS: [&str; 10] = [
+    "slave",
+    "master",
+    "discretization",
+    "friction",
+    "method",
+    "penalty",
+    "tolerance",
+    "reach",
+    "thickness",
+    "tangent",
+];
+
 /// Keys that say how the faces of a body act as a master.
 const OF_SURFACE: [&str; 3] = ["smoothing", "feature_angle", "transfer"];
 
@@ -24,8 +38,7 @@ pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result
 }
 
 fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
-    let keys = ["slave", "master", "discretization", "friction", "method", "penalty", "reach", "thickness", "tangent"];
-    let table = item.table(&[keys.as_slice(), OF_SURFACE.as_slice()].concat())?;
+    let table = item.table(&[KEYS.as_slice(), OF_SURFACE.as_slice()].concat())?;
     let friction = |item: &Item| {
         item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
     };
@@ -38,6 +51,11 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("thickness").filter(|_| master.value != slave.value) {
         let what = "means nothing between two surfaces";
         return Err(item.error(what, "it is for self-contact, with `master` the same as `slave`; remove it"));
+    }
+    let method = table.optional("method", |item| item.choice(&Enforcement::KEYS))?.unwrap_or_default();
+    if let Some(item) = table.get("tolerance").filter(|_| method != Enforcement::Uzawa) {
+        let what = format!("means nothing with the method \"{}\"", method.key());
+        return Err(item.error(what, "it ends the outer iterations of \"uzawa\"; remove it"));
     }
     let is_tool = names.is_tool(&master.value);
     let discretization = discretization(&table, is_tool)?;
@@ -53,8 +71,9 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         slave,
         master,
         friction: table.optional("friction", friction)?.unwrap_or(0.0),
-        method: table.optional("method", |item| item.choice(&Enforcement::KEYS))?.unwrap_or_default(),
+        method,
         penalty: table.optional("penalty", automatic)?.flatten(),
+        tolerance: table.optional("tolerance", automatic)?.flatten(),
         reach: table.optional("reach", Item::positive)?,
         tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or(tangent),
         thickness: table.optional("thickness", automatic)?.flatten(),

@@ -100,6 +100,7 @@
 //! | `friction` = `0.0` | Coulomb coefficient, 0 or more; 0 is frictionless |
 //! | `method` = `"augmented-lagrangian"` | or `"lagrange"`, `"uzawa"`, `"penalty"` |
 //! | `penalty` = `"auto"` | or a number, force per length; see [`Contact::penalty`] |
+//! | `tolerance` = `"auto"` (`"uzawa"`) | or a length; see [`Contact::tolerance`] |
 //! | `reach` = by the meshes | how far a slave node may be from the master and still be watched |
 //! | `tangent` = `"exact"` | or `"fixed-frame"`: as if normals and weights stood still during an iteration |
 //!
@@ -350,6 +351,9 @@ pub struct Contact {
     /// Force per length. `None` is "auto": the stiffness of the slave node, or of a softer master, times 0.2 with multipliers
     /// as unknowns, 1000 for Uzawa's method, 100 for the penalty method.
     pub penalty: Option<f64>,
+    /// Penetration, and slip of sticking nodes, at which Uzawa's outer iterations end, a length. `None` is "auto": as much as
+    /// the tolerance of the solver lets through, by the largest nodal stiffness.
+    pub tolerance: Option<f64>,
     /// How far a slave node may be from the master and still be watched; `None` chooses it from the meshes.
     pub reach: Option<f64>,
     pub tangent: Tangent,

@@ -185,8 +185,9 @@ profile = { points = [[1, 0], [2, 0], [2, 2]], fillets = [0.1, 0, 0.2], closed =
 slave = "part.face.1"
 master = "t"
 friction = 0.2
-method = "augmented-lagrangian"
+method = "uzawa"
 penalty = 1e4
+tolerance = 1e-3
 reach = 3
 [[step]]
 duration = 3
@@ -219,6 +220,7 @@ force_floor = 1e-3
     tools_are_read(&scene.tools);
     let contact = &scene.contacts[0];
     assert_eq!((contact.friction, contact.penalty, contact.reach), (0.2, Some(1e4), Some(3.0)));
+    assert_eq!((contact.method, contact.tolerance), (Enforcement::Uzawa, Some(1e-3)));
     let step = &scene.steps[0];
     assert_eq!((step.increment.initial, step.increment.max), (0.75, 0.75));
     let rotate = step.moves[0].rotate.unwrap();
@@ -321,8 +323,8 @@ fn overrides_that_name_nothing_are_refused() {
     assert_eq!(
         message_set("contact.top.fricton=0.1"),
         "--set contact.top.fricton=0.1: unknown key `fricton` in contact.top\n  \
-         help: did you mean `friction`? (known: slave, master, discretization, friction, method, penalty, reach, \
-         thickness, tangent, smoothing, feature_angle, transfer)"
+         help: did you mean `friction`? (known: slave, master, discretization, friction, method, penalty, tolerance, \
+         reach, thickness, tangent, smoothing, feature_angle, transfer)"
     );
     assert_eq!(
         message_set("body.slb.material=steel"),
@@ -785,6 +787,11 @@ fn what_a_tool_has_and_a_body_lacks_is_told() {
     assert_eq!(reason("master = \"indenter\"", "master = \"slab\""), "contact.top.master must be faces, `body.group`");
     let thickness = "master = \"slab.side\"\nthickness = 1";
     assert!(reason("master = \"indenter\"", thickness).ends_with("thickness means nothing between two surfaces"));
+    assert_eq!(
+        message("master = \"indenter\"", "master = \"indenter\"\ntolerance = 1e-3"),
+        "in/test.toml:26:13: contact.top.tolerance means nothing with the method \"augmented-lagrangian\"\n  \
+         | tolerance = 1e-3\n  help: it ends the outer iterations of \"uzawa\"; remove it"
+    );
     let wrong = "master = \"slab.side\"\ntransfer = \"mortar\"";
     assert_eq!(reason("master = \"indenter\"", wrong), "contact.top.transfer cannot be \"mortar\"");
 }

@@ -21,6 +21,18 @@ impl Shape {
         }
     }
 
+    /// The closest point for a node that comes from `warm`: where patches meet at a slight angle it stays on the extension
+    /// of its own, between whose sides an iteration could go to and fro.
+    pub fn contact(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+        let found = self.closest(x, reach, warm)?;
+        let stays = match self {
+            Self::Patches(patches) => patches.stays(x, warm, &found),
+            Self::Faces(faces) => faces.stays(x, warm, &found),
+            Self::Analytic(_) => None,
+        };
+        Some(stays.filter(|p| KINK.contains(&p.normal.dot(&found.normal))).unwrap_or(found))
+    }
+
     /// The point nearest to `x` within the distance `reach`, ends of the surface included: beside an end, an edge or a
     /// corner the normal points along the line between `x` and the point.
     pub fn nearest(&self, x: &Vec3, reach: f64) -> Option<Projection> {
@@ -44,6 +56,8 @@ impl Shape {
 
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-6;
+/// Cosines of angles between normals, 3 degrees to 1e-3, at which there is a slight kink.
+const KINK: std::ops::Range<f64> = 1.0 - 1.37e-3..1.0 - 5e-7;
 
 fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
     let nearest = set.nearest(x)?;
@@ -60,4 +74,56 @@ fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Ve
     let more = |a: Vec3, b: Vec3| if b.dot(like).abs() > a.dot(like).abs() { b } else { a };
     let normals = set.within(&(x - around), &(x + around)).into_iter().filter_map(meets);
     normals.reduce(more).map(|normal| (normal, distance))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Smoothing;
+    use crate::surface::normals::NormalOptions;
+    use crate::surface::patches_from_mesh;
+    use crate::surface::test_meshes::grid;
+
+    /// A point that goes over a slight kink between two patches and back changes sides late both times; where there is no
+    /// kink, at the edge.
+    #[test]
+    fn a_node_keeps_to_its_side_of_a_kink_for_a_while() {
+        let mesh = grid(4, 4, false, |s, t| [s, t, 0.05 * (4.0 * s + 1.0).sin() * (3.0 * t).cos()]);
+        let patches = patches_from_mesh(&mesh, Smoothing::Nagata, &NormalOptions::default(), false).unwrap();
+        let shape = Shape::Patches(PatchSet::new(patches));
+        let [mut kinks, mut joints] = [0; 2];
+        for y in (0..60).map(|k| 0.26 + 0.0036 * f64::from(k)) {
+            let (mut warm, mut angle) = (None, 0.0f64);
+            // Over the edge, which is at x = 0.5, and back.
+            let way = || (0..=60).map(|k| 0.4701 + 0.001 * f64::from(k));
+            let [late, early] = [way().collect::<Vec<_>>(), way().rev().collect()].map(|way| {
+                let mut changes = Vec::new();
+                for x in way {
+                    let x = Vec3::new(x, y, shape.closest(&Vec3::new(x, y, 0.0), 1.0, None).unwrap().point.z);
+                    let [there, kept] =
+                        [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm)].map(Option::unwrap);
+                    angle = angle.max(kept.normal.angle(&there.normal));
+                    assert!((kept.gap - there.gap).abs() <= 0.014 * angle);
+                    if warm.is_some_and(|(patch, _)| patch != kept.patch) {
+                        changes.push(x.x);
+                    }
+                    warm = Some((kept.patch, kept.xi));
+                }
+                changes
+            });
+            match (&late[..], &early[..]) {
+                ([late], [early]) if angle > 2e-3 => {
+                    kinks += 1;
+                    // The extension of a patch is a twentieth of its size, 0.25.
+                    assert!(late - early > 0.02 && late - early < 0.03, "{y}: {late}, {early}");
+                }
+                ([late], [early]) => {
+                    joints += 1;
+                    assert!(angle > 0.0 || late - early < 0.003, "{y}: {late}, {early}");
+                }
+                changes => panic!("{y}: {changes:?}"),
+            }
+        }
+        assert!(kinks > 20 && joints > 5, "{kinks} and {joints}");
+    }
 }

@@ -105,8 +105,9 @@ impl Surface {
     }
 
     /// Closest point to a point that is watched, within its reach; `warm` is the piece and parameters of the last projection.
+    /// Facets stay facets: only on smooth surfaces does a node keep to its patch.
     pub fn project(&self, point: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
-        self.near.closest(point, reach, warm)
+        if self.faceted { self.near.closest(point, reach, warm) } else { self.near.contact(point, reach, warm) }
     }
 
     /// Closest points to all points that the ranks hold, each rank its own, within `reach`. Collective.

@@ -41,30 +41,31 @@ const LOOSE: f64 = 1e-3;
 /// Most rounds of an increment.
 const MOST: usize = 60;
 
-/// Uzawa's tolerance over that of Newton's method: penetration and slip of sticking nodes, times the largest nodal
-/// stiffness, over the largest force.
+/// Uzawa's automatic tolerance over that of Newton's method: penetration and slip of sticking nodes, times the largest
+/// nodal stiffness, over the largest force.
 const UZAWA: f64 = 100.0;
 
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
         let limit = self.limit();
+        // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.model.pairs.iter().enumerate() {
-            let worst = match pair.method {
-                Enforcement::Uzawa => &mut open,
-                Enforcement::Lagrange => &mut wrong,
+            let (worst, allowed) = match pair.method {
+                Enforcement::Uzawa => (&mut open, pair.tolerance.unwrap_or(UZAWA * limit / self.model.stiffness)),
+                Enforcement::Lagrange => (&mut wrong, limit),
                 _ => continue,
             };
             for (s, slave) in pair.slaves.iter().enumerate() {
-                if slave.trial.violation > worst.0 {
-                    *worst = (slave.trial.violation, Some((p, s)));
+                if slave.trial.violation / allowed > worst.0 {
+                    *worst = (slave.trial.violation / allowed, Some((p, s)));
                 }
             }
         }
         let mut largest = [open.0, wrong.0];
         max(self.comm, &mut largest);
-        let (is_open, is_wrong) = (largest[0] * self.model.stiffness > UZAWA * limit, largest[1] > limit);
+        let (is_open, is_wrong) = (largest[0] > 1.0, largest[1] > 1.0);
         if !is_open && !is_wrong {
             self.rounds.settled = true;
             return if self.residual_max > self.limit() { self.again() } else { Round::Done };
@@ -79,7 +80,7 @@ impl Newton<'_> {
         if is_open {
             of_method(&mut self.model.pairs, Enforcement::Uzawa).for_each(|slave| slave.held = slave.taken_over());
         }
-        if is_wrong && !self.change_set(limit, largest[1]) {
+        if is_wrong && !self.change_set(limit, limit * largest[1]) {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
         }
         self.again()

@@ -23,6 +23,9 @@
 //! the faster the closer x is, and means nothing on the edge; the sides of the edge, extended, have normals that stay. Of
 //! them the one counts that x is farthest from: the gap is continuous, and contact is with one side or the other.
 //!
+//! Nodes that slide along a kink between smooth pieces would be sent from one side to the other for ever.
+//! [`PieceSet::stays`] keeps them on the extension of the piece that they come from.
+//!
 //! Nothing depends on the order of the pieces: equal distances go to the least extension, then to the lower id. The
 //! piece of the last projection is kept when it is as close within a millionth of its size.
 //!
@@ -50,6 +53,9 @@ const BESIDE: f64 = 0.5;
 const ALIGNED: f64 = 1.0 - 1e-12;
 /// Distance, over the size of a piece, below which pieces touch.
 const TOUCH: f64 = 1e-9;
+/// How much projections onto a piece and its neighbour may differ, in place over its size and in the cosine between
+/// the normals, to be of the same place.
+const SAME: f64 = 0.1;
 
 /// Pieces with a search tree over their boxes.
 pub struct PieceSet<P> {
@@ -181,6 +187,16 @@ impl<P: Piece> PieceSet<P> {
         let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
         let projection = Projection { gap, point: foot.local.point, normal, normal_gradient, patch: id, xi: foot.xi };
         (foot.limits == 0).then_some(projection)
+    }
+
+    /// The point of contact on the extension of the piece of the last projection `warm`, where `found` is on another: as
+    /// long as both are of the same place.
+    pub fn stays(&self, x: &Vec3, warm: Option<(u32, [f64; 2])>, found: &Projection) -> Option<Projection> {
+        let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
+        let size = self.extents[self.index(id)?].radius;
+        let same =
+            |p: &Projection| (p.point - found.point).norm() < SAME * size && p.normal.dot(&found.normal) > 1.0 - SAME;
+        self.on_piece(x, id, xi).filter(same)
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
