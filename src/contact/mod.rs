@@ -100,7 +100,7 @@ impl Pair {
         };
         let found = surface.shapes().closest_of(position, self.reach, warm, &admitted)?;
         let found = surface.shapes().beside_edge(position, &found).unwrap_or(found);
-        let stays = surface.shapes().stays(position, warm, &found);
+        let stays = surface.shapes().stays(position, warm, &found, surface.facet_size);
         Some(stays.unwrap_or(found))
             .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }

@@ -26,8 +26,8 @@ impl Shape {
     pub fn contact(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
         let found = self.closest(x, reach, warm)?;
         let stays = match self {
-            Self::Patches(patches) => patches.stays(x, warm, &found),
-            Self::Faces(faces) => faces.stays(x, warm, &found),
+            Self::Patches(patches) => stays(patches, x, warm, &found),
+            Self::Faces(faces) => stays(faces, x, warm, &found),
             Self::Analytic(_) => None,
         };
         Some(stays.filter(|p| KINK.contains(&p.normal.dot(&found.normal))).unwrap_or(found))
@@ -58,6 +58,17 @@ impl Shape {
 const EQUAL: f64 = 1e-6;
 /// Cosines of angles between normals, 3 degrees to 1e-3, at which there is a slight kink.
 const KINK: std::ops::Range<f64> = 1.0 - 1.37e-3..1.0 - 5e-7;
+
+fn stays<P: Piece>(
+    set: &PieceSet<P>,
+    x: &Vec3,
+    warm: Option<(u32, [f64; 2])>,
+    found: &Projection,
+) -> Option<Projection> {
+    let (id, _) = warm.filter(|(id, _)| *id != found.patch)?;
+    let (low, high) = set.get(id)?.bounds();
+    set.stays(x, warm, found, 0.5 * (high - low).norm())
+}
 
 fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
     let nearest = set.nearest(x)?;

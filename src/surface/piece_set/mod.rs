@@ -53,8 +53,8 @@ const BESIDE: f64 = 0.5;
 const ALIGNED: f64 = 1.0 - 1e-12;
 /// Distance, over the size of a piece, below which pieces touch.
 const TOUCH: f64 = 1e-9;
-/// How much projections onto a piece and its neighbour may differ, in place over its size and in the cosine between
-/// the normals, to be of the same place.
+/// How much projections onto a piece and its neighbour may differ, in place over the size of facets and in the cosine
+/// between the normals, to be of the same place.
 const SAME: f64 = 0.1;
 
 /// Pieces with a search tree over their boxes.
@@ -190,12 +190,11 @@ impl<P: Piece> PieceSet<P> {
     }
 
     /// The point of contact on the extension of the piece of the last projection `warm`, where `found` is on another: as
-    /// long as both are of the same place.
-    pub fn stays(&self, x: &Vec3, warm: Option<(u32, [f64; 2])>, found: &Projection) -> Option<Projection> {
-        let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
-        let size = self.extents[self.index(id)?].radius;
+    /// long as both are of the same place, for facets of a `size`.
+    pub fn stays(&self, x: &Vec3, warm: Option<(u32, [f64; 2])>, found: &Projection, size: f64) -> Option<Projection> {
         let same =
             |p: &Projection| (p.point - found.point).norm() < SAME * size && p.normal.dot(&found.normal) > 1.0 - SAME;
+        let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
         self.on_piece(x, id, xi).filter(same)
     }
 
