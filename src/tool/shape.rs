@@ -56,6 +56,9 @@ impl Shape {
 
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-6;
+/// How far beyond its edge a patch keeps a node at a kink, in its own parameters: enough for iterations to settle, and so
+/// little that the gap hardly changes as the node changes over.
+const LINGER: f64 = 0.01;
 /// Cosines of angles between normals, 3 degrees to 1e-3, at which there is a slight kink.
 const KINK: std::ops::Range<f64> = 1.0 - 1.37e-3..1.0 - 5e-7;
 
@@ -66,8 +69,9 @@ fn stays<P: Piece>(
     found: &Projection,
 ) -> Option<Projection> {
     let (id, _) = warm.filter(|(id, _)| *id != found.patch)?;
-    let (low, high) = set.get(id)?.bounds();
-    set.stays(x, warm, found, 0.5 * (high - low).norm())
+    let piece = set.get(id)?;
+    let (low, high) = piece.bounds();
+    set.stays(x, warm, found, 0.5 * (high - low).norm()).filter(|p| piece.overshoot(p.xi) <= LINGER)
 }
 
 fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
@@ -106,7 +110,7 @@ mod tests {
         for y in (0..60).map(|k| 0.26 + 0.0036 * f64::from(k)) {
             let (mut warm, mut angle) = (None, 0.0f64);
             // Over the edge, which is at x = 0.5, and back.
-            let way = || (0..=60).map(|k| 0.4701 + 0.001 * f64::from(k));
+            let way = || (0..=50).map(|k| 0.4901 + 0.0004 * f64::from(k));
             let [late, early] = [way().collect::<Vec<_>>(), way().rev().collect()].map(|way| {
                 let mut changes = Vec::new();
                 for x in way {
@@ -114,7 +118,7 @@ mod tests {
                     let [there, kept] =
                         [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm)].map(Option::unwrap);
                     angle = angle.max(kept.normal.angle(&there.normal));
-                    assert!((kept.gap - there.gap).abs() <= 0.014 * angle);
+                    assert!((kept.gap - there.gap).abs() <= 0.003 * angle);
                     if warm.is_some_and(|(patch, _)| patch != kept.patch) {
                         changes.push(x.x);
                     }
@@ -125,12 +129,12 @@ mod tests {
             match (&late[..], &early[..]) {
                 ([late], [early]) if angle > 2e-3 => {
                     kinks += 1;
-                    // The extension of a patch is a twentieth of its size, 0.25.
-                    assert!(late - early > 0.02 && late - early < 0.03, "{y}: {late}, {early}");
+                    // A hundredth of the size of a patch, 0.25, on both sides.
+                    assert!(late - early > 0.004 && late - early < 0.006, "{y}: {late}, {early}");
                 }
                 ([late], [early]) => {
                     joints += 1;
-                    assert!(angle > 0.0 || late - early < 0.003, "{y}: {late}, {early}");
+                    assert!(angle > 0.0 || late - early < 0.001, "{y}: {late}, {early}");
                 }
                 changes => panic!("{y}: {changes:?}"),
             }
