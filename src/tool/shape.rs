@@ -30,7 +30,7 @@ impl Shape {
             Self::Faces(faces) => stays(faces, x, warm, &found),
             Self::Analytic(_) => None,
         };
-        Some(stays.filter(|p| KINK.contains(&p.normal.dot(&found.normal))).unwrap_or(found))
+        Some(stays.unwrap_or(found))
     }
 
     /// The point nearest to `x` within the distance `reach`, ends of the surface included: beside an end, an edge or a
@@ -59,9 +59,12 @@ const EQUAL: f64 = 1e-6;
 /// How far beyond its edge a patch keeps a node at a kink, in its own parameters: enough for iterations to settle, and so
 /// little that the gap hardly changes as the node changes over.
 const LINGER: f64 = 0.01;
-/// Cosines of angles between normals, 3 degrees to 1e-3, at which there is a slight kink.
+/// Cosines of angles between the normals on both sides of an edge, 3 degrees to 1e-3, at which it is a slight kink.
 const KINK: std::ops::Range<f64> = 1.0 - 1.37e-3..1.0 - 5e-7;
 
+/// The projection onto the extension of the piece that a node comes from, if `found` is across a slight kink. How much
+/// the normals differ tells nothing of it but on the edge itself: beyond it a flat is not along an arc, however smooth
+/// their joint.
 fn stays<P: Piece>(
     set: &PieceSet<P>,
     x: &Vec3,
@@ -69,9 +72,14 @@ fn stays<P: Piece>(
     found: &Projection,
 ) -> Option<Projection> {
     let (id, _) = warm.filter(|(id, _)| *id != found.patch)?;
-    let piece = set.get(id)?;
-    let (low, high) = piece.bounds();
-    set.stays(x, warm, found, 0.5 * (high - low).norm()).filter(|p| piece.overshoot(p.xi) <= LINGER)
+    let (own, other) = (set.get(id)?, set.get(found.patch)?);
+    let edge = own.closest(x);
+    let kink = own.normal(edge.xi).dot(&other.normal(other.closest(&edge.point).xi));
+    if !KINK.contains(&kink) {
+        return None;
+    }
+    let (low, high) = own.bounds();
+    set.stays(x, warm, found, 0.5 * (high - low).norm()).filter(|p| own.overshoot(p.xi) <= LINGER)
 }
 
 fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
