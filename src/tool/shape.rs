@@ -105,7 +105,7 @@ mod tests {
     use crate::scene::Smoothing;
     use crate::surface::normals::NormalOptions;
     use crate::surface::patches_from_mesh;
-    use crate::surface::test_meshes::grid;
+    use crate::surface::test_meshes::{grid, indenter};
 
     /// A point that goes over a slight kink between two patches and back changes sides late both times; where there is no
     /// kink, at the edge.
@@ -148,5 +148,21 @@ mod tests {
             }
         }
         assert!(kinks > 20 && joints > 5, "{kinks} and {joints}");
+    }
+
+    /// Where a flat goes over into an arc without a kink, a node changes over at the edge.
+    #[test]
+    fn a_joint_of_a_flat_and_an_arc_is_no_kink() {
+        let mesh = indenter(1, false);
+        let patches = patches_from_mesh(&mesh, Smoothing::Nagata, &NormalOptions::default(), false).unwrap();
+        let shape = Shape::Patches(PatchSet::new(patches));
+        let mut warm = None;
+        let way = || (-50..=50).map(|k| 10.0 + 0.0013 * f64::from(k));
+        for x in way().chain(way().rev()) {
+            let x = Vec3::new(x, -0.001, 0.5);
+            let [there, kept] = [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm)].map(Option::unwrap);
+            assert_eq!(kept, there);
+            warm = Some((kept.patch, kept.xi));
+        }
     }
 }
