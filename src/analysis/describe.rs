@@ -101,8 +101,8 @@ pub fn failure(f: &Failure) -> String {
     }
     if f.unsettled {
         return text
-            + "\n  help: raise the contact's `penalty` if the method is `uzawa`, load in smaller increments, or take \
-               `augmented-lagrangian`";
+            + "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
+               or take `augmented-lagrangian`";
     }
     let _ = write!(text, "\n  worst: {}, residual {:.1e} of the largest force", f.place, f.residual);
     if f.changes > 0 {

@@ -22,7 +22,7 @@ impl Shape {
     }
 
     /// The closest point for a node that comes from `warm`: where patches meet at a slight angle it stays on the extension
-    /// of its own, between whose sides an iteration could go to and fro.
+    /// of its own for a while, or an iteration could go to and fro between them.
     pub fn contact(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
         let found = self.closest(x, reach, warm)?;
         let stays = match self {
