@@ -26,7 +26,7 @@ fn push(scene: &str, ranks: usize, increments: usize, more: &[&str]) -> Run {
 /// Radius of the bore as `scripts/make-extrusion` has it.
 fn bore(x: f64) -> f64 {
     let beyond = (x - LENGTH).max(0.0);
-    RADIUS - 0.0339 * if beyond < 10.0 { beyond * beyond / 20.0 } else { beyond - 5.0 }
+    RADIUS - 0.035 * if beyond < 20.0 { beyond * beyond / 40.0 } else { beyond - 10.0 }
 }
 
 /// Force on a quarter of a billet that is pushed by `s` and keeps its volume, and the strain at its front, when plane
