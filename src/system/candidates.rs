@@ -1,11 +1,12 @@
 //! Which patches of a deformable master a slave node may meet before long: what the sparsity pattern provides for.
 //!
-//! Candidates are the patches whose boxes come within a facet, of the finer side, of the slave node, or within the reach of
-//! the search where facets are longer than that; the one it touches; and the one that has its slip origin. For a node that slides they lie ahead: within half a facet of its way over the next
-//! two increments, one and a half facets at least and four at most, so that their number does not grow with the fineness of
-//! the master. In self-contact those around the node are none, nor those that look the same way. The matrix couples the
-//! node, its multiplier and the stencil of each candidate; with friction the stencils of any two, since the node may be on
-//! one and have its slip origin on the other.
+//! Candidates are the patches whose boxes come within a facet, of the finer side, of the slave node, or within the
+//! reach of the search where facets are longer than that; the one it touches; and the one that has its slip origin. For
+//! a node that slides they lie ahead: within half a facet of its way over the next two increments, one and a half
+//! facets at least and four at most, so that their number does not grow with the fineness of the master. In
+//! self-contact those around the node are none, nor those that look the same way. The matrix couples the node, its
+//! multiplier and the stencil of each candidate; with friction the stencils of any two, since the node may be on one
+//! and have its slip origin on the other.
 
 use super::dofs::{DofMap, NONE};
 use crate::Vec3;
