@@ -30,7 +30,7 @@ fn dome() -> Mesh {
 fn contact(c: &mut Criterion) {
     let mesh = dome();
     let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
-    let law = Law { friction: 0.3, normal: 40.0, tangential: 40.0, penalty: 40.0 };
+    let law = Law { friction: 0.3, normal: 40.0, tangential: 40.0, penalty: 40.0, rough: false };
     let augmented = Multiplier::Augmented(Vec3::new(1.0, 2.0, -8.0));
     let x = Vec3::new(0.21, -0.13, -0.03);
     for smoothing in [Smoothing::Nagata, Smoothing::Facet] {

@@ -6,6 +6,7 @@ use crate::accuracy::sampling::Grid;
 use crate::accuracy::subject::{Loaded, Names};
 use crate::analysis::{self, Options, describe};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::parallel::agree;
@@ -22,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// Implicit, parallel finite elements for frictional contact on Nagata-smoothed surfaces.
 ///
 /// Start it on several ranks with `mpirun -n RANKS nagata ...`. Exit codes: 0 converged, 1 did not converge, 2 the input
-/// is wrong, 3 a library or the system failed.
+/// is wrong, 3 a library or the system failed, 4 a signal ended the run.
 #[derive(Debug, Parser)]
 // No colours: Open MPI gives every rank a terminal, also when its output goes to a file.
 #[command(name = "nagata", version = version(), color = ColorChoice::Never)]
@@ -140,6 +141,7 @@ impl Cli {
     fn execute(&self, comm: &SimpleCommunicator) -> Result<()> {
         let petsc = Petsc::initialize(comm, self.petsc_options())
             .map_err(|e| Error::input_anywhere(e.to_string(), "options after `--` go to PETSc"))?;
+        petsc.reserve_memory()?;
         match &self.command {
             Command::Run { scene, out, steps, quiet, .. } => {
                 let loaded = scene.load(comm)?;
@@ -148,7 +150,7 @@ impl Cli {
                 let out = out.as_deref().unwrap_or(&default);
                 let outcome =
                     analysis::run(comm, &petsc, &loaded, &Options { out, steps, quiet: *quiet, source: &scene.scene });
-                if matches!(outcome, Ok(()) | Err(Error::Diverged(_))) && comm.rank() == 0 {
+                if matches!(outcome, Ok(()) | Err(Error::Diverged(_) | Error::Interrupted(_))) && comm.rank() == 0 {
                     warn_of_unused(&petsc.unused_options()?);
                 }
                 outcome
@@ -230,14 +232,16 @@ fn warn_of_unused(options: &[String]) {
 /// Runs the program and returns its exit code. A command line that is wrong is reported by rank 0 alone; so is an error,
 /// on which all ranks have agreed.
 pub fn run() -> i32 {
-    // OMPIO guards each file name by a semaphore of the whole machine, which a killed rank leaves locked: later runs hang.
-    petsc::environment::set_default("OMPI_MCA_io", "^ompio");
+    // Who looks at the results while the run goes on must not keep it from writing.
+    petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
+    petsc::environment::leave_hdf5_at_exit();
     let Some(universe) = mpi::initialize() else {
         eprintln!("error: MPI cannot be initialized");
         return 3;
     };
     let world = universe.world();
     abort_on_panic();
+    interrupt::outlive_file_limit();
     let root = world.rank() == 0;
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,

@@ -1,6 +1,6 @@
-//! The one error type: wrong input, no convergence, or a failing library or system call.
+//! The one error type: wrong input, no convergence, a failing library or system call, or a signal.
 //!
-//! The command line maps them to exit codes 2, 1 and 3. Every message says what is wrong, where, and what would be right.
+//! The command line maps them to exit codes 2, 1, 3 and 4. Every message says what is wrong, where, and what would be right.
 
 use std::fmt;
 use std::sync::Arc;
@@ -34,6 +34,8 @@ pub enum Error {
     Diverged(String),
     /// A library or system call failed: exit code 3.
     System(String),
+    /// A signal ended the run: exit code 4, results until then are kept.
+    Interrupted(String),
 }
 
 /// Result with the crate's error unless another is named.
@@ -56,6 +58,7 @@ impl Error {
             Self::Diverged(_) => 1,
             Self::Input { .. } => 2,
             Self::System(_) => 3,
+            Self::Interrupted(_) => 4,
         }
     }
 }
@@ -86,7 +89,7 @@ impl fmt::Display for Error {
                 }
                 Ok(())
             }
-            Self::Diverged(what) | Self::System(what) => write!(f, "{what}"),
+            Self::Diverged(what) | Self::System(what) | Self::Interrupted(what) => write!(f, "{what}"),
         }
     }
 }

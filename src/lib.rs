@@ -3,6 +3,7 @@
 //! The way through the program; a module may use those listed before it, not those after.
 //!
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
+//! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
@@ -16,7 +17,7 @@
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
 //! - [`system`]: equation numbers, sparsity pattern, assembly
-//! - [`analysis`]: steps, increments, the nonlinear problem for SNES, commit and rollback
+//! - [`analysis`]: what is checked before a run, steps, increments, the nonlinear problem for SNES, commit and rollback
 //! - [`cli`]: the commands
 
 pub mod accuracy;
@@ -25,6 +26,7 @@ pub mod cad;
 pub mod cli;
 pub mod contact;
 pub mod error;
+pub mod interrupt;
 pub mod mesh;
 pub mod model;
 pub mod output;

@@ -1,14 +1,19 @@
 //! From the scene and its meshes to what is modelled: parts, bodies, tools, contact pairs, each only as far as the scene
 //! asks for it.
 
+mod shared;
+
 use crate::Vec3;
-use crate::contact::{Avoided, BodySurface, Master, Pair, Slave, Tool, follow_all, guidance, mates, self_contact};
+use crate::contact::stiffness::{Backing, contact_stiffness};
+use crate::contact::{
+    Avoided, BodySurface, Master, Pair, SLACK, Slave, Tool, follow_all, guidance, mates, self_contact,
+};
 use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
-use crate::parallel::{agree, max, number, sum};
+use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
-use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
+use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4};
 use crate::solid::history::History;
@@ -26,6 +31,8 @@ pub struct Body {
     pub material: Material,
     pub element: Element,
     pub plane_strain: bool,
+    /// Largest diagonal entry of its initial stiffness, force per length; over all ranks.
+    pub stiffness: f64,
 }
 
 impl Body {
@@ -82,6 +89,13 @@ impl Model {
         let root = comm.rank() == 0;
         let read = || agree(comm, if root { assemble_bodies(scene, &names).map(Some) } else { Ok(None) });
         let global = phases.time(Phase::Read, read)?;
+        let found = global.as_ref().map_or(Ok(Vec::new()), |global| {
+            let mut found = global.warnings.clone();
+            found.extend(shared::check(scene, &names, global)?);
+            Ok(found)
+        });
+        let found = agree(comm, found)?;
+        let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
         let symmetry = symmetry_planes(comm, scene, &names, &part)?;
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
@@ -96,6 +110,7 @@ impl Model {
                 material: Material::new(&card.model),
                 element,
                 plane_strain: body.plane_strain.as_ref().is_some_and(|p| p.value),
+                stiffness: 0.0,
             });
         }
         let mut tools = Vec::new();
@@ -134,17 +149,23 @@ impl Model {
         let stiffness = agree(comm, nodal_stiffness(&model))?;
         let volume = model.volume(comm);
         model.size = (volume / model.part.total_solids as f64).cbrt();
-        let mut largest = [stiffness.iter().copied().fold(0.0, f64::max)];
+        let mut largest = vec![0.0f64; model.bodies.len()];
+        for (k, body) in stiffness.iter().zip(&model.part.body) {
+            largest[*body as usize] = largest[*body as usize].max(*k);
+        }
         max(comm, &mut largest);
-        model.stiffness = largest[0];
+        model.bodies.iter_mut().zip(&largest).for_each(|(body, k)| body.stiffness = *k);
+        model.stiffness = largest.into_iter().fold(0.0, f64::max);
         for contact in &passes {
-            let pair = model.pair(comm, scene, contact, &stiffness, &avoided);
+            let pair = model.pair(comm, scene, contact, &avoided);
             model.pairs.push(pair);
         }
         model.join_passes();
+        model.give_slack();
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
-        model.warnings = guidance::warnings(comm, scene, &model.part, &model.set_index);
+        model.warnings = found.lines().map(str::to_string).collect();
+        model.warnings.extend(guidance::warnings(comm, scene, &model.part, &model.set_index));
         Ok(model)
     }
 
@@ -173,7 +194,6 @@ impl Model {
         comm: &SimpleCommunicator,
         scene: &Scene,
         contact: &scene::Contact,
-        stiffness: &[f64],
         avoided: &[BTreeMap<u32, Avoided>],
     ) -> Pair {
         let set = self.set(&contact.slave.value);
@@ -182,7 +202,7 @@ impl Model {
         if contact.surface.is_some() {
             master = Master::Surface(self.pairs.iter().filter(|p| matches!(p.master, Master::Surface(_))).count());
             planar = [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value));
-            softest = self.mean_stiffness(comm, &contact.master.value, stiffness);
+            softest = self.mean_stiffness(comm, &contact.master.value);
         } else if let Some(tool) = scene.tools.iter().position(|t| t.name.value == contact.master.value) {
             master = Master::Tool(tool);
         }
@@ -202,20 +222,23 @@ impl Model {
             };
             shunned = nodes.iter().map(of_node).map(depth).collect();
         }
+        let stiffness = self.contact_stiffness(set);
         let slaves = nodes
             .into_iter()
             .map(|n| {
                 let stiffness = stiffness[n as usize].min(softest);
                 let given = contact.penalty.unwrap_or(penalty_share(contact.method) * stiffness);
                 let held = contact.method.holds_multipliers();
-                let augmentation = if held { AUGMENTATION * stiffness } else { given };
-                Slave::new(n, contact.friction, given, augmentation)
+                Slave::new(n, contact.friction, given, AUGMENTATION * stiffness, held)
             })
             .collect();
         let facet_size = self.longest_edge(comm, &contact.slave.value);
+        let body = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
         Pair {
             name: contact.name.value.clone(),
             master,
+            body: body(&contact.slave.value).unwrap_or_default(),
+            master_body: body(&contact.master.value).filter(|_| contact.surface.is_some()),
             planar,
             friction: contact.friction,
             tangent: contact.tangent,
@@ -230,8 +253,15 @@ impl Model {
             discretization: contact.discretization,
             other: None,
             is_second: false,
+            sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
             avoided: shunned,
         }
+    }
+
+    /// Lets the constraints of self-contact give way.
+    fn give_slack(&mut self) {
+        let own = self.pairs.iter_mut().filter(|pair| pair.is_self() && pair.width() > 0);
+        own.flat_map(|pair| &mut pair.slaves).for_each(|slave| slave.slack = SLACK);
     }
 
     /// Lets the two passes of a contact know of each other.
@@ -289,6 +319,17 @@ impl Model {
         }
     }
 
+    /// Takes the thickness of sheets that meet themselves as they are with nodes displaced by `u`. Collective.
+    pub fn follow_sheets(&mut self, comm: &SimpleCommunicator, u: &[Vec3]) {
+        let part = &self.part;
+        for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
+            let flat = pair.sheet.fetch(comm, 3, |n, d| part.points[n as usize][d] + u[n as usize][d]);
+            let places = flat.as_chunks::<3>().0;
+            let place = |n: u64| pair.sheet.index(n).map_or(Vec3::zeros(), |k| Vec3::from(places[k as usize]));
+            pair.avoided.iter_mut().for_each(|avoided| avoided.follow(place));
+        }
+    }
+
     /// Longest edge of the facets of a set. Collective.
     fn longest_edge(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
         let mut longest = [0.0f64];
@@ -308,12 +349,20 @@ impl Model {
         self.bodies.iter().any(|b| b.name == body_of(set) && b.plane_strain)
     }
 
-    /// Mean stiffness of the nodes of a set that have any. Collective.
-    fn mean_stiffness(&self, comm: &SimpleCommunicator, set: &str, stiffness: &[f64]) -> f64 {
+    /// Stiffness against contact forces of the owned nodes of a set.
+    fn contact_stiffness(&self, set: &PartSet) -> Vec<f64> {
+        let of =
+            |body: &Body| Backing { modulus: body.material.indentation_modulus(), plane_strain: body.plane_strain };
+        let backing: Vec<Backing> = self.bodies.iter().map(of).collect();
+        contact_stiffness(&self.part, &set.facets, &backing)
+    }
+
+    /// Its mean over the nodes of a set that have any. Collective.
+    fn mean_stiffness(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
         let mut sums = [0.0; 2];
-        for &n in &self.set(set).nodes {
-            sums[0] += stiffness[n as usize];
-            sums[1] += f64::from(stiffness[n as usize] > 0.0);
+        for k in self.contact_stiffness(self.set(set)) {
+            sums[0] += k;
+            sums[1] += f64::from(k > 0.0);
         }
         sum(comm, &mut sums);
         sums[0] / sums[1]
@@ -330,7 +379,7 @@ impl Model {
     }
 }
 
-/// Augmentation over the stiffness of the slave node, or of a softer master: measured to be robust over loading, reversal
+/// Augmentation over the stiffness with which the slave node, or a softer master, resists contact: measured to be robust over loading, reversal
 /// and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions
 /// turn slowly.
 const AUGMENTATION: f64 = 0.2;
@@ -378,6 +427,8 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
             Some(asked) if asked.value => mesh::tie_layer(&mut mesh, &asked.at)?,
             _ => (0..mesh.points.len() as u32).collect(),
         };
+        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
+        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
         global.tie.extend(ties.iter().map(|t| t + offset));
         global.points.extend(mesh.points.iter().map(|p| Vec3::from(*p)));
         global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
@@ -432,21 +483,26 @@ fn symmetry_planes(
     part: &Part,
 ) -> Result<Vec<SymmetryPlane>> {
     const FLAT: f64 = 1e-6;
+    const THIN: f64 = 1e-3;
     let mut planes = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
         let owned = (0..part.owned).filter(|n| part.body[*n] as usize == b);
         let (lowest, highest) = hull(comm, bounds(owned.map(|n| part.points[n]))).unwrap_or_default();
-        let slack = FLAT * (highest - lowest).norm();
+        // Of the size of the body, but no more than a little of its extent along the axis, for it may be as thin as a foil.
+        // Coordinates are rounded besides.
+        let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
+        let size = (highest - lowest).norm();
+        let slack = (highest - lowest).map(|extent| (FLAT * size).min(THIN * extent) + rounding);
         for set in &body.symmetry {
             let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
             let (low, high) = hull(comm, bounds(nodes.iter().map(|n| part.points[*n as usize]))).unwrap_or_default();
-            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= slack).collect();
+            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= slack[*d]).collect();
             let &[axis] = flat.as_slice() else {
                 let what = format!("`{}` lies in no plane that is orthogonal to the x, y or z axis", set.value);
                 let help = "name a group with all the faces in such a plane, or turn the mesh";
                 return Err(Error::input(&set.at, what, help));
             };
-            if low[axis] > lowest[axis] + slack && high[axis] < highest[axis] - slack {
+            if low[axis] > lowest[axis] + slack[axis] && high[axis] < highest[axis] - slack[axis] {
                 let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
                 return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
             }
@@ -545,6 +601,18 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
     set
 }
 
+/// The element of a body that asks for none: one that does not lock. Flow keeps the volume, too, and wants the balance of
+/// energy that `hex8-sri` has; its tangent is symmetric besides.
+fn default_element(scene: &Scene, body: &scene::Body, hexes: bool) -> Element {
+    let card = scene.materials.iter().find(|m| m.name.value == body.material.value);
+    match card.map(|card| (&card.model, card.model.keeps_volume().is_some())) {
+        _ if !hexes => Element::Tet4,
+        Some((scene::MaterialModel::Plastic { .. }, _)) => Element::Hex8Sri,
+        Some((_, true)) => Element::Hex8Fbar,
+        _ => Element::Hex8,
+    }
+}
+
 /// The element formulation of each body: the user's, checked against the mesh, or the mesh's own. Collective.
 fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Element>> {
     let mut present = vec![0.0; 2 * scene.bodies.len()];
@@ -572,7 +640,7 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
             let what = format!("the mesh of body `{}` has {has}", body.name.value);
             return Err(Error::input(&asked.at, what, "leave `element` out to take each element by its shape"));
         }
-        kinds.push(asked.map_or(if hexes { Element::Hex8 } else { Element::Tet4 }, |e| e.value));
+        kinds.push(asked.map_or_else(|| default_element(scene, body, hexes), |e| e.value));
     }
     Ok(kinds)
 }

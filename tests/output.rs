@@ -134,7 +134,7 @@ fn write_increment(comm: &impl Communicator, scene: &mut Scene, time: f64) -> Re
 }
 
 fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
-    let folder = OutputFolder::create(path, &RUN, comm)?;
+    let folder = OutputFolder::create(path, &RUN, &[], comm)?;
     let mut log = Log::create(&folder, comm, false)?;
     let mut history = History::create(&folder, comm, &["die.fx".to_string()])?;
     let phases = Phases::default();
@@ -150,15 +150,16 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
     let data = GridData { grid: scene.grids[2], node_fields: &[field], cell_fields: &[] };
     let error = short.write(comm, 2.0, &[data]).unwrap_err();
     assert!(error.to_string().contains("99 values"), "{error}");
-    folder.write_scene(comm, Path::new("elsewhere.toml"), "title = \"t\"\n")?;
-    let own = folder.write_scene(comm, &folder.file("scene.toml"), "title = \"lost\"\n").unwrap_err();
-    assert_eq!(own.exit_code(), 2);
+    folder.write(comm, "scene.toml", "title = \"t\"\n")?;
+    // Nobody else may have the folder meanwhile, and nothing in it is lost to who tries.
+    let other = OutputFolder::create(path, &RUN, &[], comm).unwrap_err();
+    assert!(other.exit_code() == 2 && other.to_string().contains("another run writes to"), "{other}");
     phases.add(Phase::Solve, std::time::Duration::from_secs(comm.rank() as u64 + 1));
     Summary { converged: true, scene: "s".into(), increments: 2, ..Summary::default() }.write(&folder, comm, &phases)
 }
 
 fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()> {
-    let folder = OutputFolder::create(path, &RUN, comm)?;
+    let folder = OutputFolder::create(path, &RUN, &[], comm)?;
     let mut scene = add_grids(comm, &folder)?;
     write_increment(comm, &mut scene, 0.25)?;
     write_increment(comm, &mut scene, 1.0)?;
@@ -188,10 +189,10 @@ fn agree_on_errors(comm: &impl Communicator) {
 }
 
 fn unwritable(comm: &impl Communicator, path: &Path) {
-    let error = OutputFolder::create(&path.join("file/below"), &RUN, comm).unwrap_err();
+    let error = OutputFolder::create(&path.join("file/below"), &RUN, &[], comm).unwrap_err();
     assert_eq!(error.exit_code(), 2);
     assert!(error.to_string().contains("cannot write to output folder"), "{error}");
-    let folder = OutputFolder::create(&path.join("gone"), &RUN, comm).unwrap();
+    let folder = OutputFolder::create(&path.join("gone"), &RUN, &[], comm).unwrap();
     let mut scene = add_grids(comm, &folder).unwrap();
     write_increment(comm, &mut scene, 0.25).unwrap();
     comm.barrier();

@@ -226,7 +226,7 @@ fn what_cannot_meet_before_long_is_not_coupled() {
         master = "tube.rmax"
         [[step]]
         increments = 1
-        fix = [{ set = "tube.zmin", directions = "xy" }]
+        fix = [{ set = "tube.zmin" }]
     "#,
     );
     let entries = |master: &str| -> f64 {

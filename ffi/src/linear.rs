@@ -2,7 +2,8 @@
 //!
 //! The analysis (ordering, symbolic factorization) is kept while the pattern of the matrix stands, the factors while its
 //! values do. Want of workspace is met by more of it. A solution counts only when its true residual ||b - A x|| / ||b||
-//! is small, after iterative refinement if need be: MUMPS itself goes on past a null pivot.
+//! is small, after iterative refinement if need be: MUMPS itself goes on past a null pivot. What it took for null may be
+//! small and needed: where replacing it spoils the solution, the matrix is factored again with all pivots as they are.
 //!
 //! `ICNTL`, `CNTL` and `INFOG` are MUMPS's controls and answers; see its Users' guide. Every control can be given as a
 //! PETSc option, `-mat_mumps_icntl_14 200`, which takes precedence over the values here.
@@ -26,6 +27,7 @@ const MAX_REFINEMENTS: usize = 2;
 const MAX_RETRIES: usize = 5;
 
 const ORDERING: i32 = 7;
+const SCALING: i32 = 8;
 const LDLT_ORDERING: i32 = 12;
 const SCALAPACK_ROOT: i32 = 13;
 /// Workspace beyond the estimate, in percent.
@@ -42,14 +44,17 @@ pub enum Factorization {
     Ldlt,
 }
 
-/// Why a linear system could not be solved. A smaller increment may help.
+/// Why a linear system could not be solved. A smaller increment may help, unless memory is what it wants.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LinearFailure {
     /// An infinity or a NaN in the `matrix` or the `right-hand side`.
     NotFinite(&'static str),
     /// MUMPS found the matrix singular: INFOG(1), INFOG(2).
     Singular(i32, i32),
-    /// MUMPS failed otherwise, for want of memory mostly: INFOG(1), INFOG(2).
+    /// Memory did not suffice: INFOG(1); what could not be had, and MUMPS's estimate of what the rank that needs most
+    /// takes in all, MB; 0 where it does not say. A smaller increment does not help.
+    Memory { code: i32, missing: u64, estimate: u64 },
+    /// MUMPS failed otherwise: INFOG(1), INFOG(2).
     Mumps(i32, i32),
     /// The true relative residual, and the null pivots that MUMPS replaced: with any, the system has no solution.
     Inaccurate { relative_residual: f64, null_pivots: usize },
@@ -63,8 +68,15 @@ impl fmt::Display for LinearFailure {
         match self {
             Self::NotFinite(what) => write!(f, "the {what} is not finite"),
             Self::Singular(one, two) => write!(f, "the matrix is singular (MUMPS INFOG(1) = {one}, INFOG(2) = {two})"),
-            Self::Mumps(one @ (-7 | -13), two) => {
-                write!(f, "not enough memory to factor (MUMPS INFOG(1) = {one}, INFOG(2) = {two})")
+            Self::Memory { code, missing, estimate } => {
+                write!(f, "not enough memory to factor the matrix (MUMPS INFOG(1) = {code})")?;
+                if *missing > 0 {
+                    write!(f, ": {missing} MB were asked for in vain")?;
+                }
+                if *estimate > 0 {
+                    write!(f, "; the rank that needs most takes about {estimate} MB")?;
+                }
+                Ok(())
             }
             Self::Mumps(one, two) => {
                 write!(f, "the factorization failed (MUMPS INFOG(1) = {one}, INFOG(2) = {two})")
@@ -132,6 +144,8 @@ pub struct LinearStatistics {
     pub relative_residual: f64,
     /// Null pivots of the last factorization: redundant equations, if the residual is small all the same.
     pub null_pivots: usize,
+    /// Factorizations repeated with pivots that MUMPS had taken for null, and that the solution needed.
+    pub small_pivots: usize,
 }
 
 /// Solves systems with MUMPS.
@@ -198,9 +212,27 @@ impl<'p> LinearSolver<'p> {
             // SAFETY: the caller vouches for `x`.
             return Ok(check(unsafe { sys::VecSet(x, 0.0) })?);
         }
-        let factor = self.factored(matrix)?;
+        let mut factor = self.factored(matrix)?;
         // SAFETY: as for this function.
-        let result = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+        let mut result = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+        if let Err(LinearError::Failure(LinearFailure::Inaccurate { null_pivots: 1.., .. })) = result {
+            let replaced = self.statistics;
+            if factor.keep_pivots(matrix, self.factorization)? {
+                self.statistics.factorizations += 1;
+                self.statistics.null_pivots = 0;
+                // SAFETY: as for this function.
+                let kept = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+                if kept.is_ok() {
+                    self.statistics.small_pivots += 1;
+                    result = kept;
+                } else {
+                    self.statistics = LinearStatistics { factorizations: self.statistics.factorizations, ..replaced };
+                    factor.values = None;
+                }
+            } else {
+                return result;
+            }
+        }
         // Kept unless MUMPS failed: PETSc would neither factor nor solve with it again.
         if matches!(result, Ok(()) | Err(LinearError::Failure(LinearFailure::Inaccurate { .. }))) {
             self.factor = Some(factor);
@@ -290,6 +322,9 @@ impl<'p> Factor<'p> {
     fn set_controls(&mut self, factorization: Factorization) -> Result<(), Error> {
         self.set_control(ANALYSIS, 1)?; // sequential
         self.set_control(ORDERING, 3)?; // SCOTCH; PORD where MUMPS is built without it
+        // By rows and columns, of the values that are factored. On one rank MUMPS would scale by those of the analysis, which
+        // later iterations have not: contacts that come or go then look like null pivots, or hide them.
+        self.set_control(SCALING, 7)?;
         self.set_control(SCALAPACK_ROOT, 1)?; // without ScaLAPACK, which cannot pivot past a null
         self.set_control(WORKSPACE, 100)?;
         self.set_control(NULL_PIVOTS, 1)?; // find and replace: redundant constraints are legal
@@ -315,6 +350,14 @@ impl<'p> Factor<'p> {
             -8 | -9 | -17 | -20 => Answer::MoreWorkspace(self.failure()?),
             _ => Answer::Failed(self.failure()?),
         })
+    }
+
+    /// Computes the factors anew without a search for null pivots; `false` when MUMPS cannot. Collective.
+    fn keep_pivots(&mut self, matrix: &Matrix, factorization: Factorization) -> Result<bool, Error> {
+        self.set_control(NULL_PIVOTS, 0)?;
+        let answer = self.factor(matrix, factorization)?;
+        self.set_control(NULL_PIVOTS, 1)?;
+        Ok(matches!(answer, Answer::Done { .. }))
     }
 
     /// Solves with the factors, and refines until the true residual is small. Collective.
@@ -389,6 +432,11 @@ impl<'p> Factor<'p> {
     fn failure(&self) -> Result<LinearFailure, Error> {
         Ok(match (self.infog(1)?, self.infog(2)?) {
             (one @ (-6 | -10), two) => LinearFailure::Singular(one, two),
+            // No memory for integers, for reals; workspace that more of it did not cure; the user's limit, ICNTL(23).
+            (code @ (-7 | -8 | -9 | -11 | -13 | -14 | -17 | -19 | -20), two) => {
+                let (missing, estimate) = (megabytes(two), self.infog(16)?.max(0) as u64);
+                LinearFailure::Memory { code, missing, estimate }
+            }
             (one, two) => LinearFailure::Mumps(one, two),
         })
     }
@@ -399,6 +447,13 @@ impl Drop for Factor<'_> {
         // SAFETY: a live factor that nobody else holds.
         unsafe { sys::MatDestroy(&mut self.raw) };
     }
+}
+
+/// What INFOG(2) says of missing memory, MB: a number of entries, or millions of them where it is negative.
+fn megabytes(entries: i32) -> u64 {
+    const BYTES: u64 = size_of::<f64>() as u64;
+    let entries = if entries < 0 { u64::from(entries.unsigned_abs()) * 1_000_000 } else { entries as u64 };
+    (entries * BYTES).div_ceil(1_000_000)
 }
 
 /// PETSc's defaults for a factorization; MUMPS does not look at them.

@@ -12,6 +12,7 @@ use mpi::traits::*;
 
 use crate::agree;
 use crate::error::{Error, check, collect_reports, owned};
+use crate::memory::settle_blas;
 use crate::sys;
 
 /// The running PETSc library; dropping it finalizes PETSc. Collective.
@@ -46,6 +47,11 @@ impl<'c> Petsc<'c> {
             return Err(error);
         }
         Ok(Petsc { comm, own, _arguments: arguments, _not_send: PhantomData })
+    }
+
+    /// Takes the memory that the linear algebra would otherwise wait for without end when a limit leaves none. Collective.
+    pub fn reserve_memory(&self) -> Result<(), Error> {
+        self.agree(settle_blas())
     }
 
     /// PETSc's version, such as `3.18.5`.

@@ -96,7 +96,8 @@ pub fn run(comm: &SimpleCommunicator, subject: &Subject, options: &Options) -> R
     let mut outcome = Outcome { size, errors: None, projections: None };
     let mut written = None;
     if subject.against.is_some() || points.is_some() {
-        let folder = OutputFolder::create(options.out, &RESULTS, comm)?;
+        let inputs: Vec<_> = options.points.iter().map(|points| ("file of points", *points)).collect();
+        let folder = OutputFolder::create(options.out, &RESULTS, &inputs, comm)?;
         if let Some(against) = &subject.against {
             outcome.errors = Some(measure_all(comm, &folder, subject, against, &options.sampling)?);
         }

@@ -1,6 +1,7 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
+use super::ladder::{Cause, Remedy};
 use crate::contact::{BodySurface, Discretization, Tool};
 use crate::error::Result;
 use crate::model::Model;
@@ -80,12 +81,9 @@ pub struct Failure<'a> {
     pub step: &'a str,
     pub time: f64,
     pub reason: &'a str,
-    /// The matrix was singular from the start.
-    pub singular: bool,
-    /// Rounds of contact forces did not settle; the reason says where.
-    pub unsettled: bool,
+    pub cause: Cause,
     /// The worst equation, in words.
-    pub place: &'a str,
+    pub place: Option<&'a str>,
     pub residual: f64,
     pub changes: usize,
     pub size: f64,
@@ -94,21 +92,31 @@ pub struct Failure<'a> {
 /// Says where and how far from equilibrium, and what to try.
 pub fn failure(f: &Failure) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {}", f.step, f.time, f.reason);
-    if f.singular {
-        text += ": something can move freely";
-    } else {
-        let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
+    match f.cause {
+        Cause::Singular => text += ": something can move freely",
+        Cause::Rounding => return text,
+        _ => {
+            let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
+        }
     }
-    if f.unsettled {
-        return text
-            + "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
-               or take `augmented-lagrangian`";
-    }
-    let _ = write!(text, "\n  worst: {}, residual {:.1e} of the largest force", f.place, f.residual);
+    text += match f.cause {
+        Cause::Watch => {
+            "\n  help: see that the normals of the master look at the slave, and that the node is free to give way; load in \
+             smaller increments, or allow a smaller `increment.min`"
+        }
+        Cause::Rounds => {
+            "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
+             or take `augmented-lagrangian`"
+        }
+        Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
+        Cause::Singular | Cause::Rounding | Cause::Iteration => "",
+    };
+    let Some(place) = f.place.filter(|_| matches!(f.cause, Cause::Iteration | Cause::Singular)) else { return text };
+    let _ = write!(text, "\n  worst: {place}, residual {:.1e} of the largest force", f.residual);
     if f.changes > 0 {
         let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
     }
-    text += match (f.singular, f.changes) {
+    text += match (f.cause == Cause::Singular, f.changes) {
         (true, _) => "\n  help: `fix` what nothing holds, or `move` it into contact before a force drives it",
         (_, 0) => {
             "\n  help: load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
@@ -116,12 +124,6 @@ pub fn failure(f: &Failure) -> String {
         _ => "\n  help: load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
     };
     text
-}
-
-/// Warns of slave nodes that start deep in a master.
-pub fn inside(contact: &str, master: &str, is_tool: bool, nodes: usize, depth: f64) -> String {
-    let advice = if is_tool { "if its mesh is inside out, set `flip`" } else { "move the bodies apart" };
-    format!("  warning: contact `{contact}`: {nodes} nodes start inside {master}, up to {depth:.3e} deep; {advice}")
 }
 
 /// Warns of equations that MUMPS replaced.
@@ -135,8 +137,9 @@ pub fn null_pivots(step: &str, count: usize) -> String {
 /// What `nagata check` prints: what will be modelled and what will not. Collective.
 ///
 /// # Errors
-/// Conditions that contradict each other.
+/// What [`preflight`](super::preflight) refuses.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<String> {
+    let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n", heading(comm, scene, model));
     for body in &scene.bodies {
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
@@ -176,6 +179,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let by = if pair.discretization == Discretization::NodeToNode { ", each on a node of the master" } else { "" };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
+    for line in &begins {
+        let _ = writeln!(text, "{line}");
+    }
     for warning in &model.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }
@@ -203,4 +209,14 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         last = conditions;
     }
     Ok(text)
+}
+
+/// What is done about an increment of a size, in time, that failed.
+pub fn remedy(step: &str, reason: &str, size: f64, remedy: Remedy) -> String {
+    let next = match remedy {
+        Remedy::Cut => "in a shorter one",
+        Remedy::Settle => "with contacts that stick until they settle",
+        Remedy::Jump => "as a jump",
+    };
+    format!("  {step}: {reason} with increment {size:.3e}; again {next}")
 }

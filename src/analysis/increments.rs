@@ -19,6 +19,10 @@ pub struct Increments {
 const EASY: usize = 6;
 const HARD: usize = 10;
 
+/// Size over the largest, below which shorter increments hardly serve: what sticks is then carried along by so little that a
+/// jump does not disturb its friction.
+const SHORT: f64 = 1.0 / 256.0;
+
 impl Increments {
     pub fn new(bounds: &Increment, duration: f64) -> Self {
         Self { done: 0.0, size: bounds.initial / duration, min: bounds.min / duration, max: bounds.max / duration }
@@ -52,15 +56,31 @@ impl Increments {
         ((end - self.done) / self.min * (1.0 + 1e-9)).max(1.0) as usize
     }
 
-    /// Makes the next increment as long as it may be, whatever has failed before.
-    pub fn lengthen(&mut self) {
-        self.size = self.max;
+    /// The increment to `end` has failed: halves it, or quarters it where a half has failed before, to no less than the
+    /// minimum.
+    pub fn cut(&mut self, end: f64, quarter: bool) {
+        let part = if quarter { 0.25 } else { 0.5 };
+        self.size = (part * (end - self.done)).max(self.min);
     }
 
-    /// The increment to `end` has failed: halves it. `false` when it would be shorter than the minimum.
-    pub fn cut(&mut self, end: f64) -> bool {
-        self.size = 0.5 * (end - self.done);
-        self.size >= self.min * (1.0 - 1e-9)
+    /// Whether the increment to `end` is so short that a shorter one would hardly serve, or as short as it may be.
+    pub fn is_short(&self, end: f64) -> bool {
+        end - self.done <= (SHORT * self.max).max(self.min) * (1.0 + 1e-9)
+    }
+
+    /// Whether the increment to `end` is as short as it may be.
+    pub fn is_shortest(&self, end: f64) -> bool {
+        end - self.done <= self.min * (1.0 + 1e-9)
+    }
+
+    /// Makes the next increment four times as long as that to `end`, which was short and failed; `false` when it was longer
+    /// than that already.
+    pub fn lengthen(&mut self, end: f64) -> bool {
+        let can = self.is_short(end);
+        if can {
+            self.size = 4.0 * (end - self.done);
+        }
+        can
     }
 }
 
@@ -77,7 +97,7 @@ mod tests {
         let mut times = Vec::new();
         while let Some(end) = increments.next() {
             if fails(increments.done, end) {
-                assert!(increments.cut(end));
+                increments.cut(end, false);
             } else {
                 increments.accept(end, 3, false);
                 times.push(end);
@@ -116,8 +136,10 @@ mod tests {
     fn the_minimum_is_the_end() {
         let bounds = bounds(0.1, 0.04, 0.1);
         let mut increments = Increments::new(&bounds, 1.0);
-        assert!(increments.cut(0.1));
-        assert!(!increments.cut(0.05));
+        increments.cut(0.1, false);
+        assert!((increments.next(), increments.is_short(0.05)) == (Some(0.05), false));
+        increments.cut(0.05, true);
+        assert!((increments.next(), increments.is_short(0.04)) == (Some(0.04), true));
     }
 
     #[test]

@@ -21,8 +21,10 @@ use std::fmt::Write;
 const FIRST: f64 = 0.1;
 const FALL: f64 = 0.25;
 const RISE: f64 = 8.0;
-/// Over the largest nodal stiffness: below the first, there is no more need of it; beyond the second, no use.
+/// Over the largest nodal stiffness: below the first, there may be no more need of it; below the second and beyond the third,
+/// there is no use.
 const NEGLIGIBLE: f64 = 1e-4;
+const USELESS: f64 = 1e-9;
 const STRONGEST: f64 = 100.0;
 const STEPS: usize = 100;
 
@@ -34,17 +36,23 @@ struct Before {
     u: Vec<Vec3>,
     offsets: Vec<Vec3>,
     tool_forces: Vec<Vec3>,
-    scale: f64,
+    seen: Vec<f64>,
 }
 
 impl Analysis<'_> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
     pub(super) fn jump(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
         let before = self.before(frame);
-        let (mut drag, mut way) = (FIRST, String::new());
+        let (mut drag, mut weakest, mut way) = (FIRST, FIRST, String::new());
         for step in 1.. {
             frame.past.clear();
-            let attempt = self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness)?;
+            let attempt = match self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness) {
+                Ok(attempt) => attempt,
+                Err(error) => {
+                    self.restore(frame, before);
+                    return Err(error);
+                }
+            };
             let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
@@ -56,14 +64,17 @@ impl Analysis<'_> {
                 }
                 Attempt::Converged(converged) => {
                     self.commit(frame, &converged);
+                    weakest = drag;
                     drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
                 }
-                failed if drag > STRONGEST || step >= STEPS => {
+                failed if drag > STRONGEST || weakest < USELESS || step >= STEPS => {
                     self.restore(frame, before);
                     self.log.record(&format!("    drag over stiffness (! failed):{way}"));
                     return Ok(failed);
                 }
-                _ => drag = (drag * RISE).max(2.0 * NEGLIGIBLE),
+                // Close to where equilibrium ends little drives the motion: less drag lets it go.
+                _ if drag == 0.0 => drag = FALL * weakest,
+                _ => drag *= RISE,
             }
         }
         unreachable!("a failed attempt after many ends the way")
@@ -77,7 +88,7 @@ impl Analysis<'_> {
             u: self.state.u.clone(),
             offsets: frame.offsets.clone(),
             tool_forces: self.state.tool_forces.clone(),
-            scale: self.state.scale,
+            seen: self.state.seen.clone(),
         }
     }
 
@@ -89,7 +100,7 @@ impl Analysis<'_> {
         }
         self.state.u = before.u;
         self.state.tool_forces = before.tool_forces;
-        self.state.scale = before.scale;
+        self.state.seen = before.seen;
         frame.offsets = before.offsets;
         self.model.turn_slaves(&self.state.u);
     }

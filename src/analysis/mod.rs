@@ -4,7 +4,13 @@
 //! - `step`: one step: its equations, its increments, what becomes of each
 //! - `newton`: one increment as a nonlinear problem for SNES, and its contact part
 //! - `increments`: how long the next increment is
+//! - `ladder`, `jump`: what is tried when it does not converge
+//! - `hold`: what holds bodies and tools
+//! - [`preflight`]: what is checked before the first increment
+//! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged
+//! - `ending`: what ends a run at once
+//! - `runaway`: tools that nothing can hold
 //! - [`describe`]: what is said
 //!
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
@@ -12,29 +18,38 @@
 
 mod conditions;
 pub mod describe;
+mod ending;
+mod hold;
 mod increments;
 mod jump;
+mod ladder;
 mod newton;
+pub mod preflight;
 mod results;
+mod runaway;
 mod step;
+mod watch;
 
 use crate::contact::{Master, Status, follow_all, watch_all};
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::model::Model;
 use crate::output::log::Log;
 use crate::output::phases::{Phase, Phases};
 use crate::output::summary::Summary;
 use crate::output::{self, OutputFolder};
-use crate::parallel::{agree, max, sum};
+use crate::parallel::agree;
 use crate::scene::{Enforcement, Scene};
 use crate::system::DofMap;
 use crate::{Mat3, Vec3};
 use conditions::Conditions;
 use mpi::topology::SimpleCommunicator;
+use newton::balance::Balance;
 use petsc::Petsc;
 use results::Results;
 use std::path::Path;
 use std::time::Instant;
+use watch::Touch;
 
 /// What the command line says about a run.
 #[derive(Clone, Debug)]
@@ -56,8 +71,10 @@ struct State {
     time: f64,
     /// Contact force on each tool.
     tool_forces: Vec<Vec3>,
-    /// Largest force so far.
-    scale: f64,
+    /// Largest force of each body, contact and tool so far, as [`newton::balance::Balance`] has them.
+    seen: Vec<f64>,
+    /// Forces that count while there are none.
+    floors: Vec<f64>,
     conditions: Conditions,
 }
 
@@ -69,6 +86,8 @@ struct Analysis<'a> {
     model: Model,
     state: State,
     results: Results,
+    /// What each pair did until now.
+    touches: Vec<Touch>,
     log: Log,
     phases: &'a Phases,
     summary: Summary,
@@ -77,52 +96,53 @@ struct Analysis<'a> {
 /// Runs a scene and writes its results. Collective; errors are the same on all ranks.
 ///
 /// # Errors
-/// Wrong input, or no convergence: the results until then are kept.
+/// Wrong input; no convergence, a failing library, a signal: the results until then are kept.
 pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Options) -> Result<()> {
     let begun = Instant::now();
     let phases = Phases::default();
-    let model = Model::new(comm, scene, &phases)?;
-    check_conditions(comm, scene, &model)?;
-    let folder = OutputFolder::create(options.out, &output::RUN, comm)?;
-    folder.write_scene(comm, options.source, &scene.text)?;
+    let mut model = Model::new(comm, scene, &phases)?;
+    let begins = preflight::check(comm, scene, &mut model)?;
+    agree(comm, interrupt::heed())?;
+    let folder = OutputFolder::create(options.out, &output::RUN, &[("scene file", options.source)], comm)?;
+    folder.write(comm, "scene.toml", &scene.text)?;
     let mut log = Log::create(&folder, comm, options.quiet)?;
     log.line(&describe::heading(comm, scene, &model));
     model.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
+    begins.iter().for_each(|line| log.line(line));
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = phases.time(Phase::Output, || Results::create(comm, &folder, scene, &model))?;
+    let floors = Balance::floors(&model, FORCE_FLOOR, scene.solver.force_floor);
     let state = State {
         u: vec![Vec3::zeros(); model.part.points.len()],
         tool_forces: vec![Vec3::zeros(); model.tools.len()],
         time: 0.0,
-        scale: scene.solver.force_floor.unwrap_or(FORCE_FLOOR * model.stiffness * model.size),
+        seen: vec![0.0; floors.len()],
+        floors,
         conditions: Conditions::none(&model),
     };
-    let summary = Summary { scene: scene.name.clone(), elements: model.part.total_solids, ..Summary::default() };
-    let mut analysis = Analysis { comm, petsc, scene, model, state, results, log, phases: &phases, summary };
+    let summary = Summary {
+        scene: scene.name.clone(),
+        elements: model.part.total_solids,
+        warnings: model.warnings.clone(),
+        ..Summary::default()
+    };
+    let touches = Vec::new();
+    let mut analysis = Analysis { comm, petsc, scene, model, state, results, touches, log, phases: &phases, summary };
     let outcome = analysis.steps(options.steps.unwrap_or(usize::MAX));
     analysis.summary.converged = outcome.is_ok();
+    analysis.summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     analysis.summary.search_fetches = analysis.model.surfaces.iter().map(|s| s.fetches).sum();
     analysis.summary.wall_s = begun.elapsed().as_secs_f64();
     analysis.measure_solver();
-    analysis.summary.write(&folder, comm, &phases)?;
+    let written = analysis.summary.write(&folder, comm, &phases);
     analysis.log.finish();
     analysis.log.line(&describe::farewell(&analysis.summary, options.out));
     // The terminal hears of it from the command line.
     if let Err(error) = &outcome {
         analysis.log.record(&format!("error: {error}"));
     }
-    outcome
-}
-
-/// Refuses steps with conditions that contradict each other before the first one runs. Collective.
-fn check_conditions(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<()> {
-    let still = vec![Vec3::zeros(); model.part.points.len()];
-    let mut last = Conditions::none(model);
-    for step in &scene.steps {
-        last = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
-    }
-    Ok(())
+    outcome.and(written)
 }
 
 /// Lets the deformable masters follow displacements `u`, and learn the equations and conditions of their nodes. Collective.
@@ -135,9 +155,6 @@ fn survey(comm: &SimpleCommunicator, model: &mut Model, conditions: &Conditions,
     }
 }
 
-/// Depth of a slave node in a master, over the size of a slave facet, from which it was hardly meant to start there.
-const DEEP: f64 = 0.1;
-
 /// Gap over the size of a slave facet that is none.
 const TOUCHING: f64 = 1e-9;
 
@@ -149,13 +166,15 @@ impl Analysis<'_> {
     fn steps(&mut self, count: usize) -> Result<()> {
         self.log.start(self.scene.steps.iter().take(count).map(|s| s.duration).sum());
         self.look_around();
+        self.begin_watch();
         for step in self.scene.steps.iter().take(count) {
             self.step(step)?;
         }
+        self.warn_of_contacts();
         Ok(())
     }
 
-    /// Projects every slave node where it stands: the first slip origins. Warns of those deep in a tool. Collective.
+    /// Projects every slave node where it stands: the first slip origins. Collective.
     fn look_around(&mut self) {
         let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
         let place = |n: u32| part.points[n as usize];
@@ -181,19 +200,6 @@ impl Analysis<'_> {
                         slave.commit_on_surface(pair.method, Vec3::zeros(), &Mat3::identity(), &position);
                     }
                 }
-            }
-            let depths = pair.slaves.iter().filter_map(|s| s.trial.projection).map(|p| -p.gap);
-            let deep: Vec<f64> = depths.filter(|depth| *depth > DEEP * pair.facet_size).collect();
-            let (mut count, mut deepest) = ([deep.len() as f64], [deep.into_iter().fold(0.0, f64::max)]);
-            sum(self.comm, &mut count);
-            max(self.comm, &mut deepest);
-            if count[0] > 0.0 {
-                let master = match pair.master {
-                    Master::Tool(t) => format!("the tool `{}`", tools[t].name),
-                    Master::Surface(k) => format!("`{}`", surfaces[k].name),
-                };
-                let is_tool = matches!(pair.master, Master::Tool(_));
-                self.log.line(&describe::inside(&pair.name, &master, is_tool, count[0] as usize, deepest[0]));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
+use super::ladder::{Found, Way};
 use crate::Vec3;
 use crate::contact::{Master, Status};
 use crate::error::Result;
@@ -29,6 +30,10 @@ pub struct Row<'a> {
     pub forces: &'a [Vec3],
     /// Contact force on each tool.
     pub tool_forces: &'a [Vec3],
+    pub found: Found,
+    /// Largest residual, and the largest that was let through, over the forces that they count against.
+    pub residual: f64,
+    pub limit: f64,
 }
 
 /// The nodes of this rank that a grid shows, and the cells that refer to them.
@@ -135,8 +140,8 @@ impl Results {
                     counts[0] += f64::from(slave.accepted.status != Status::Gap);
                     counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);
+                    most[0] = most[0].max(slave.sight.depth);
                     if let Some(p) = &slave.accepted.projection {
-                        most[0] = most[0].max(-p.gap);
                         most[1] = most[1].max(slave.accepted.on_node().dot(&p.normal) / areas[slave.node as usize]);
                     }
                 }
@@ -149,6 +154,12 @@ impl Results {
                 row.extend(force);
             }
         }
+        let how = match at.found.way {
+            Way::Newton { settle: false } => 0.0,
+            Way::Newton { settle: true } => 1.0,
+            Way::Jump => 2.0,
+        };
+        row.extend([at.residual, at.limit, at.found.failures as f64, how]);
         self.history.row(comm, at.step, at.number, at.time, at.iterations, &row)
     }
 
@@ -229,6 +240,7 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
             columns.extend(["fx", "fy", "fz"].map(|c| format!("{}.{c}", pair.name)));
         }
     }
+    columns.extend(["residual", "limit", "failures", "found"].map(String::from));
     columns
 }
 

@@ -2,25 +2,22 @@
 
 use super::conditions::Conditions;
 use super::increments::Increments;
+use super::ladder::{Cause, Found, Ladder, Remedy, Way};
 use super::newton::{Newton, Round, Share, Start};
-use super::{Analysis, describe, results};
+use super::{Analysis, describe, ending, results};
 use crate::contact::{Master, Pose, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
+use crate::interrupt;
 use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
-use crate::parallel::{agree, first_word, max, sum};
+use crate::parallel::{agree, any, first_word, max, sum};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
-
-/// Failures in succession after which there may be no equilibrium near. In elastic-plastic bodies a jump is the last resort:
-/// what flows on the way stays.
-const JUMP_AFTER: usize = 2;
-const JUMP_AFTER_PLASTIC: usize = 8;
 
 /// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
 const ENOUGH_WITH_DRAG: usize = 7;
@@ -31,7 +28,7 @@ const FARTHEST: f64 = 2.0;
 /// What stays the same over a step.
 pub(super) struct Frame<'a> {
     pub(super) step: &'a Step,
-    conditions: Conditions,
+    pub(super) conditions: Conditions,
     dofs: DofMap,
     pattern: Pattern,
     /// Poses of the tools at its start.
@@ -40,12 +37,17 @@ pub(super) struct Frame<'a> {
     pub(super) offsets: Vec<Vec3>,
     /// Unknowns at the last converged ends of increments of this step, at most three, with their fractions of the step.
     pub(super) past: Vec<(f64, Vec<f64>)>,
-    /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
-    /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
-    strict: bool,
+    pub(super) ladder: Ladder,
+    /// Supports alone do not hold every body and force-driven tool.
+    pub(super) hangs: bool,
 }
 
 impl Frame<'_> {
+    /// The free directions of each tool.
+    pub(super) fn driven(&self) -> Vec<[bool; 3]> {
+        self.conditions.motions.iter().map(|motion| motion.free).collect()
+    }
+
     /// Remembers the unknowns of a converged increment.
     fn remember(&mut self, end: f64, x: &[f64]) {
         self.past.push((end, x.to_vec()));
@@ -69,16 +71,28 @@ impl Frame<'_> {
 pub(super) struct Converged {
     /// Fraction of the step.
     end: f64,
-    u: Vec<Vec3>,
+    pub(super) u: Vec<Vec3>,
     forces: Vec<Vec3>,
     tool_forces: Vec<Vec3>,
     offsets: Vec<Vec3>,
     multipliers: Vec<Vec<Vec3>>,
-    scale: f64,
+    seen: Vec<f64>,
+    /// Residual that is let through at each contact, N.
+    pub(super) limits: Vec<f64>,
+    /// Largest residual that was let through, over the forces that it counts against.
+    limit: f64,
     trace: Vec<f64>,
     changes: Vec<usize>,
     calmed: Vec<u32>,
     rounds: usize,
+}
+
+impl Converged {
+    /// Why it is not accepted.
+    pub(super) fn refused(self, cause: Cause, reason: String) -> Failed {
+        let Self { end, trace, changes, .. } = self;
+        Failed { end, cause, reason, extrapolated: false, worst: None, trace, changes }
+    }
 }
 
 /// How an attempt at an increment ended.
@@ -91,15 +105,12 @@ pub(super) enum Attempt {
 pub(super) struct Failed {
     /// Fraction of the step at the end of the increment.
     end: f64,
+    cause: Cause,
     reason: String,
-    /// The matrix was singular from the start: a shorter increment does not help.
-    singular: bool,
-    /// Newton's method converged, but not the rounds around it.
-    unsettled: bool,
     /// The iteration began from an extrapolation; the same increment may do from the converged state.
     extrapolated: bool,
-    /// The worst equation of this rank, with its residual.
-    worst: (usize, f64),
+    /// The worst equation of this rank, with its residual, where balance was not found.
+    worst: Option<(usize, f64)>,
     trace: Vec<f64>,
     changes: Vec<usize>,
 }
@@ -108,7 +119,7 @@ impl Analysis<'_> {
     /// Runs a step. Collective.
     ///
     /// # Errors
-    /// No convergence at the smallest increment; what has converged is kept and written.
+    /// No convergence at the smallest increment, or what ends a run at once; what has converged is kept and written.
     pub(super) fn step(&mut self, step: &Step) -> Result<()> {
         let last = &self.state.conditions;
         let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, &self.state.u, last))?;
@@ -117,7 +128,20 @@ impl Analysis<'_> {
         let pattern = self.pattern(&conditions, &dofs);
         let poses = self.model.tools.iter().map(|t| t.committed).collect();
         let offsets = vec![Vec3::zeros(); self.model.tools.len()];
-        let mut frame = Frame { step, conditions, dofs, pattern, poses, offsets, past: Vec::new(), strict: false };
+        let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
+        let contacts = &self.scene.contacts;
+        let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
+        let mut frame = Frame {
+            step,
+            conditions,
+            dofs,
+            pattern,
+            poses,
+            offsets,
+            past: Vec::new(),
+            ladder: Ladder::new(frictional || given),
+            hangs: false,
+        };
         self.summary.dofs = frame.dofs.total;
         self.summary.multipliers = frame.dofs.total_multipliers;
 
@@ -133,28 +157,43 @@ impl Analysis<'_> {
         let mut x = Vector::zeros(self.petsc, frame.dofs.count)?;
 
         let (start, analyses) = (self.state.time, self.summary.analyses);
-        let mut increments = Increments::new(&step.increment, step.duration);
+        let mut increments = Increments::new(&step.sizes(), step.duration);
         let limits = step.increment.limits;
         let mut since_written = 0;
         let mut warned = false;
-        let mut failures = 0;
-        let jump_after = if self.model.can_flow() { JUMP_AFTER_PLASTIC } else { JUMP_AFTER };
+        frame.hangs = self.hangs(&frame);
         while let Some(end) = increments.next() {
-            frame.strict = failures >= jump_after || failures % 2 == 1;
-            let outcome = if failures < jump_after {
-                let share = Share { begin: increments.done, most: increments.most_parts(end), limits };
-                self.attempt(&mut frame, &mut snes, &mut x, (end, share), 0.0)?
-            } else {
-                self.jump(&mut frame, &mut snes, &mut x, end)?
+            frame.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(&frame);
+            let outcome = match frame.ladder.way() {
+                _ if any(self.comm, interrupt::wished()) => {
+                    Err(ending::by_signal(self.comm, (&step.name.value, self.state.time)))
+                }
+                Way::Newton { .. } => {
+                    let share = Share { begin: increments.done, most: increments.most_parts(end), limits };
+                    self.attempt(&mut frame, &mut snes, &mut x, (end, share), 0.0)
+                }
+                Way::Jump => self.jump(&mut frame, &mut snes, &mut x, end),
+            };
+            let outcome = match outcome {
+                Ok(outcome) => outcome,
+                Err(error) => {
+                    // The first error counts.
+                    let _ = self.keep(since_written);
+                    return Err(error);
+                }
             };
             self.summary.analyses = analyses + snes.linear_statistics().analyses;
             match outcome {
                 Attempt::Converged(converged) => {
-                    failures = 0;
+                    let is_remedy = frame.ladder.is_remedy();
+                    let found = frame.ladder.succeed();
                     let end = converged.end;
                     let iterations = converged.trace.len() - 1;
                     let size = (end - increments.done) * step.duration;
-                    frame.remember(end, &x.array()?);
+                    match is_remedy {
+                        true => frame.past.clear(),
+                        false => frame.remember(end, &x.array()?),
+                    }
                     let busy = self.is_busy();
                     increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
                     self.state.time = start + end * step.duration;
@@ -164,7 +203,7 @@ impl Analysis<'_> {
                     if write {
                         since_written = 0;
                     }
-                    self.accept(&mut frame, *converged, size, write)?;
+                    self.accept(&mut frame, *converged, found, size, write)?;
                     let null_pivots = snes.linear_statistics().null_pivots;
                     if null_pivots > 0 && !std::mem::replace(&mut warned, true) {
                         self.log.line(&describe::null_pivots(&step.name.value, null_pivots));
@@ -172,29 +211,32 @@ impl Analysis<'_> {
                 }
                 Attempt::Failed(failed) if failed.extrapolated => frame.past.clear(),
                 Attempt::Failed(failed) => {
-                    self.summary.cutbacks += 1;
-                    failures += 1;
                     let end = failed.end;
                     let size = (end - increments.done) * step.duration;
-                    if failed.singular || !increments.cut(end) {
-                        if since_written > 0 {
-                            self.results.write_fields(self.comm, &self.model, self.state.time, &self.state.u)?;
-                        }
-                        let told = self.tell_failure(&frame, &failed, size);
+                    if let Some(told) = self.runaway(&frame, end) {
+                        self.keep(since_written)?;
                         return Err(Error::Diverged(told));
                     }
-                    let line =
-                        format!("  {}: {} with increment {size:.3e}; cut to a half", step.name.value, failed.reason);
-                    self.log.line(&line);
+                    let Some(remedy) = frame.ladder.fail(&mut increments, end, failed.cause) else {
+                        self.keep(since_written)?;
+                        return Err(Error::Diverged(self.tell_failure(&frame, &failed, size)));
+                    };
+                    self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
+                    self.log.line(&describe::remedy(&step.name.value, &failed.reason, size, remedy));
                     self.log.record(&describe::trace(&failed.trace, &failed.changes));
-                    if failures == jump_after {
-                        increments.lengthen();
-                    }
                 }
             }
         }
         self.state.conditions = frame.conditions;
         Ok(())
+    }
+
+    /// Writes the fields of the last converged increment, unless they are written. Collective.
+    fn keep(&mut self, since_written: usize) -> Result<()> {
+        if since_written == 0 {
+            return Ok(());
+        }
+        self.results.write_fields(self.comm, &self.model, self.state.time, &self.state.u)
     }
 
     /// The pattern of a step. Collective.
@@ -221,6 +263,11 @@ impl Analysis<'_> {
         let max_iterations = self.scene.solver.max_iterations;
         let (log, number) = (&self.log, self.summary.increments + 1);
         let watcher = |iteration| log.iteration(&frame.step.name.value, number, iteration);
+        // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
+        // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
+        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
+        let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
+        let extrapolated = trial.is_some();
         let start = Start {
             start_poses: &frame.poses,
             committed: &self.state.u,
@@ -228,16 +275,15 @@ impl Analysis<'_> {
             s: end,
             share,
             tolerance: self.scene.solver.tolerance,
-            strict: frame.strict,
+            strict: frame.ladder.is_strict(),
+            settle: frame.ladder.way() == Way::Newton { settle: true },
+            ahead: extrapolated,
+            automatic: frame.ladder.is_remedy(),
             max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
-            scale: self.state.scale,
+            seen: &self.state.seen,
+            floors: &self.state.floors,
             watcher: &watcher,
         };
-        // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
-        // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
-        let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
-        let extrapolated = trial.is_some();
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
         let mut newton = Newton::new(
             self.comm,
@@ -256,10 +302,15 @@ impl Analysis<'_> {
         let attempt = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
+            let at = (frame.step.name.value.as_str(), self.state.time);
+            if let Some(error) = ending::at_once(self.comm, at, newton.interrupted, &outcome.reason) {
+                return Err(error);
+            }
             if outcome.reason != Reason::Converged {
                 let reason = told(&outcome.reason, max_iterations);
                 let singular = is_singular(&outcome.reason) && newton.trace.len() <= 1;
-                break Attempt::Failed(failed(&newton, reason, singular, extrapolated));
+                let cause = if singular { Cause::Singular } else { Cause::Iteration };
+                break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
             if newton.widen_search() {
@@ -269,9 +320,14 @@ impl Analysis<'_> {
                 Round::Again => {}
                 // Constraints that gave way are tightened once.
                 Round::Done if newton.tighten(&x.array()?) => {}
-                Round::Done => break Attempt::Converged(Box::new(converged(&newton, &x.array()?))),
+                Round::Done => {
+                    break match newton.unresolved(true) {
+                        None => Attempt::Converged(Box::new(converged(&newton, &x.array()?))),
+                        Some(reason) => Attempt::Failed(failed(&newton, Cause::Rounding, reason, extrapolated)),
+                    };
+                }
                 Round::Failed(reason) => {
-                    break Attempt::Failed(Failed { unsettled: true, ..failed(&newton, reason, false, extrapolated) });
+                    break Attempt::Failed(failed(&newton, Cause::Rounds, reason, extrapolated));
                 }
             }
         };
@@ -280,7 +336,10 @@ impl Analysis<'_> {
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        Ok(attempt)
+        Ok(match self.watched(attempt) {
+            Attempt::Converged(converged) if drag == 0.0 => self.still_held(frame, converged),
+            attempt => attempt,
+        })
     }
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
@@ -318,13 +377,15 @@ impl Analysis<'_> {
         self.state.u.clone_from(&converged.u);
         assembly::flow(&mut self.model, &self.state.u);
         self.model.turn_slaves(&self.state.u);
+        self.model.follow_sheets(self.comm, &self.state.u);
         self.state.tool_forces.clone_from(&converged.tool_forces);
-        self.state.scale = converged.scale;
+        self.state.seen.clone_from(&converged.seen);
     }
 
     /// Makes a converged increment the state, and reports it. Collective.
-    fn accept(&mut self, frame: &mut Frame, converged: Converged, size: f64, write: bool) -> Result<()> {
+    fn accept(&mut self, frame: &mut Frame, converged: Converged, found: Found, size: f64, write: bool) -> Result<()> {
         self.commit(frame, &converged);
+        self.note_touches();
         self.summary.increments += 1;
         let step = &frame.step.name.value;
         let (number, time) = (self.summary.increments, self.state.time);
@@ -338,6 +399,9 @@ impl Analysis<'_> {
             u: &self.state.u,
             forces: &converged.forces,
             tool_forces: &self.state.tool_forces,
+            found,
+            residual: converged.trace.last().copied().unwrap_or_default(),
+            limit: converged.limit,
         };
         self.results.add_row(self.comm, &self.model, &row)?;
         if write {
@@ -390,18 +454,18 @@ impl Analysis<'_> {
 
     /// Names the worst equation of all ranks, and what to try. Collective.
     fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> String {
-        let mut largest = [failed.worst.1];
+        let (equation, residual) = failed.worst.unwrap_or_default();
+        let mut largest = [residual];
         max(self.comm, &mut largest);
-        let here = largest[0] == failed.worst.1 && frame.dofs.count > 0;
-        let place = first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, failed.worst.0)));
+        let here = largest[0] == residual && frame.dofs.count > 0 && failed.worst.is_some();
+        let place = first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, equation)));
         describe::failure(&describe::Failure {
             step: &frame.step.name.value,
             time: self.state.time,
             reason: &failed.reason,
-            singular: failed.singular,
-            unsettled: failed.unsettled,
-            place: place.as_deref().unwrap_or("an unknown equation"),
-            residual: largest[0] / self.state.scale,
+            cause: failed.cause,
+            place: place.as_deref(),
+            residual: largest[0],
             changes: failed.changes.last().copied().unwrap_or(0),
             size,
         })
@@ -417,7 +481,9 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
         tool_forces: newton.tool_forces.clone(),
         offsets: newton.offsets.clone(),
         multipliers: newton.multipliers(x),
-        scale: newton.scale,
+        seen: newton.balance.accepted(),
+        limits: newton.limits(),
+        limit: newton.balance.limit_of_all(newton.tolerance),
         trace: newton.trace.clone(),
         changes: newton.changes.clone(),
         calmed: newton.calmed.clone(),
@@ -426,9 +492,13 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
 }
 
 /// What is told of an iterate that is no solution.
-fn failed(newton: &Newton, reason: String, singular: bool, extrapolated: bool) -> Failed {
+fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> Failed {
     let (trace, changes) = (newton.trace.clone(), newton.changes.clone());
-    Failed { end: newton.s, reason, singular, unsettled: false, extrapolated, worst: newton.worst, trace, changes }
+    let (cause, reason) = match newton.unresolved(false) {
+        Some(lost) => (Cause::Rounding, lost),
+        None => (cause, reason),
+    };
+    Failed { end: newton.s, cause, reason, extrapolated, worst: Some(newton.worst), trace, changes }
 }
 
 /// Whether there are equations that determine nothing: MUMPS found them, or what it solved is no solution.

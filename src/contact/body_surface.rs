@@ -124,6 +124,19 @@ impl BodySurface {
         fetched
     }
 
+    /// The same within `reach` of all the slave nodes of its pair. Collective.
+    pub fn follow_pair(
+        &mut self,
+        comm: &SimpleCommunicator,
+        pair: &Pair,
+        reach: f64,
+        place: impl Fn(u32) -> Vec3,
+    ) -> bool {
+        let kept: BTreeSet<u32> = pair.slaves.iter().filter_map(|s| s.committed.warm.map(|(id, _)| id)).collect();
+        let slaves: Vec<Vec3> = pair.slaves.iter().map(|s| place(s.node)).collect();
+        self.follow(comm, &slaves, reach, &kept, place)
+    }
+
     fn fetch(
         &mut self,
         comm: &SimpleCommunicator,
@@ -142,6 +155,11 @@ impl BodySurface {
         self.stencils = near.iter().map(|p| stencil(p, &self.nodes)).collect();
         self.near = near;
         self.fetches += 1;
+    }
+
+    /// Lets the next [`Self::follow`] fetch anew.
+    pub fn forget(&mut self) {
+        self.seen = None;
     }
 
     /// Learns of the near nodes what stays the same over an increment: where they were at the last converged one, their
@@ -185,6 +203,11 @@ impl BodySurface {
         self.nodes.index(node).map(|k| self.positions[k as usize])
     }
 
+    /// Positions of the near nodes elsewhere, given for owned local nodes. Collective.
+    pub fn places(&self, comm: &SimpleCommunicator, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+        gather(comm, &self.nodes, place)
+    }
+
     /// Current positions of the near nodes.
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
@@ -225,9 +248,7 @@ pub fn follow_all(
     let mut fetched = vec![false; surfaces.len()];
     for pair in pairs {
         let Master::Surface(k) = pair.master else { continue };
-        let kept: BTreeSet<u32> = pair.slaves.iter().filter_map(|s| s.committed.warm.map(|(id, _)| id)).collect();
-        let slaves: Vec<Vec3> = pair.slaves.iter().map(|s| place(s.node)).collect();
-        fetched[k] = surfaces[k].follow(comm, &slaves, pair.reach, &kept, &place);
+        fetched[k] = surfaces[k].follow_pair(comm, pair, pair.reach, &place);
     }
     fetched
 }

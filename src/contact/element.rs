@@ -72,7 +72,7 @@ mod tests {
     use super::*;
     use crate::contact::Status;
 
-    const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0 };
+    const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0, rough: false };
 
     /// Projection onto a sphere of radius 3 about the origin, solid or hollow, or onto the plane z = 2.9.
     #[derive(Clone, Copy, Debug)]

@@ -74,6 +74,8 @@ pub struct Law {
     pub tangential: f64,
     /// Penalty ε where multipliers are held; ε_n = ε_t are then the augmentation.
     pub penalty: f64,
+    /// What touches sticks, however large the force, unless it is drawn.
+    pub rough: bool,
 }
 
 /// Directions in which neither a slave node nor its master can give way.
@@ -252,7 +254,7 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
         Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
         Some(status) => status,
         None if lambda_n > 0.0 => Status::Gap,
-        None if size <= bound * (1.0 - 1e-9) && !drawn => Status::Stick,
+        None if (law.rough || size <= bound * (1.0 - 1e-9)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
     let n_by_normal = turn * multiplier - n * (law.normal * place.gap * lean * lean);

@@ -8,7 +8,9 @@
 //! - [`self_contact`]: which patches of its own surface a node may meet
 //! - [`body_surface`]: a deformable master surface that moves with its nodes, wherever they are owned
 //! - [`mates`]: contact from node to node
+//! - [`watch`]: whether a node went through the master, by its place alone
 //! - [`guidance`]: whether slave and master are the right way round
+//! - [`stiffness`]: how stiffly bodies resist contact forces, the unit of penalties
 //! - here: the tools, the contact pairs, and the state of their slave nodes
 
 pub mod body_surface;
@@ -20,6 +22,8 @@ pub mod mates;
 pub mod pose;
 pub mod search;
 pub mod self_contact;
+pub mod stiffness;
+pub mod watch;
 
 pub use body_surface::{BodySurface, follow_all};
 pub use law::{Guide, Law, Multiplier, Response, Status};
@@ -27,7 +31,9 @@ pub use mates::Mate;
 pub use pose::Pose;
 pub use search::{Tool, watch_all};
 pub use self_contact::Avoided;
+pub use watch::Sight;
 
+use crate::partition::Gather;
 use crate::scene::Enforcement;
 pub use crate::scene::{Discretization, Tangent};
 use crate::surface::projection::Foot;
@@ -48,6 +54,9 @@ pub enum Master {
 pub struct Pair {
     pub name: String,
     pub master: Master,
+    /// Index of the body of the slave nodes, and of that of the master.
+    pub body: usize,
+    pub master_body: Option<usize>,
     /// Both sides are bodies in plane strain: nothing happens along z.
     pub planar: bool,
     /// Coulomb coefficient.
@@ -74,6 +83,8 @@ pub struct Pair {
     pub is_second: bool,
     /// In self-contact what each slave node must not meet; else empty.
     pub avoided: Vec<Avoided>,
+    /// The nodes that the thickness of its sheets depends on.
+    pub sheet: Gather,
 }
 
 impl Pair {
@@ -147,6 +158,10 @@ pub fn touching(projection: Projection, facet_size: f64) -> Projection {
     Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
 }
 
+/// Compliance of the constraints of self-contact, where slave nodes that meet each other make the same one twice. Much less
+/// does not keep apart nodes that almost meet; much more leaves an error when it is taken back.
+pub const SLACK: f64 = 3e-4;
+
 /// A slave node and its history.
 #[derive(Clone, Debug)]
 pub struct Slave {
@@ -155,6 +170,10 @@ pub struct Slave {
     pub law: Law,
     /// The one node of the master that it meets, in contact from node to node.
     pub mate: Option<Mate>,
+    /// By how much of its multiplier its constraint gives way, 0 where no other makes the same.
+    pub slack: f64,
+    /// The automatic augmentation, force per length.
+    pub automatic: f64,
     /// Penalties in the law at the start of an increment.
     augmentation: f64,
     /// The multiplier, where it is no unknown.
@@ -167,6 +186,9 @@ pub struct Slave {
     pub trial: Trial,
     /// The iterate that became the last converged increment.
     pub accepted: Trial,
+    /// What the watch saw of it at the last converged increment, and of the one that is judged.
+    pub sight: Sight,
+    pub sighted: Sight,
 }
 
 /// What a slave node remembers of the last converged increment.
@@ -284,20 +306,40 @@ impl Trial {
 }
 
 impl Slave {
-    /// A node with its penalty and, where multipliers are held, the augmentation below it, force per length.
-    pub fn new(node: u32, friction: f64, penalty: f64, augmentation: f64) -> Self {
-        let augmentation = augmentation.min(penalty);
-        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty };
+    /// A node with its penalty and the automatic augmentation, force per length. The latter acts below the penalty where
+    /// multipliers are held, else the penalty itself.
+    pub fn new(node: u32, friction: f64, penalty: f64, automatic: f64, held: bool) -> Self {
+        let augmentation = if held { automatic.min(penalty) } else { penalty };
+        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false };
         let (committed, trial, accepted) = (History::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
-        Self { node, law, mate: None, augmentation, held, local, committed, trial, accepted }
+        let (sight, sighted) = (Sight::default(), Sight::default());
+        Self {
+            node,
+            law,
+            mate: None,
+            slack: 0.0,
+            automatic,
+            augmentation,
+            held,
+            local,
+            committed,
+            trial,
+            accepted,
+            sight,
+            sighted,
+        }
     }
 
-    /// Begins an increment from the last converged one.
-    pub fn begin(&mut self) {
+    /// Begins an increment from the last converged one; `rough`, with contacts that stick until they are in balance, but for
+    /// those that slip on in a state that was extrapolated `ahead`; and with
+    /// the `automatic` penalty in the place of one that is given.
+    pub fn begin(&mut self, rough: bool, ahead: bool, automatic: bool) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         self.trial = Trial { status, yields, ..Trial::default() };
-        (self.law.normal, self.law.tangential) = (self.augmentation, self.augmentation);
+        let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
+        (self.law.normal, self.law.tangential) = (augmentation, augmentation);
+        self.law.rough = rough && !(ahead && status == Status::Slip);
         self.held = self.committed.held;
         self.local.force = self.committed.multiplier;
         self.local.by.clear();
@@ -384,7 +426,7 @@ impl Slave {
     /// Accepts the current iterate on a deformable master, which carries the slip origin by itself and has `frame` at the
     /// contact point.
     pub fn commit_on_surface(&mut self, method: Enforcement, multiplier: Vec3, frame: &Mat3, position: &Vec3) {
-        self.accepted = self.trial;
+        (self.accepted, self.sight) = (self.trial, self.sighted);
         self.committed = History {
             held: self.handed_on(method, frame),
             multiplier,
@@ -397,7 +439,7 @@ impl Slave {
 
     /// Accepts the current iterate: remembers the projection with the tool at `pose` and the node at `position`.
     pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, pose: &Pose, position: &Vec3) {
-        self.accepted = self.trial;
+        (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
         self.committed = History {
             held: self.handed_on(method, &pose.rotation),

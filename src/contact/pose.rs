@@ -40,6 +40,27 @@ impl Pose {
         pose.translation += by * fraction;
         pose
     }
+
+    /// Angle by which `other` is turned against it, in 0 to pi.
+    pub fn angle(&self, other: &Self) -> f64 {
+        Rotation3::from_matrix_unchecked(other.rotation * self.rotation.transpose()).angle()
+    }
+
+    /// The pose at a fraction of the screw motion to `other`.
+    pub fn toward(&self, other: &Self, fraction: f64) -> Self {
+        let turn = other.rotation * self.rotation.transpose();
+        let way = other.translation - turn * self.translation;
+        let Some((axis, angle)) = Rotation3::from_matrix_unchecked(turn).axis_angle() else {
+            return Self { translation: self.translation + way * fraction, ..*self };
+        };
+        let along = axis.into_inner() * axis.dot(&way);
+        let across = way - along;
+        // The fixed point c of the part across the axis: c - Q c is that part.
+        let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
+        let turn = *Rotation3::from_axis_angle(&axis, angle * fraction).matrix();
+        let translation = turn * (self.translation - point) + point + along * fraction;
+        Self { rotation: turn * self.rotation, translation }
+    }
 }
 
 #[cfg(test)]
@@ -53,5 +74,21 @@ mod tests {
         let x = Vec3::new(2.0, 0.0, 0.0);
         assert!((pose.outward(&x) - Vec3::new(1.0, 1.0, 2.0)).norm() < 1e-15);
         assert!((pose.inward(&pose.outward(&x)) - x).norm() < 1e-15);
+    }
+
+    #[test]
+    fn a_screw_goes_the_way_of_the_rotation_that_made_it() {
+        let turn = Rotation { point: Vec3::new(1.0, -2.0, 0.5), axis: Vec3::new(0.0, 0.0, 1.0), angle: 80.0 };
+        let by = Vec3::new(0.0, 0.0, 3.0);
+        let start = Pose::default().moved(&Vec3::new(0.3, 0.2, 0.1), Some(&turn), 0.7);
+        let end = start.moved(&by, Some(&turn), 1.0);
+        assert!((start.angle(&end) - 80.0f64.to_radians()).abs() < 1e-12);
+        for s in [0.0, 0.25, 1.0] {
+            let (exact, found) = (start.moved(&by, Some(&turn), s), start.toward(&end, s));
+            assert!((exact.rotation - found.rotation).norm() < 1e-13, "{s}");
+            assert!((exact.translation - found.translation).norm() < 1e-13, "{s}");
+        }
+        let moved = Pose { translation: start.translation + by, ..start };
+        assert!((start.toward(&moved, 0.5).translation - start.translation - by * 0.5).norm() < 1e-14);
     }
 }

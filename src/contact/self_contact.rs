@@ -7,8 +7,9 @@
 //! Neto, Oliveira and Menezes.
 //!
 //! The thickness at a facet is how far the straight line from its middle into the body goes to the next facet of the
-//! same surface, on the initial mesh; that at a node is the least of the facets around. Where no facet comes, such as
-//! where the other side of a sheet is not part of the surface, nothing is excluded by depth.
+//! same surface, on the initial mesh; that at a node is the least of the facets around. As the sheet deforms, it is how far
+//! the point across that the line met is below the facet. Where no facet comes, such as where the other side of a sheet is
+//! not part of the surface, nothing is excluded by depth.
 
 use crate::Vec3;
 use crate::parallel::{Parcels, exchange};
@@ -30,6 +31,52 @@ pub struct Avoided {
     around: Vec<u32>,
     /// Least depth below a patch from which the node is on the other side of its sheet.
     deep: f64,
+    /// What is across the sheet from the facets around it, where the thickness was measured.
+    across: Vec<Across>,
+}
+
+/// A facet, and the point of the other side of the sheet that is straight below its middle on the initial mesh. Nodes by
+/// their global numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Across {
+    count: u8,
+    facet: [u64; 4],
+    triangle: [u64; 3],
+    /// Weights of the triangle's corners.
+    weights: [f64; 3],
+}
+
+impl Across {
+    /// Length of [`Self::to_numbers`].
+    const LEN: usize = 11;
+
+    fn nodes(&self) -> impl Iterator<Item = u64> + '_ {
+        self.facet[..self.count as usize].iter().chain(&self.triangle).copied()
+    }
+
+    /// How far the point is below the facet, with nodes at `place`.
+    fn thickness(&self, place: &impl Fn(u64) -> Vec3) -> f64 {
+        let corner = |k: usize| place(self.facet[k % self.count as usize]);
+        let area = (corner(2) - corner(0)).cross(&(corner(3) - corner(1)));
+        let middle = (0..self.count as usize).map(corner).sum::<Vec3>() / f64::from(self.count);
+        let point: Vec3 = self.triangle.iter().zip(self.weights).map(|(n, w)| place(*n) * w).sum();
+        (middle - point).dot(&area) / area.norm()
+    }
+
+    fn to_numbers(self) -> [f64; Self::LEN] {
+        let mut numbers = [0.0; Self::LEN];
+        numbers[0] = f64::from(self.count);
+        self.facet.iter().chain(&self.triangle).zip(&mut numbers[1..]).for_each(|(n, to)| *to = *n as f64);
+        numbers[8..].copy_from_slice(&self.weights);
+        numbers
+    }
+
+    fn from_numbers(numbers: &[f64; Self::LEN]) -> Self {
+        let node = |k: usize| numbers[k] as u64;
+        let [facet, triangle] = [[1, 2, 3, 4], [5, 6, 7, 7]].map(|k| k.map(node));
+        let weights = [numbers[8], numbers[9], numbers[10]];
+        Self { count: numbers[0] as u8, facet, triangle: [triangle[0], triangle[1], triangle[2]], weights }
+    }
 }
 
 impl Avoided {
@@ -49,9 +96,22 @@ impl Avoided {
         0.5 * self.deep
     }
 
-    /// The depth by a given thickness.
+    /// The depth by a given thickness, which stays.
     pub fn with_thickness(self, thickness: f64) -> Self {
-        Self { deep: 0.5 * thickness, ..self }
+        Self { deep: 0.5 * thickness, across: Vec::new(), ..self }
+    }
+
+    /// The nodes that its thickness depends on, by global numbers.
+    pub fn depends_on(&self) -> impl Iterator<Item = u64> + '_ {
+        self.across.iter().flat_map(Across::nodes)
+    }
+
+    /// Takes the thickness of the sheet with these nodes at `place`. Where it is folded over, the last one stays.
+    pub fn follow(&mut self, place: impl Fn(u64) -> Vec3) {
+        let least = self.across.iter().map(|across| across.thickness(&place)).fold(f64::INFINITY, f64::min);
+        if least > 0.0 && least.is_finite() {
+            self.deep = 0.5 * least;
+        }
     }
 }
 
@@ -65,30 +125,47 @@ pub fn avoided(patches: &[MovingPatch], place: impl Fn(u64) -> Vec3) -> BTreeMap
     let straight = |patch: &MovingPatch| patch.straight(&patch.nodes.iter().map(|&n| place(n)).collect::<Vec<_>>());
     let facets = PatchSet::new(patches.iter().map(straight).collect());
     let longest = THICK * facets.pieces().iter().map(longest_edge).fold(0.0, f64::max);
-    let thickness: Vec<f64> = patches.iter().map(|p| thickness(&facets, p.id, longest)).collect();
+    let index: BTreeMap<u32, usize> = patches.iter().enumerate().map(|(k, patch)| (patch.id, k)).collect();
+    let across: Vec<Option<Across>> = (patches.iter())
+        .map(|patch| {
+            let (_, id, corners, weights) = thickness(&facets, patch.id, longest)?;
+            let other = &patches[index[&id]].nodes;
+            let mut facet = [patch.nodes[0]; 4];
+            facet[..patch.count as usize].copy_from_slice(&patch.nodes[..patch.count as usize]);
+            Some(Across { count: patch.count, facet, triangle: corners.map(|k| other[k]), weights })
+        })
+        .collect();
     let of_node = |beside: &Vec<usize>| {
         let ring = beside.iter().flat_map(|&k| own(&patches[k])).flat_map(|n| &at_node[&n]);
         let mut around: Vec<u32> = ring.map(|&k| patches[k].id).collect();
         around.sort_unstable();
         around.dedup();
-        let least = beside.iter().map(|&k| thickness[k]).fold(f64::INFINITY, f64::min);
-        Avoided { around, deep: 0.5 * least }
+        let across = beside.iter().filter_map(|&k| across[k]).collect();
+        let mut avoided = Avoided { around, deep: f64::INFINITY, across };
+        avoided.follow(&place);
+        avoided
     };
     at_node.iter().map(|(&n, beside)| (n, of_node(beside))).collect()
 }
 
-/// From the middle of a facet straight inwards to the next facet; infinite beyond `longest`.
-fn thickness(facets: &PatchSet, id: u32, longest: f64) -> f64 {
-    let Some(facet) = facets.get(id) else { return f64::INFINITY };
+/// Distance, facet, three of its corners and their weights.
+type Hit = (f64, u32, [usize; 3], [f64; 3]);
+
+/// Where the line from the middle of a facet straight inwards comes to the next facet; none beyond `longest`.
+fn thickness(facets: &PatchSet, id: u32, longest: f64) -> Option<Hit> {
+    let facet = facets.get(id)?;
     let (from, inwards) = (middle(facet), -facet.local(facet.center()).area_vector().normalize());
     let to = from + inwards * longest;
-    let hit = |k: u32| {
+    let hits = |k: u32| {
         let other = &facets.pieces()[k as usize];
-        let fan = (2..other.count as usize).map(|j| [other.nodes[0], other.nodes[j - 1], other.nodes[j]]);
-        fan.filter_map(|corners| crossing(&from, &inwards, &corners)).fold(f64::INFINITY, f64::min)
+        let fan = (2..other.count as usize).map(|j| [0, j - 1, j]);
+        fan.filter_map(move |corners| {
+            let (distance, weights) = crossing(&from, &inwards, &corners.map(|k| other.nodes[k]))?;
+            Some((distance, other.id(), corners, weights))
+        })
     };
     let near = facets.within(&from.inf(&to), &from.sup(&to)).into_iter();
-    near.filter(|&k| facets.pieces()[k as usize].id() != id).map(hit).fold(f64::INFINITY, f64::min)
+    near.filter(|&k| facets.pieces()[k as usize].id() != id).flat_map(hits).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 fn longest_edge(facet: &Patch) -> f64 {
@@ -101,8 +178,9 @@ fn middle(facet: &Patch) -> Vec3 {
     facet.nodes[..count].iter().sum::<Vec3>() / count as f64
 }
 
-/// How far along a direction a line leaves the body through a triangle, or through its edges to rounding.
-fn crossing(from: &Vec3, along: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<f64> {
+/// How far along a direction a line leaves the body through a triangle, or through its edges to rounding, and the weights of
+/// its corners there.
+fn crossing(from: &Vec3, along: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<(f64, [f64; 3])> {
     const EDGE: f64 = -1e-6;
     let normal = (b - a).cross(&(c - a));
     let rate = along.dot(&normal);
@@ -111,25 +189,30 @@ fn crossing(from: &Vec3, along: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<f64> {
     }
     let distance = (a - from).dot(&normal) / rate;
     let x = from + along * distance;
-    let inside = |p: &Vec3, q: &Vec3| (q - p).cross(&(x - p)).dot(&normal) > EDGE * normal.norm_squared();
-    (distance > 0.0 && inside(a, b) && inside(b, c) && inside(c, a)).then_some(distance)
+    let share = |p: &Vec3, q: &Vec3| (q - p).cross(&(x - p)).dot(&normal) / normal.norm_squared();
+    let weights = [share(b, c), share(c, a), share(a, b)];
+    (distance > 0.0 && weights.iter().all(|w| *w > EDGE)).then_some((distance, weights))
 }
 
 /// Brings what rank 0 found to the owners of the nodes: by owned local node, ascending. Collective.
 pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, starts: &[u64]) -> BTreeMap<u32, Avoided> {
     let mut parcels = Parcels::new();
-    for (number, Avoided { around, deep }) in found {
+    for (number, Avoided { around, deep, across }) in found {
         let rank = owner(starts, number);
         let parcel: &mut Vec<f64> = parcels.entry(rank).or_default();
-        parcel.extend([(number - starts[rank]) as f64, *deep, around.len() as f64]);
+        parcel.extend([(number - starts[rank]) as f64, *deep, around.len() as f64, across.len() as f64]);
         parcel.extend(around.iter().map(|&id| f64::from(id)));
+        parcel.extend(across.iter().flat_map(|across| across.to_numbers()));
     }
     let received = exchange(comm, &parcels).remove(&0).unwrap_or_default();
     let mut of_node = BTreeMap::new();
     let mut rest = &received[..];
-    while let [node, deep, count, ids @ ..] = rest {
+    while let [node, deep, count, sides, ids @ ..] = rest {
         let (around, after) = ids.split_at(*count as usize);
-        of_node.insert(*node as u32, Avoided { around: around.iter().map(|&id| id as u32).collect(), deep: *deep });
+        let (across, after) = after.split_at(Across::LEN * *sides as usize);
+        let around = around.iter().map(|&id| id as u32).collect();
+        let across = across.as_chunks().0.iter().map(Across::from_numbers).collect();
+        of_node.insert(*node as u32, Avoided { around, deep: *deep, across });
         rest = after;
     }
     of_node
@@ -175,6 +258,30 @@ mod tests {
         for n in 44..66 {
             assert_eq!(avoided[&n].deep, f64::INFINITY);
         }
+    }
+
+    #[test]
+    fn thickness_follows_the_sheet() {
+        let (patches, mut points) = sheets();
+        let mut avoided = avoided(&patches, |n| points[n as usize]);
+        // Stretched to double its length at half its thickness, and turned.
+        let turn = nalgebra::Rotation3::new(Vec3::new(0.3, -0.2, 0.5));
+        points.iter_mut().for_each(|x| *x = turn * Vec3::new(2.0 * x.x, 0.5 * x.y, x.z));
+        for (n, avoided) in &mut avoided {
+            let packed: Vec<_> = avoided.across.iter().map(|a| Across::from_numbers(&a.to_numbers())).collect();
+            assert_eq!(avoided.across, packed);
+            avoided.follow(|n| points[n as usize]);
+            let expected = if *n < 44 { 0.5 } else { f64::INFINITY };
+            assert!(avoided.deep == expected || (avoided.deep - expected).abs() < 1e-12, "{n}: {}", avoided.deep);
+        }
+        // Sheared along itself it keeps its thickness.
+        points.iter_mut().for_each(|x| *x += turn * Vec3::x() * (turn.inverse() * *x).y);
+        let node = avoided.get_mut(&32).unwrap();
+        node.follow(|n| points[n as usize]);
+        assert!((node.deep - 0.5).abs() < 1e-12, "{}", node.deep);
+        let mut given = node.clone().with_thickness(6.0);
+        given.follow(|n| points[n as usize]);
+        assert_eq!(given.deep, 3.0);
     }
 
     #[test]

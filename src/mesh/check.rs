@@ -55,7 +55,7 @@ fn check_connectivity(mesh: &Mesh) -> Result<()> {
 }
 
 pub(super) const ALONE: &str = "not part of any element";
-pub(super) const DELETE: &str = "delete nodes that nothing uses";
+const DELETE: &str = "delete nodes that nothing uses";
 
 fn check_solids(mesh: &Mesh) -> Result<()> {
     let mut bad = [const { Vec::new() }; 4];
@@ -295,6 +295,7 @@ mod tests {
             solids: vec![TET, hex],
             facets: vec![hex.face(1), TET.face(0)],
             groups: Default::default(),
+            warnings: Vec::new(),
         }
     }
 

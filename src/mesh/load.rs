@@ -38,7 +38,7 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
         Error::input(&path.at, format!("cannot read the mesh '{name}': {error}"), neighbours(&path.value))
     })?;
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    let file = match (data.trim_ascii_start().first(), extension.as_str()) {
+    let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
         (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, &data)?,
         (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data)?,
         _ => {
@@ -50,14 +50,13 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
             ));
         }
     };
+    // They may be reference points, or middles of circles.
     let alone = (0..file.attached.len()).filter(|&node| !file.attached[node]).map(|node| file.mesh.point_ids[node]);
     let alone: Vec<u64> = alone.collect();
-    if alone.is_empty() {
-        Ok(file)
-    } else {
-        let what = format!("{} {}", message::several("node", &alone), check::ALONE);
-        Err(message::whole_file(&name, what, check::DELETE))
+    if !alone.is_empty() {
+        file.mesh.warnings.push(format!("'{name}': {} {}", message::several("node", &alone), check::ALONE));
     }
+    Ok(file)
 }
 
 /// The mesh files beside one that is missing.
@@ -267,9 +266,28 @@ mod tests {
     }
 
     #[test]
-    fn nodes_that_nothing_uses_are_named() {
-        let text =
-            message(body(&GMSH.replace("$Nodes\n16", "$Nodes\n17").replace("$EndNodes", "40 7 7 7\n$EndNodes"), None));
-        assert!(text.contains("node 40 is not part of any element\n  help: delete nodes that nothing uses"), "{text}");
+    fn nodes_that_nothing_uses_are_passed_over_with_a_word() {
+        let more = GMSH.replace("$Nodes\n16", "$Nodes\n17").replace("$EndNodes", "40 7 7 7\n$EndNodes");
+        let mesh = body(&more, None).unwrap();
+        assert_eq!(mesh.points, body(GMSH, None).unwrap().points);
+        assert!(matches!(&mesh.warnings[..], [told] if told.ends_with("': node 40 is not part of any element")));
+    }
+
+    #[test]
+    fn elements_that_are_not_read_matter_to_who_takes_them() {
+        let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n9,5,5,5\n*ELEMENT, TYPE=C3D4, ELSET=solid\n1,1,2,3,4\n\
+                    *ELEMENT, TYPE=DCOUP3D, ELSET=hub\n7,9,1\n*ELSET, ELSET=both\nsolid, hub\n*ELSET, ELSET=few, GENERATE\n1,7,2\n";
+        let load = |group| load_as("body.inp", deck, group, Purpose::Body);
+        for group in [None, Some("both"), Some("hub"), Some("few")] {
+            let text = message(load(group));
+            assert!(text.contains(":10:1: element 7 has type DCOUP3D, which is not read"), "{group:?}: {text}");
+        }
+        let mesh = load(Some("solid")).unwrap();
+        assert_eq!(mesh.points.len(), 4);
+        assert!(
+            mesh.warnings[0].ends_with("element 7 of type DCOUP3D left out, which is not read"),
+            "{:?}",
+            mesh.warnings
+        );
     }
 }

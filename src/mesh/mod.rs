@@ -84,6 +84,8 @@ pub struct Mesh {
     pub solids: Vec<Solid>,
     pub facets: Vec<Facet>,
     pub groups: BTreeMap<String, Group>,
+    /// What the user should know of the file.
+    pub warnings: Vec<String>,
 }
 
 impl Solid {

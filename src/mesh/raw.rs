@@ -2,7 +2,7 @@
 
 use super::message;
 use super::{Facet, Group, Mesh, Solid, SolidShape};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 /// Shapes that files hold; points and lines matter to groups alone.
@@ -69,6 +69,8 @@ pub(super) struct FileGroup {
     pub group: Group,
     /// The listed nodes are all; otherwise those of its facets and solids join them.
     pub closed: bool,
+    /// It names elements that cannot be read: the error of whoever takes it.
+    pub unread: Option<Error>,
 }
 
 /// All of a file.
@@ -79,6 +81,8 @@ pub(super) struct FileMesh {
     pub groups: BTreeMap<String, FileGroup>,
     /// For each point, whether an element uses it or the file means it to stand alone.
     pub attached: Vec<bool>,
+    /// The file has elements that cannot be read: the error of whoever takes all of it.
+    pub unread: Option<Error>,
 }
 
 /// From the numbers of a file to indices.
@@ -212,9 +216,9 @@ impl FileMesh {
 impl From<Mesh> for FileMesh {
     /// A mesh that was generated.
     fn from(mut mesh: Mesh) -> Self {
-        let closed = |(name, group)| (name, FileGroup { group, closed: true });
+        let closed = |(name, group)| (name, FileGroup { group, closed: true, unread: None });
         let groups = std::mem::take(&mut mesh.groups).into_iter().map(closed).collect();
-        Self { attached: vec![true; mesh.points.len()], groups, mesh }
+        Self { attached: vec![true; mesh.points.len()], groups, mesh, unread: None }
     }
 }
 

@@ -24,10 +24,14 @@ pub(super) struct Selected {
 
 /// Takes what is wished for. A body's facets are boundary faces of its solids; a tool has facets alone.
 pub(super) fn select(file: FileMesh, wish: &Wish) -> Result<Selected> {
-    let chosen = match wish.group {
-        Some(name) => Some(&file.groups.get(name).ok_or_else(|| unknown(&file, name, wish))?.group),
+    let named = match wish.group {
+        Some(name) => Some(file.groups.get(name).ok_or_else(|| unknown(&file, name, wish))?),
         None => None,
     };
+    if let Some(error) = named.map_or(&file.unread, |group| &group.unread) {
+        return Err(error.clone());
+    }
+    let chosen = named.map(|named| &named.group);
     let taken = match wish.purpose {
         Purpose::Body => take_body(&file, chosen, wish)?,
         Purpose::Tool => take_tool(&file, chosen, wish)?,
@@ -149,7 +153,7 @@ impl Taken {
         let mut node_map = vec![u32::MAX; mesh.points.len()];
         let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
         solid_nodes.chain(self.facets.iter().flat_map(Facet::nodes)).for_each(|&node| node_map[node as usize] = 0);
-        let mut result = Mesh { source: mesh.source.clone(), ..Mesh::default() };
+        let mut result = Mesh { source: mesh.source.clone(), warnings: mesh.warnings.clone(), ..Mesh::default() };
         for (node, new) in node_map.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
             *new = result.points.len() as u32;
             result.points.push(mesh.points[node]);

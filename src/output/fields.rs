@@ -1,6 +1,7 @@
 //! What ParaView shows: an HDF5 file with the data and an XDMF file that describes it.
 //!
-//! All ranks write one HDF5 file, each its own rows. The layout is
+//! There is one HDF5 file, and rank 0 alone has it open: it takes the rows of the others, one rank after the other. An error
+//! that one rank meets in HDF5's collective calls, such as a full disk, would leave the others waiting. The layout is
 //!
 //! ```text
 //! grids/GRID/points            points x 3, reference positions
@@ -19,6 +20,7 @@ use crate::parallel::{agree, number};
 use hdf5::{Dataset, File, FileBuilder, H5Type, OpenMode};
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
+use std::io::Read as _;
 use std::path::PathBuf;
 
 /// Shape of a cell. Node order as in Gmsh, VTK and [`crate::mesh`].
@@ -115,15 +117,15 @@ impl Fields {
     /// Starts an empty `NAME.h5`; `NAME.xdmf` appears with the first increment.
     ///
     /// # Errors
-    /// [`Error::System`] when the file cannot be written, by these ranks together.
+    /// [`Error::System`] when the file cannot be written.
     pub fn create(folder: &OutputFolder, name: &str, comm: &impl Communicator) -> Result<Self> {
         let h5 = folder.file(&format!("{name}.h5"));
-        let touched = if comm.rank() == 0 { std::fs::File::create(&h5).map(|_| ()) } else { Ok(()) };
-        agree(comm, touched.map_err(|error| cannot_write(&h5, error)))?;
         let xdmf = folder.file(&format!("{name}.xdmf"));
         let fields = Self { h5, xdmf, grids: Vec::new(), written: 0, increments: String::new() };
-        let file = fields.open(comm, OpenMode::Create)?;
-        fields.close(comm, file, Ok(()))?;
+        fields.on_root(comm, || {
+            let file = fields.open(OpenMode::Create)?;
+            file.close().map_err(|error| cannot_write(&fields.h5, error))
+        })?;
         Ok(fields)
     }
 
@@ -235,47 +237,46 @@ impl Fields {
         (&grid.xdmf, nodes.chain(cells).collect())
     }
 
-    /// Adds datasets to the file: all ranks create each, then every rank writes its rows.
+    /// Adds datasets to the file: rank 0 creates each, and writes the rows of all ranks.
     fn append(&self, comm: &impl Communicator, reals: &[Rows<f64>], integers: &[Rows<i64>]) -> Result<()> {
-        let file = self.open(comm, OpenMode::ReadWrite)?;
-        let before = std::fs::metadata(&self.h5).map_or(0, |file| file.len());
-        let created = create_all(&file, reals).and_then(|reals| Ok((reals, create_all(&file, integers)?)));
-        let created = agree(comm, created.map_err(|error| cannot_write(&self.h5, error)));
-        let written = created.and_then(|(real_sets, integer_sets)| {
-            let written = write_all(reals, &real_sets).and_then(|()| write_all(integers, &integer_sets));
-            agree(comm, written.map_err(|error| cannot_write(&self.h5, error)))
-        });
         let bytes = reals.iter().map(Rows::size).chain(integers.iter().map(Rows::size)).sum();
-        let ready = if comm.rank() == 0 { self.make_room(before, bytes, written.is_ok()) } else { Ok(()) };
-        let ready = agree(comm, ready.map_err(|error| cannot_write(&self.h5, error)));
-        self.close(comm, file, written.and(ready))
+        let mut file = self.on_root(comm, || {
+            self.make_room(bytes).map_err(|error| cannot_write(&self.h5, error))?;
+            self.open(OpenMode::ReadWrite)
+        })?;
+        // The first error of rank 0; what the others send is taken all the same.
+        let mut written = Ok(());
+        reals.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
+        integers.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
+        self.on_root(comm, || {
+            let closed = file.take().map_or(Ok(()), File::close);
+            written.and(closed).map_err(|error| cannot_write(&self.h5, error))
+        })?;
+        Ok(())
     }
 
-    /// Makes the file longer than it can get, before the close writes HDF5's tables and cuts it to its length: HDF5 refuses
-    /// a file shorter than its tables say, which a kill amid the tables could otherwise leave.
+    /// What `work` gives on rank 0, and nothing on the others; its error on all.
+    fn on_root<T>(&self, comm: &impl Communicator, work: impl FnOnce() -> Result<T>) -> Result<Option<T>> {
+        agree(comm, if comm.rank() == 0 { work().map(Some) } else { Ok(None) })
+    }
+
+    /// Fills the file to the length that it can get at most with so many more bytes; closing it cuts it to its length.
     ///
-    /// On a full disk the half-written data make way for the tables, without which the close would fail.
-    fn make_room(&self, before: u64, added: u64, written: bool) -> std::io::Result<()> {
-        let disk = std::fs::OpenOptions::new().write(true).open(&self.h5)?;
-        if !written {
+    /// A full disk is then met before the file is touched: HDF5 can neither close a file that it cannot write nor forget
+    /// it. And HDF5 refuses a file shorter than its tables say, which a kill amid the close could otherwise leave.
+    fn make_room(&self, bytes: u64) -> std::io::Result<()> {
+        let mut disk = std::fs::OpenOptions::new().append(true).open(&self.h5)?;
+        let before = disk.metadata()?.len();
+        let filled = std::io::copy(&mut std::io::repeat(0).take(bytes), &mut disk);
+        if filled.is_err() {
             disk.set_len(before)?;
         }
-        let length = disk.metadata()?.len();
-        disk.set_len(length.max(before + added))
+        filled.map(|_| ())
     }
 
-    /// Opens the file on all ranks together. Each looks at it by itself first: HDF5 would hang if only some could open it.
-    fn open(&self, comm: &impl Communicator, mode: OpenMode) -> Result<File> {
-        let reachable = std::fs::OpenOptions::new().write(true).open(&self.h5);
-        agree(comm, reachable.map(|_| ()).map_err(|error| cannot_write(&self.h5, error)))?;
-        let file = FileBuilder::new().with_fapl(|access| access.mpio(comm.as_raw(), None)).open_as(&self.h5, mode);
-        agree(comm, file.map_err(|error| cannot_write(&self.h5, error)))
-    }
-
-    /// Closes the file, also after an error.
-    fn close(&self, comm: &impl Communicator, file: File, written: Result<()>) -> Result<()> {
-        let closed = agree(comm, file.close().map_err(|error| cannot_write(&self.h5, error)));
-        written.and(closed)
+    /// Opens the file on this rank alone.
+    fn open(&self, mode: OpenMode) -> Result<File> {
+        FileBuilder::new().open_as(&self.h5, mode).map_err(|error| cannot_write(&self.h5, error))
     }
 
     /// A name for the folder of a grid in the file that no other grid has.
@@ -313,16 +314,36 @@ impl Share {
     }
 }
 
-fn create_all<T: H5Type>(file: &File, rows: &[Rows<T>]) -> hdf5::Result<Vec<Option<Dataset>>> {
-    rows.iter().map(|rows| rows.create(file)).collect()
-}
-
-fn write_all<T: H5Type>(rows: &[Rows<T>], datasets: &[Option<Dataset>]) -> hdf5::Result<()> {
-    rows.iter().zip(datasets).try_for_each(|(rows, dataset)| dataset.as_ref().map_or(Ok(()), |set| rows.write(set)))
+impl<T: H5Type + Equivalence> Rows<'_, T> {
+    /// Writes the rows of all ranks to `file`, which rank 0 has, unless something is wrong already. Collective.
+    fn add(&self, comm: &impl Communicator, file: Option<&File>, written: &mut hdf5::Result<()>) {
+        let Some(file) = file else {
+            if self.share.total > 0 {
+                comm.process_at_rank(0).send(self.values);
+            }
+            return;
+        };
+        let created = written.clone().and_then(|()| self.create(file));
+        let mut take = |values: &[T], first: u64| {
+            if let (Ok(()), Ok(Some(dataset))) = (&*written, &created) {
+                *written = self.write(dataset, values, first);
+            }
+        };
+        take(self.values, self.share.first);
+        let mut first = self.share.first + self.share.owned;
+        for rank in (1..comm.size()).filter(|_| self.share.total > 0) {
+            let (values, _) = comm.process_at_rank(rank).receive_vec::<T>();
+            take(&values, first);
+            first += (values.len() / self.width) as u64;
+        }
+        if let (Ok(()), Err(error)) = (&*written, created) {
+            *written = Err(error);
+        }
+    }
 }
 
 impl<T: H5Type> Rows<'_, T> {
-    /// The dataset on all ranks; none when it is empty on all.
+    /// The dataset; none when it is empty on all ranks.
     fn create(&self, file: &File) -> hdf5::Result<Option<Dataset>> {
         let total = self.share.total as usize;
         let builder = file.new_dataset::<T>();
@@ -339,25 +360,22 @@ impl<T: H5Type> Rows<'_, T> {
         self.share.total * (self.width * size_of::<T>()) as u64 + TABLES
     }
 
-    /// Writes the rows of this rank; not collective.
-    fn write(&self, dataset: &Dataset) -> hdf5::Result<()> {
+    /// Writes the rows from `first` on.
+    fn write(&self, dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
         match self.width {
-            _ if self.share.owned == 0 => Ok(()),
-            1 => dataset.write_slice(self.values, self.range()),
-            3 => self.write_table::<3>(dataset),
-            4 => self.write_table::<4>(dataset),
-            6 => self.write_table::<6>(dataset),
-            _ => self.write_table::<8>(dataset),
+            _ if values.is_empty() => Ok(()),
+            1 => dataset.write_slice(values, first as usize..first as usize + values.len()),
+            3 => write_table::<T, 3>(dataset, values, first),
+            4 => write_table::<T, 4>(dataset, values, first),
+            6 => write_table::<T, 6>(dataset, values, first),
+            _ => write_table::<T, 8>(dataset, values, first),
         }
     }
+}
 
-    fn write_table<const WIDTH: usize>(&self, dataset: &Dataset) -> hdf5::Result<()> {
-        dataset.write_slice::<_, T, _, _>(self.values.as_chunks::<WIDTH>().0, (self.range(), 0..WIDTH))
-    }
-
-    fn range(&self) -> std::ops::Range<usize> {
-        self.share.first as usize..(self.share.first + self.share.owned) as usize
-    }
+fn write_table<T: H5Type, const WIDTH: usize>(dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
+    let (rows, first) = (values.as_chunks::<WIDTH>().0, first as usize);
+    dataset.write_slice::<_, T, _, _>(rows, (first..first + rows.len(), 0..WIDTH))
 }
 
 /// Readers crash on a cell with a point that is not there.

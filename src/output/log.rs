@@ -24,6 +24,8 @@ pub struct Log {
     bar: Option<ProgressBar>,
     /// Rank 0 without `--quiet`.
     talks: bool,
+    /// Rank 0 with `--quiet`: it shows warnings alone, on standard error.
+    warns: bool,
     /// Time at the end of the analysis.
     end: f64,
 }
@@ -44,7 +46,7 @@ pub struct Increment<'a> {
 }
 
 impl Log {
-    /// Opens `log.txt`; `quiet` shows nothing but errors on the terminal. Collective.
+    /// Opens `log.txt`; `quiet` shows nothing but warnings and errors on the terminal. Collective.
     ///
     /// # Errors
     /// [`Error::System`] on all ranks when the file cannot be written.
@@ -52,13 +54,17 @@ impl Log {
         let path = folder.file("log.txt");
         let file = if comm.rank() == 0 { File::create(&path).map(Some) } else { Ok(None) };
         let file = agree(comm, file.map_err(|error| cannot_write(&path, error)))?;
-        Ok(Self { file, bar: None, talks: comm.rank() == 0 && !quiet, end: 0.0 })
+        let speaks = comm.rank() == 0;
+        Ok(Self { file, bar: None, talks: speaks && !quiet, warns: speaks && quiet, end: 0.0 })
     }
 
-    /// Shows a line, or several.
+    /// Shows a line, or several; of which those with a warning also when quiet.
     pub fn line(&mut self, text: &str) {
         self.record(text);
         self.show(text);
+        for warning in warnings(text).filter(|_| self.warns) {
+            let _ = writeln!(std::io::stderr(), "{warning}");
+        }
     }
 
     /// Shows an error, also when quiet. The error is the same on all ranks, and rank 0 shows it.
@@ -136,6 +142,11 @@ impl Drop for Log {
     }
 }
 
+/// The lines that warn.
+fn warnings(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().map(str::trim_start).filter(|line| line.starts_with("warning: ") || line.contains(": warning: "))
+}
+
 /// Whether a user looks on. Open MPI gives every rank a pseudo-terminal, so under it the launcher's own output counts.
 fn on_terminal() -> bool {
     let launcher = || std::fs::read_link(format!("/proc/{}/fd/1", std::os::unix::process::parent_id()));
@@ -177,6 +188,14 @@ mod tests {
             increment_line(&increment, 1.2),
             "press  increment   12  time 0.3          25%  size 1e-7         4 iterations  128 active"
         );
+    }
+
+    #[test]
+    fn warnings_are_told_from_the_rest() {
+        let text =
+            "tool `die`: rigid\n  warning: tool `die`: it leaks\n  press: warning: 2 null pivots\nno warning here";
+        let found: Vec<_> = warnings(text).collect();
+        assert_eq!(found, ["warning: tool `die`: it leaks", "press: warning: 2 null pivots"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 pub mod fields;
 pub mod history;
+mod lock;
 pub mod log;
 pub mod phases;
 pub mod summary;
@@ -12,29 +13,36 @@ mod xdmf;
 
 use crate::error::{Error, Result};
 use crate::parallel::agree;
+use lock::{Lock, Taken};
 use mpi::traits::*;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What a run leaves in its folder, besides `scene.toml`, which the next run replaces.
-pub const RUN: [&str; 5] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt"];
+/// What a run leaves in its folder, and the next run replaces.
+pub const RUN: [&str; 6] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml"];
 
-/// The folder that a run writes to.
-#[derive(Clone, Debug)]
+/// The folder that a run writes to, and no other while this one lives.
+#[derive(Debug)]
 pub struct OutputFolder {
     path: PathBuf,
+    /// On rank 0 alone, where the file system has locks.
+    _lock: Option<Lock>,
 }
 
+/// A file that the run reads, with what it is.
+pub type Input<'a> = (&'static str, &'a Path);
+
 impl OutputFolder {
-    /// Makes the folder, or clears it of the files named `results` of an earlier run and of nothing else. Collective.
+    /// Makes the folder, or clears it of the files named `results` of an earlier run and of nothing else; deletes nothing
+    /// unless all is well. Collective.
     ///
     /// # Errors
-    /// [`Error::Input`] on all ranks when the folder cannot be made or written.
-    pub fn create(path: &Path, results: &[&str], comm: &impl Communicator) -> Result<Self> {
-        let prepared = if comm.rank() == 0 { prepare(path, results) } else { Ok(()) };
-        agree(comm, prepared.map_err(|error| not_writable(path, &error)))?;
-        Ok(Self { path: path.to_path_buf() })
+    /// [`Error::Input`] on all ranks when the folder cannot be made or written, when another run writes into it, or when
+    /// one of the `results` is one of the `inputs`.
+    pub fn create(path: &Path, results: &[&str], inputs: &[Input], comm: &impl Communicator) -> Result<Self> {
+        let prepared = if comm.rank() == 0 { prepare(path, results, inputs) } else { Ok(None) };
+        Ok(Self { path: path.to_path_buf(), _lock: agree(comm, prepared)? })
     }
 
     /// The folder itself.
@@ -54,43 +62,57 @@ impl OutputFolder {
     pub fn write(&self, comm: &impl Communicator, name: &str, text: &str) -> Result<()> {
         agree(comm, if comm.rank() == 0 { replace(&self.file(name), text) } else { Ok(()) })
     }
-
-    /// Writes `scene.toml`: `text`, the scene as run. Collective.
-    ///
-    /// # Errors
-    /// [`Error::Input`] when this would overwrite `source`, the file that the user wrote.
-    pub fn write_scene(&self, comm: &impl Communicator, source: &Path, text: &str) -> Result<()> {
-        let path = self.file("scene.toml");
-        let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        let result = if comm.rank() != 0 {
-            Ok(())
-        } else if same(source, &path) {
-            Err(Error::input_anywhere(
-                format!("the run would overwrite its own scene file {}", source.display()),
-                "choose another folder with --out, or rename the scene file",
-            ))
-        } else {
-            replace(&path, text)
-        };
-        agree(comm, result)
-    }
 }
 
-/// Makes the folder and clears it; the probe file shows a folder that can be read but not written.
-fn prepare(path: &Path, results: &[&str]) -> io::Result<()> {
+/// Makes the folder and clears it, unless another run or an input is in the way.
+fn prepare(path: &Path, results: &[&str], inputs: &[Input]) -> Result<Option<Lock>> {
+    make(path).map_err(|error| not_writable(path, &error))?;
+    let lock = match Lock::take(path).map_err(|error| not_writable(path, &error))? {
+        Taken::Held(lock) => Some(lock),
+        Taken::ByAnother(holder) => return Err(in_use(path, &holder)),
+        Taken::Unknown(error) => {
+            eprintln!("warning: {} cannot be locked ({error}): let no other run write into it", path.display());
+            None
+        }
+    };
+    let same = |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+    let lost = |input: &&Input| results.iter().any(|name| same(input.1, &path.join(name)));
+    if let Some((what, input)) = inputs.iter().find(lost) {
+        let what = format!("the run would overwrite its own {what} {}", input.display());
+        return Err(Error::input_anywhere(what, "choose another folder with --out, or rename the file"));
+    }
+    clear(path, results).map_err(|error| not_writable(path, &error))?;
+    Ok(lock)
+}
+
+/// Makes the folder; the probe file shows one that can be read but not written.
+fn make(path: &Path) -> io::Result<()> {
     if path.exists() && !path.is_dir() {
         return Err(io::Error::other("it is a file"));
     }
     fs::create_dir_all(path)?;
+    let probe = path.join(partial("probe"));
+    fs::write(&probe, "probe")?;
+    fs::remove_file(&probe)
+}
+
+/// Deletes what an earlier run left.
+fn clear(path: &Path, results: &[&str]) -> io::Result<()> {
     for name in results.iter().flat_map(|name| [name.to_string(), partial(name)]) {
         match fs::remove_file(path.join(name)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => {}
         }
     }
-    let probe = path.join(partial("probe"));
-    fs::write(&probe, "probe")?;
-    fs::remove_file(&probe)
+    Ok(())
+}
+
+fn in_use(path: &Path, holder: &str) -> Error {
+    let by = if holder.is_empty() { String::new() } else { format!(", {holder}") };
+    Error::input_anywhere(
+        format!("another run writes to output folder {}{by}", path.display()),
+        "wait until it has ended, or choose another folder with --out DIR",
+    )
 }
 
 fn not_writable(path: &Path, error: &io::Error) -> Error {
@@ -125,14 +147,35 @@ mod tests {
     fn only_results_of_an_earlier_run_are_cleared() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out/case");
-        prepare(&path, &RUN).unwrap();
-        for name in RUN.into_iter().chain(["scene.toml", "notes.md", "fields.xdmf.part"]) {
+        prepare(&path, &RUN, &[]).unwrap();
+        for name in RUN.into_iter().chain(["notes.md", "fields.xdmf.part"]) {
             fs::write(path.join(name), "old").unwrap();
         }
-        prepare(&path, &RUN).unwrap();
-        let mut left: Vec<_> = fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
-        left.sort();
-        assert_eq!(left, ["notes.md", "scene.toml"]);
+        prepare(&path, &RUN, &[]).unwrap();
+        let left: Vec<_> = fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        assert_eq!(left, ["notes.md"]);
+    }
+
+    /// Another run, or an input among the results: all of the earlier run stays.
+    #[test]
+    fn nothing_is_cleared_before_all_is_well() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        RUN.iter().for_each(|name| fs::write(path.join(name), "old").unwrap());
+        let other = prepare(path, &[], &[]).unwrap();
+        let input = path.join("../").join(path.file_name().unwrap()).join("scene.toml");
+        for (words, inputs) in
+            [("another run writes to", vec![]), ("overwrite its own scene file", vec![("scene file", input.as_path())])]
+        {
+            let error = prepare(path, &RUN, &inputs).unwrap_err();
+            assert_eq!(error.exit_code(), 2);
+            assert!(error.to_string().contains(words), "{error}");
+            assert!(RUN.iter().all(|name| path.join(name).exists()), "{words}");
+            if inputs.is_empty() {
+                fs::remove_file(path.join(".lock")).unwrap(); // as if the other were gone
+            }
+        }
+        drop(other);
     }
 
     #[test]
@@ -141,7 +184,7 @@ mod tests {
         let file = folder.path().join("file");
         fs::write(&file, "").unwrap();
         for path in [file.clone(), file.join("below"), PathBuf::from("/proc/nagata")] {
-            let error = not_writable(&path, &prepare(&path, &RUN).unwrap_err());
+            let error = not_writable(&path, &make(&path).unwrap_err());
             assert_eq!(error.exit_code(), 2);
             let text = error.to_string();
             assert!(text.contains(&format!("cannot write to output folder {}", path.display())), "{text}");

@@ -12,6 +12,8 @@ use serde_json::{Map, Value, json};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     pub converged: bool,
+    /// A signal ended the run.
+    pub interrupted: bool,
     /// Name of the scene.
     pub scene: String,
     /// Unknowns in the system, multipliers and free tool directions included.
@@ -41,6 +43,8 @@ pub struct Summary {
     pub matrix: String,
     /// As in "MUMPS LDL^T, SCOTCH ordering".
     pub linear_solver: String,
+    /// What the user should know of the result.
+    pub warnings: Vec<String>,
 }
 
 impl Summary {
@@ -68,6 +72,7 @@ impl Summary {
             PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
         let value = json!({
             "converged": self.converged,
+            "interrupted": self.interrupted,
             "scene": self.scene,
             "version": env!("CARGO_PKG_VERSION"),
             "ranks": ranks,
@@ -87,6 +92,7 @@ impl Summary {
             "peak_memory_mb": milli(memory),
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
+            "warnings": self.warnings,
         });
         format!("{value:#}\n")
     }
@@ -115,9 +121,9 @@ mod tests {
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
-            "converged scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
+            "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses search_fetches \
-             wall_s phases_s peak_memory_mb matrix linear_solver"
+             wall_s phases_s peak_memory_mb matrix linear_solver warnings"
                 .split_whitespace()
                 .collect();
         promised.sort();

@@ -99,6 +99,7 @@ fn encode(error: &Error) -> String {
         }
         Error::Diverged(what) => json!({ "kind": "diverged", "what": what }),
         Error::System(what) => json!({ "kind": "system", "what": what }),
+        Error::Interrupted(what) => json!({ "kind": "interrupted", "what": what }),
     };
     value.to_string()
 }
@@ -119,6 +120,7 @@ fn decode(message: &[u8]) -> Error {
             Error::Input { at, what, help: text(&value["help"]) }
         }
         Some("diverged") => Error::Diverged(what),
+        Some("interrupted") => Error::Interrupted(what),
         _ => Error::System(what),
     }
 }
@@ -138,6 +140,7 @@ mod tests {
             Error::input_anywhere("cannot write", "use --out"),
             Error::Diverged("increment 7: node 12".into()),
             Error::System("MUMPS: INFOG(1) = -9".into()),
+            Error::Interrupted("SIGTERM".into()),
         ] {
             let arrived = decode(encode(&error).as_bytes());
             assert_eq!(arrived.to_string(), error.to_string());

@@ -26,6 +26,10 @@ pub struct GlobalMesh {
     pub sets: Vec<GlobalSet>,
     /// Extra work that a node brings to its elements, for the balance: slave nodes have some.
     pub node_work: Vec<i32>,
+    /// Groups of elements that each body has in its mesh file.
+    pub parts: Vec<usize>,
+    /// What the user should know of the meshes.
+    pub warnings: Vec<String>,
 }
 
 /// A set of the scene in the global numbering.

@@ -22,7 +22,7 @@
 //! | `mesh` or `block` * | a mesh file (Gmsh or Abaqus), relative to the scene file; or a structured block, see below |
 //! | `group` | the volume group of the mesh file to take; all without it |
 //! | `material` * | NAME of a material |
-//! | `element` = by the mesh | `"hex8"`; `"hex8-fbar"`, `"hex8-sri"`: nearly incompressible or plastic; `"hex8-eas"`: bent, in one layer, and incompressible, too; `"tet4"`: stiff, see the README |
+//! | `element` = by mesh and material | tetrahedra are `"tet4"`, hexahedra `"hex8"`, with Poisson's ratio above 0.45 `"hex8-fbar"`, when plastic `"hex8-sri"`. Or `"hex8"`; `"hex8-fbar"`, `"hex8-sri"`: nearly incompressible or plastic; `"hex8-eas"`: bent, in one layer, and incompressible, too; `"tet4"`: stiff, see the README |
 //! | `plane_strain` = `false` | u_z = 0 in a body of one layer of elements along z |
 //! | `symmetry` = `[]` | groups of faces, each in a plane orthogonal to an axis, across which the body goes on as its mirror image: nodes there stay in the plane in every step, and smoothed surfaces have the normals of the whole |
 //!
@@ -126,7 +126,7 @@
 //! | `duration` = `1.0` | time |
 //! | `increments` or `increment` * | number of uniform increments, which may still be cut; or `{ initial = duration/10, min = initial/1024, max = initial, strain, contacts }`, in time, `min <= initial <= max <= duration`; an increment is shortened, to no less than `min`, when its trial state says that an integration point would be strained by more than `strain` (logarithmic), or that more than a share `contacts` of the slave nodes would touch or leave |
 //! | `fix` | `[{ set* = SET, directions = "xyz" }, ...]` |
-//! | `move` | `[{ target* = tool or SET, by = VECTOR, directions = "xyz" (sets), rotate = { point* = VECTOR, axis* = VECTOR, angle* = degrees } (tools) }, ...]`, with `by`, `rotate` or both: displacement over the step, linear in time |
+//! | `move` | `[{ target* = tool or SET, by = VECTOR, directions = "xyz" (sets), rotate = { point* = VECTOR, axis* = VECTOR, angle* = degrees } (tools) }, ...]`, with `by`, `rotate` or both: displacement over the step, linear in time; no increment turns a tool by more than 30 degrees |
 //! | `force` | `[{ target* = tool or SET, total* = VECTOR, directions (tools: *) }, ...]`, a total force; it frees a tool in these directions |
 //! | `pressure` | `[{ set* = FACES, value* = number }, ...]`, positive into the body, follows the face |
 //! | `body_force` | `[{ body* = NAME, per_volume* = VECTOR }, ...]`, per reference volume |
@@ -203,7 +203,7 @@ pub struct Body {
     pub mesh: MeshSource,
     /// Name of a material in [`Scene::materials`].
     pub material: Located<String>,
-    /// `None`: chosen by the mesh (hex8 or tet4).
+    /// `None`: chosen by mesh and material.
     pub element: Option<Located<Element>>,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
     pub plane_strain: Option<Located<bool>>,
@@ -308,6 +308,21 @@ impl MaterialModel {
     pub fn young(&self) -> f64 {
         match *self {
             Self::NeoHookean { young, .. } | Self::Hooke { young, .. } | Self::Plastic { young, .. } => young,
+        }
+    }
+}
+
+impl MaterialModel {
+    /// Why the material nearly keeps its volume, in words that follow "a material"; `None` when it does not.
+    pub fn keeps_volume(&self) -> Option<&'static str> {
+        /// Poisson's ratio from which elements with full integration are clearly too stiff.
+        const STIFF: f64 = 0.45;
+        match *self {
+            Self::Plastic { .. } => Some("that flows plastically"),
+            Self::NeoHookean { poisson, .. } | Self::Hooke { poisson, .. } if poisson > STIFF => {
+                Some("with Poisson's ratio above 0.45")
+            }
+            _ => None,
         }
     }
 }
@@ -457,6 +472,21 @@ pub struct Step {
     pub forces: Vec<Force>,
     pub pressures: Vec<Pressure>,
     pub body_forces: Vec<BodyForce>,
+}
+
+impl Step {
+    /// Degrees that a tool may turn by in an increment. Slip is measured along the chord of the way of a point, which is 1.1 %
+    /// shorter than its arc then, and normals turn by as much at once; a full turn would be no motion at all.
+    pub const TURN: f64 = 30.0;
+
+    /// Increment sizes by which no tool turns too far at once.
+    pub fn sizes(&self) -> Increment {
+        let angle = |m: &Move| m.rotate.map_or(0.0, |r| r.angle.abs());
+        let parts = (self.moves.iter().map(angle).fold(0.0, f64::max) / Self::TURN - 1e-9).ceil().max(1.0);
+        let Increment { initial, min, max, limits } = self.increment;
+        let max = max.min(self.duration / parts);
+        Increment { initial: initial.min(max), min: min.min(max), max, limits }
+    }
 }
 
 /// Increment sizes, in the time of the step.

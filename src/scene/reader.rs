@@ -184,6 +184,9 @@ impl<'a> Item<'a> {
     /// A vector that is not zero, scaled to length 1.
     pub fn unit_vector(&self) -> Result<Vec3> {
         let vector = self.vector()?;
+        // Squares of very large and very small numbers are none.
+        let largest = vector.amax();
+        let vector = if largest > 0.0 { vector / largest } else { vector };
         vector.try_normalize(f64::MIN_POSITIVE).ok_or_else(|| self.error("must not be the zero vector", ""))
     }
 

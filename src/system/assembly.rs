@@ -119,18 +119,28 @@ fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
     std::array::from_fn(|a| field[solid.nodes[a] as usize].into())
 }
 
-/// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete).
+/// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete), and tells of
+/// each element its body and its largest nodal force.
 ///
 /// # Errors
 /// The first inverted element; the forces are then of no use.
-pub fn internal_forces(model: &Model, u: &[Vec3], forces: &mut [Vec3]) -> Outcome {
+pub fn internal_forces(
+    model: &Model,
+    u: &[Vec3],
+    forces: &mut [Vec3],
+    mut of_element: impl FnMut(u32, f64),
+) -> Outcome {
     let mut scratch = Scratch::default();
     for (e, solid) in model.part.solids.iter().enumerate() {
         scratch.evaluate(model, e, u, false)?;
         let nodes = carrying(model, solid);
+        let mut largest = 0.0f64;
         for (&n, force) in nodes.iter().zip(scratch.forces(nodes.len())) {
-            forces[n as usize] += Vec3::from(*force);
+            let force = Vec3::from(*force);
+            largest = largest.max(force.amax());
+            forces[n as usize] += force;
         }
+        of_element(solid.body, largest);
     }
     Ok(())
 }

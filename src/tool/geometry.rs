@@ -67,7 +67,7 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<De
     if smoothing == Smoothing::Facet {
         let patches = patches_from_mesh(&mesh, smoothing, &NormalOptions::default(), tool.flip)?;
         let summary = format!("{} flat facets", patches.len());
-        return Ok(Described::plain(Geometry::Patches(patches), summary));
+        return Ok(Described { warnings: mesh.warnings, ..Described::plain(Geometry::Patches(patches), summary) });
     }
     let mut options = NormalOptions {
         feature_angle: tool.feature_angle,
@@ -75,7 +75,7 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<De
         symmetry: of.symmetry.iter().map(|plane| (plane.point, plane.normal)).collect(),
         ..NormalOptions::default()
     };
-    let mut warnings = Vec::new();
+    let mut warnings = mesh.warnings.clone();
     let source = match &of.normals {
         NormalSource::Facets(weight) => {
             options.weight = *weight;
@@ -83,7 +83,7 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<De
         }
         NormalSource::Description(other) => {
             let described = describe(tool, other.value)?;
-            warnings = described.warnings;
+            warnings.extend(described.warnings);
             let (given, distance) = from_surface(&mesh, &described.geometry.whole(), other.value.key(), &other.at)?;
             options.given = Some(given);
             format!("normals from `{}`, at most {distance:.1e} away", other.value.key())

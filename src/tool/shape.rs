@@ -43,6 +43,17 @@ impl Shape {
         }
     }
 
+    /// How far a node that stays on the extension of another piece may be behind `piece`, see [`Self::contact`]: the way
+    /// beyond the edge times the sine of the greatest angle there, for pieces of a size.
+    pub fn lingers(&self, piece: u32) -> f64 {
+        let size = match self {
+            Self::Patches(patches) => patches.get(piece).map(size),
+            Self::Faces(faces) => faces.get(piece).map(size),
+            Self::Analytic(_) => None,
+        };
+        size.unwrap_or(0.0) * LINGER * (1.0 - KINK.start * KINK.start).sqrt()
+    }
+
     /// The normal at the point next to `x`, ends of the surface included, and its distance. Where pieces meet at an angle
     /// the normal is that of the one that is the most along `like`, whichever its sign. `None` of nothing.
     pub fn side_normal(&self, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
@@ -82,7 +93,14 @@ fn stays<P: Piece>(
     set.stays(x, warm, found, 0.5 * (high - low).norm()).filter(|p| own.overshoot(p.xi) <= LINGER)
 }
 
-fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
+/// Diagonal of the box of a piece.
+fn size<P: Piece>(piece: &P) -> f64 {
+    let (low, high) = piece.bounds();
+    (high - low).norm()
+}
+
+/// [`Shape::side_normal`] of pieces.
+pub fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option<(Vec3, f64)> {
     let nearest = set.nearest(x)?;
     let distance = nearest.gap.abs();
     let home = set.get(nearest.patch)?;

@@ -110,6 +110,46 @@ impl Surface {
         if self.faceted { self.near.closest(point, reach, warm) } else { self.near.contact(point, reach, warm) }
     }
 
+    /// What this rank can project onto, complete for what is watched.
+    pub fn near(&self) -> &Shape {
+        &self.near
+    }
+
+    /// Gives back what is near; the next watch fetches it anew.
+    pub fn forget(&mut self) {
+        match &self.share {
+            Share::Patches(_) => self.near = Shape::Patches(PatchSet::new(Vec::new())),
+            Share::Faces(_) => self.near = Shape::Faces(FaceSet::new(&[])),
+            Share::Nothing => {}
+        }
+        self.seen = None;
+    }
+
+    /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.
+    pub fn bounds(&self, comm: &SimpleCommunicator) -> Option<Bounds> {
+        let here = match &self.share {
+            Share::Patches(share) => bounds(share.iter().map(Parametric::bounds).flat_map(|(lo, hi)| [lo, hi])),
+            Share::Faces(share) => bounds(share.iter().flat_map(|face| [face.bounds.0, face.bounds.1])),
+            Share::Nothing => None,
+        };
+        hull(comm, here)
+    }
+
+    /// The point nearest to a point that is watched, ends of the surface included.
+    pub fn nearest(&self, point: &Vec3, reach: f64) -> Option<Projection> {
+        self.near.nearest(point, reach)
+    }
+
+    /// Closest point to a point that is watched, wherever it comes from.
+    pub fn closest(&self, point: &Vec3, reach: f64) -> Option<Projection> {
+        self.near.closest(point, reach, None)
+    }
+
+    /// How far a node that keeps to its piece at a slight kink may be behind its neighbour `piece`.
+    pub fn lingers(&self, piece: u32) -> f64 {
+        if self.faceted { 0.0 } else { self.near.lingers(piece) }
+    }
+
     /// Closest points to all points that the ranks hold, each rank its own, within `reach`. Collective.
     pub fn project_all(&mut self, comm: &SimpleCommunicator, points: &[Vec3], reach: f64) -> Vec<Option<Projection>> {
         self.watch(comm, points, reach);
@@ -135,13 +175,7 @@ impl Surface {
     /// As far as any point of all ranks is from the box of the surface, and a part of the box more; infinite for what is
     /// not dealt out. Collective.
     fn first_reach(&self, comm: &SimpleCommunicator, points: &[Vec3]) -> f64 {
-        let corners: Vec<Bounds> = match &self.share {
-            Share::Patches(share) => share.iter().map(Parametric::bounds).collect(),
-            Share::Faces(share) => share.iter().map(|face| face.bounds).collect(),
-            Share::Nothing => return f64::INFINITY,
-        };
-        let here = bounds(corners.into_iter().flat_map(|(lo, hi)| [lo, hi]));
-        let Some((lo, hi)) = hull(comm, here) else { return f64::INFINITY };
+        let Some((lo, hi)) = self.bounds(comm) else { return f64::INFINITY };
         let away = |x: &Vec3| (lo - x).sup(&(x - hi)).sup(&Vec3::zeros()).norm();
         let mut farthest = [points.iter().map(away).fold(0.0, f64::max)];
         max(comm, &mut farthest);

@@ -13,11 +13,13 @@ use crate::{Mat3, Vec3};
 impl Newton<'_> {
     /// Contact elements of the owned slave nodes: their status, forces and residuals; with prescribed displacements that are
     /// still `ahead`, as if they were done. Collective.
-    pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64], largest: &mut f64) {
+    pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
         let mut on_tools = vec![0.0; 3 * self.model.tools.len()];
         let mut nearest = vec![f64::NEG_INFINITY; self.model.tools.len()];
         let first = self.is_first();
+        let group = self.model.bodies.len();
         let Model { part, tools, pairs, .. } = &mut *self.model;
+        let balance = &mut self.balance;
         for (p, pair) in pairs.iter_mut().enumerate() {
             let Master::Tool(t) = pair.master else { continue };
             let tool = &tools[t];
@@ -56,7 +58,8 @@ impl Newton<'_> {
                     slave.trial.relative = position - tool.trial.translation;
                 }
                 self.forces[node] += force;
-                *largest = largest.max(force.amax());
+                balance.action(pair.body, force.amax());
+                balance.action(group + p, force.amax());
                 for d in 0..3 {
                     if let Some(k) = self.dofs.local(equations[d]) {
                         r[k] += residual[d];
@@ -68,13 +71,14 @@ impl Newton<'_> {
         sum(self.comm, &mut on_tools);
         max(self.comm, &mut nearest);
         self.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
+        let pairs = self.model.pairs.len();
         for (t, force) in self.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
             let driving = self.conditions.tool_forces[t].at(self.s);
             for d in 0..3 {
                 if let Some(k) = self.dofs.local(self.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
-                    *largest = largest.max(driving[d].abs());
+                    self.balance.action(group + pairs + t, driving[d].abs().max(force[d].abs()));
                 }
             }
         }

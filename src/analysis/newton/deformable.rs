@@ -29,10 +29,6 @@ pub(super) struct Meeting {
     guide: Guide,
 }
 
-/// Compliance of the constraints of self-contact, where slave nodes that meet each other make the same one twice. Much less
-/// does not keep apart nodes that almost meet; much more leaves an error when it is taken back.
-const SLACK: f64 = 3e-4;
-
 /// From where slip is measured.
 #[derive(Clone, Copy, Debug)]
 enum SlipOrigin {
@@ -77,12 +73,14 @@ impl Workspace {
 
 impl Newton<'_> {
     /// Contact elements of slave nodes on deformable masters, as [`Newton::add_contact`] for those on tools. Collective.
-    pub(super) fn add_deformable(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64], largest: &mut f64) {
+    pub(super) fn add_deformable(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
         if self.model.surfaces.is_empty() {
             return;
         }
         self.follow(ahead);
         let first = self.is_first();
+        let group = self.model.bodies.len();
+        let balance = &mut self.balance;
         let Model { part, surfaces, pairs, .. } = &mut *self.model;
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         for p in 0..pairs.len() {
@@ -104,7 +102,9 @@ impl Newton<'_> {
                 self.meetings[p][s] = Some(meeting);
                 pair.slaves[s].trial.update(&e);
                 self.forces[node] += e.load;
-                *largest = largest.max(e.force.amax());
+                for group in [pair.body, pair.master_body.unwrap_or(pair.body), group + p] {
+                    balance.action(group, e.force.amax());
+                }
                 for (equation, residual) in equations.iter().zip(&e.constraint) {
                     if let Some(k) = equation {
                         r[*k] += residual;
@@ -224,10 +224,8 @@ impl Newton<'_> {
     pub fn tighten(&mut self, x: &[f64]) -> bool {
         let multipliers = self.multipliers(x);
         let mut touching = false;
-        for (pair, multipliers) in
-            self.model.pairs.iter_mut().zip(multipliers).filter(|(p, _)| p.is_self() && p.width() > 0)
-        {
-            for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
+        for (pair, multipliers) in self.model.pairs.iter_mut().zip(multipliers).filter(|(p, _)| p.width() > 0) {
+            for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers).filter(|(s, _)| s.slack > 0.0) {
                 touching |= slave.trial.status != Status::Gap;
                 slave.trial.rest = multiplier;
             }
@@ -260,7 +258,11 @@ impl Newton<'_> {
 }
 
 /// Most that a point whose motion lies in one box moves against one whose motion lies in the other. Collective.
-fn relative_travel(comm: &SimpleCommunicator, one: Option<Bounds>, other: Option<Bounds>) -> f64 {
+pub(in crate::analysis) fn relative_travel(
+    comm: &SimpleCommunicator,
+    one: Option<Bounds>,
+    other: Option<Bounds>,
+) -> f64 {
     match [hull(comm, one), hull(comm, other)] {
         [Some((lo, hi)), Some((low, high))] => (hi - low).sup(&(high - lo)).sup(&Vec3::zeros()).norm(),
         _ => 0.0,
@@ -296,7 +298,7 @@ fn meet(
     moves: &[f64; 3],
     unknown: &Vec3,
 ) -> Meeting {
-    let (tangent, is_self) = (pair.tangent, pair.is_self());
+    let tangent = pair.tangent;
     let slave = &pair.slaves[s];
     let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
     let projection = pair.project(surface, s, position, warm).filter(|p| !is_beside(pair, surface, s, position, p));
@@ -314,7 +316,7 @@ fn meet(
         SlipOrigin::Beside(_) => true,
     });
     let carried = from_last.map_or(Vec3::zeros(), |_| slave.held.carried);
-    let (transfer, slack) = (surface.given.transfer, if is_self { SLACK } else { 0.0 });
+    let (transfer, slack) = (surface.given.transfer, slave.slack);
     let method = Method { law: slave.law, transfer, tangent, slack, rest: slave.trial.rest };
     Meeting { method, multiplier, carried, contact, guide }
 }

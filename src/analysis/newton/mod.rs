@@ -8,6 +8,7 @@
 //! [`trial`] how long an increment may be.
 
 mod backtrack;
+pub(super) mod balance;
 mod contact;
 mod deformable;
 mod drag;
@@ -18,6 +19,7 @@ use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::element::Element;
 use crate::contact::{Pair, Pose, Slave};
+use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{any, max, sum};
@@ -25,6 +27,8 @@ use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
 use backtrack::Tried;
+use balance::Balance;
+pub(super) use deformable::relative_travel;
 use deformable::{Meeting, Workspace};
 use drag::Drag;
 use mpi::topology::SimpleCommunicator;
@@ -35,9 +39,9 @@ use rounds::Rounds;
 use std::time::Instant;
 pub use trial::Share;
 
-/// Rounding of a nodal force over the largest nodal stiffness times the element size, or times the largest displacement
-/// where that is more: no residual gets below it.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Iterations in which what touches sticks, at most. Two bring bodies along with a tool that turns, four where that strains
+/// them; contacts that open and close while all others stick may go to and fro for ever, and settle as soon as they may slip.
+const SETTLING: usize = 5;
 
 /// An increment from the last converged state to the fraction `s` of the step.
 pub struct Newton<'a> {
@@ -57,30 +61,32 @@ pub struct Newton<'a> {
     pub tolerance: f64,
     pub max_iterations: usize,
     watcher: &'a dyn Fn(usize),
-    /// Largest force of the analysis so far.
-    seen: f64,
-
-    /// Largest force so far, or of this iterate: residuals are compared with it. Those of other iterates do not count, for
-    /// some are far from any equilibrium.
-    pub scale: f64,
+    /// Forces and residuals of this iterate. Those of other iterates do not count, for some are far from any equilibrium.
+    pub(super) balance: Balance,
+    /// Sum of the internal forces of this rank on each body.
+    pub(super) internal: Vec<Vec3>,
     /// Displacements of the iterate, all local nodes.
     pub u: Vec<Vec3>,
     /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
     pub forces: Vec<Vec3>,
     /// Translations of the tools along their free directions since the start of the step.
     pub offsets: Vec<Vec3>,
-    /// Largest residual over `scale` at each iteration so far.
+    /// Largest residual over the forces that it counts against, at each iteration so far.
     pub trace: Vec<f64>,
     /// Status changes at each iteration so far, over all ranks.
     pub changes: Vec<usize>,
-    /// Equation of this rank's largest residual, and that residual.
+    /// Equation of this rank's largest residual, and that over the forces that it counts against.
     pub worst: (usize, f64),
     /// Nodes of this rank whose friction penalty was reduced because they kept flipping.
     pub calmed: Vec<u32>,
     /// How often the pattern was built anew.
     pub rebuilds: usize,
+    /// A signal ended the iteration; the same on all ranks.
+    pub interrupted: bool,
     /// The constraints of self-contact give way about the multipliers of a converged iterate.
     tightened: bool,
+    /// What touches sticks until all is nearly in balance.
+    pub(super) settling: bool,
     /// Outer iterations of this increment.
     pub rounds: Rounds,
     elements: Vec<Vec<Option<Element>>>,
@@ -99,14 +105,11 @@ pub struct Newton<'a> {
     predicting: bool,
     /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
     moves: bool,
-    residual_max: f64,
     /// The square of its length, where some body can flow.
     squared_residual: f64,
     /// That of the iterates so far, and below how many of the last the next must fall.
     recent: Vec<f64>,
     memory: usize,
-    /// What rounding may leave of it.
-    rounding: f64,
     evaluated_at: Vec<f64>,
     values: Vec<f64>,
 }
@@ -120,7 +123,15 @@ pub struct Start<'a> {
     pub share: Share,
     pub tolerance: f64,
     pub max_iterations: usize,
-    pub scale: f64,
+    /// Largest force of each group of [`Balance`] in converged increments, and the forces that count while there are none.
+    pub seen: &'a [f64],
+    pub floors: &'a [f64],
+    /// What touches sticks until all is nearly in balance.
+    pub settle: bool,
+    /// It begins from an extrapolation.
+    pub ahead: bool,
+    /// With automatic penalties, whatever is given.
+    pub automatic: bool,
     /// Each residual must be below the last where plastic flow shortens steps.
     pub strict: bool,
     /// Told the number of each iteration.
@@ -143,7 +154,7 @@ impl<'a> Newton<'a> {
         let tools = model.tools.len();
         let owned = model.part.owned;
         for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.begin();
+            slave.begin(start.settle, start.ahead, start.automatic);
         }
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
@@ -151,6 +162,8 @@ impl<'a> Newton<'a> {
         model.history.go_back();
         let plastic = model.can_flow();
         let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
+        let balance = Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec());
+        let internal = vec![Vec3::zeros(); model.bodies.len()];
         let mut newton = Self {
             comm,
             model,
@@ -165,8 +178,8 @@ impl<'a> Newton<'a> {
             tolerance: start.tolerance,
             max_iterations: start.max_iterations,
             watcher: start.watcher,
-            seen: start.scale,
-            scale: start.scale,
+            balance,
+            internal,
             u: start.committed.to_vec(),
             forces: vec![Vec3::zeros(); owned],
             offsets: start.offsets.to_vec(),
@@ -175,7 +188,9 @@ impl<'a> Newton<'a> {
             worst: (0, 0.0),
             calmed: Vec::new(),
             rebuilds: 0,
+            interrupted: false,
             tightened: false,
+            settling: start.settle,
             rounds: Rounds::default(),
             elements,
             meetings,
@@ -187,11 +202,9 @@ impl<'a> Newton<'a> {
             clearances: vec![0.0; tools],
             predicting: true,
             moves,
-            residual_max: f64::INFINITY,
             squared_residual: f64::INFINITY,
             recent: Vec::new(),
             memory: if start.strict { 1 } else { backtrack::MEMORY },
-            rounding: 0.0,
             evaluated_at: Vec::new(),
             values,
         };
@@ -281,20 +294,27 @@ impl<'a> Newton<'a> {
         let begun = Instant::now();
         self.unpack(x);
         let mut forces = vec![Vec3::zeros(); self.model.part.points.len()];
-        let sound = assembly::internal_forces(self.model, &self.u, &mut forces).is_ok();
-        let mut largest = forces[..self.model.part.owned].iter().map(|f| f.amax()).fold(0.0, f64::max);
+        self.balance.clear();
+        let balance = &mut self.balance;
+        let of_element = |body: u32, force: f64| balance.element(body as usize, force);
+        let sound = assembly::internal_forces(self.model, &self.u, &mut forces, of_element).is_ok();
+        self.internal.fill(Vec3::zeros());
+        for (force, body) in forces.iter().zip(&self.model.part.body).take(self.model.part.owned) {
+            self.balance.force(*body as usize, force.amax());
+            self.internal[*body as usize] += force;
+        }
         let ahead = (self.predicting && self.moves).then(|| self.prescribed_increments());
         if let Some(ahead) = &ahead {
             assembly::add_tangent_times(self.model, &self.u, ahead, &mut forces);
         }
-        self.add_loads(&mut forces, &mut largest);
+        self.add_loads(&mut forces);
         forces.truncate(self.model.part.owned);
         self.forces = forces;
         self.phases.add(Phase::Assembly, begun.elapsed());
         r.fill(0.0);
         let begun = Instant::now();
-        self.add_contact(x, ahead.as_deref(), r, &mut largest);
-        self.add_deformable(x, ahead.as_deref(), r, &mut largest);
+        self.add_contact(x, ahead.as_deref(), r);
+        self.add_deformable(x, ahead.as_deref(), r);
         self.phases.add(Phase::Search, begun.elapsed());
         for n in 0..self.model.part.owned {
             for d in 0..3 {
@@ -304,14 +324,7 @@ impl<'a> Newton<'a> {
             }
         }
         self.add_drag(x, r);
-        let local = self.largest_local();
-        self.worst = r.iter().enumerate().fold((0, 0.0), |w, (k, v)| if v.abs() > w.1 { (k, v.abs()) } else { w });
-        let farthest = self.u.iter().map(|u| u.amax()).fold(self.model.size, f64::max);
-        let mut reduced = [self.worst.1.max(local), largest, farthest, self.stiffest()];
-        max(self.comm, &mut reduced);
-        self.residual_max = reduced[0];
-        self.scale = self.seen.max(reduced[1]);
-        self.rounding = ROUNDING * reduced[3] * reduced[2];
+        self.judge(r);
         if self.plastic {
             self.squared_residual = backtrack::squared(self.comm, r);
         }
@@ -339,23 +352,11 @@ impl<'a> Newton<'a> {
         ahead
     }
 
-    /// Largest stiffness that makes forces of positions on this rank, that of held multipliers' penalties included.
-    fn stiffest(&self) -> f64 {
-        let held = self.model.pairs.iter().filter(|p| p.method.holds_multipliers());
-        held.flat_map(|p| &p.slaves).map(|s| s.law.penalty).fold(self.model.stiffness, f64::max)
-    }
-
-    /// Largest residual of a local unknown of this rank.
-    fn largest_local(&self) -> f64 {
-        let held = self.model.pairs.iter().filter(|p| p.method.holds_multipliers());
-        held.flat_map(|p| &p.slaves).map(|s| s.trial.local).fold(0.0, f64::max)
-    }
-
-    fn add_loads(&self, forces: &mut [Vec3], largest: &mut f64) {
-        for (force, load) in forces.iter_mut().zip(&self.conditions.loads) {
+    fn add_loads(&mut self, forces: &mut [Vec3]) {
+        for (n, (force, load)) in forces.iter_mut().zip(&self.conditions.loads).enumerate() {
             let load = load.at(self.s);
             *force -= load;
-            *largest = largest.max(load.amax());
+            self.balance.action(self.model.part.body[n] as usize, load.amax());
         }
         for (set, ramp) in &self.conditions.pressures {
             assembly::subtract_pressure(self.model, set, ramp.at(self.s), &self.u, forces);
@@ -401,18 +402,21 @@ impl Problem for Newton<'_> {
         let iteration = iterate.iteration;
         (self.watcher)(iteration);
         let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
-        let mut changes = [trials().filter(|t| t.changed).count() as f64];
+        let mut changes = [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished())];
         sum(self.comm, &mut changes);
-        self.trace.push(self.residual_max / self.scale);
+        let residual = self.balance.relative();
+        self.trace.push(residual);
         self.changes.push(changes[0] as usize);
-        let small = self.residual_max <= self.limit();
-        if !self.residual_max.is_finite() {
+        let small = self.balance.holds(self.tolerance_now());
+        if !residual.is_finite() {
             return Ok(Verdict::Diverged);
         }
-        if small && !(self.predicting && self.moves) {
+        let settled = small || self.settling && iteration >= SETTLING;
+        if settled && !(self.predicting && self.moves) {
             return Ok(Verdict::Converged);
         }
-        if iteration >= self.max_iterations {
+        self.interrupted = changes[1] > 0.0;
+        if self.interrupted || iteration >= self.max_iterations {
             return Ok(Verdict::Diverged);
         }
         if iteration >= 2 {

@@ -48,10 +48,15 @@ const UZAWA: f64 = 100.0;
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
-        let limit = self.limit();
+        if std::mem::take(&mut self.settling) {
+            self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
+            return self.again();
+        }
+        let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.model.pairs.iter().enumerate() {
+            let limit = self.balance.limit(self.model.bodies.len() + p, tolerance);
             let (worst, allowed) = match pair.method {
                 Enforcement::Uzawa => (&mut open, pair.tolerance.unwrap_or(UZAWA * limit / self.model.stiffness)),
                 Enforcement::Lagrange => (&mut wrong, limit),
@@ -68,7 +73,7 @@ impl Newton<'_> {
         let (is_open, is_wrong) = (largest[0] > 1.0, largest[1] > 1.0);
         if !is_open && !is_wrong {
             self.rounds.settled = true;
-            return if self.residual_max > self.limit() { self.again() } else { Round::Done };
+            return if self.balance.holds(self.tolerance_now()) { Round::Done } else { self.again() };
         }
         self.rounds.count += 1;
         self.rounds.settled = !is_wrong;
@@ -80,7 +85,7 @@ impl Newton<'_> {
         if is_open {
             of_method(&mut self.model.pairs, Enforcement::Uzawa).for_each(|slave| slave.held = slave.taken_over());
         }
-        if is_wrong && !self.change_set(limit, limit * largest[1]) {
+        if is_wrong && !self.change_set(tolerance, largest[1]) {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
         }
         self.again()
@@ -92,26 +97,26 @@ impl Newton<'_> {
         Round::Again
     }
 
-    /// Largest residual of a converged iterate.
-    pub(super) fn limit(&self) -> f64 {
+    /// Largest residual of a converged iterate over the forces that it counts against.
+    pub(super) fn tolerance_now(&self) -> f64 {
         let sets = !self.rounds.settled && self.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
-        let tolerance = if sets { self.tolerance.max(LOOSE) } else { self.tolerance };
-        (tolerance * self.scale).max(self.rounding)
+        if sets || self.settling { self.tolerance.max(LOOSE) } else { self.tolerance }
     }
 
-    /// Changes the active set; `false` when it was there before even as nodes change one at a time. Collective.
-    fn change_set(&mut self, limit: f64, largest: f64) -> bool {
+    /// Changes the active set where violations exceed a tolerance, or, one node at a time, are as large as the `largest` over
+    /// their limits; `false` when it was there before even so. Collective.
+    fn change_set(&mut self, tolerance: f64, largest: f64) -> bool {
         let before = self.active_set();
         if self.rounds.sets.is_empty() {
             self.rounds.sets.push(before.clone());
         }
-        self.take_asked(limit);
+        self.take_asked(tolerance, 1.0);
         let mut returned = self.has_returned();
         if returned && !self.rounds.singly {
             (self.rounds.singly, self.rounds.sets) = (true, vec![before.clone()]);
             let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
             slaves.zip(&before).for_each(|(slave, status)| slave.trial.status = *status);
-            self.take_asked(largest * (1.0 - 1e-9));
+            self.take_asked(tolerance, largest * (1.0 - 1e-9));
             returned = false;
         }
         let now = self.active_set();
@@ -124,10 +129,14 @@ impl Newton<'_> {
         self.slaves().map(|s| s.trial.status).collect()
     }
 
-    /// Gives nodes of which the violation is above a limit the status that they ask for.
-    fn take_asked(&mut self, limit: f64) {
-        let slaves = of_method(&mut self.model.pairs, Enforcement::Lagrange);
-        slaves.filter(|s| s.trial.violation > limit).for_each(|slave| slave.trial.status = slave.trial.asked);
+    /// Gives nodes of which the violation is above so many limits the status that they ask for.
+    fn take_asked(&mut self, tolerance: f64, times: f64) {
+        let bodies = self.model.bodies.len();
+        for (p, pair) in self.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.method == Enforcement::Lagrange) {
+            let limit = times * self.balance.limit(bodies + p, tolerance);
+            let wrong = pair.slaves.iter_mut().filter(|s| s.trial.violation > limit);
+            wrong.for_each(|slave| slave.trial.status = slave.trial.asked);
+        }
     }
 
     /// A reason with the worst node, by its pair and place in it. Collective.

@@ -7,7 +7,7 @@ use crate::surface::test_meshes::{grid, strip};
 use crate::surface::{Patch, Polygon};
 use nalgebra::{DMatrix, DVector, Rotation3};
 
-const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0 };
+const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0, rough: false };
 /// Parameters of the slip origin.
 const ORIGIN: [f64; 2] = [0.55, 0.31];
 const TRANSFERS: [Transfer; 3] = [Transfer::Variational, Transfer::Patch, Transfer::Bilinear];

@@ -2,7 +2,7 @@
 
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
 use super::super::{Facet, Group, faces, message};
-use super::{Deck, Kind, Member, Side};
+use super::{Deck, Kind, Member, Side, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -32,6 +32,13 @@ pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
     let named: Vec<_> =
         (0..deck.scopes.len()).map(|scope| placed.groups(scope, &mut file, &mut surfaces)).collect::<Result<_>>()?;
     file.groups = placed.publish(named);
+    let unread = || deck.scopes.iter().flat_map(|scope| &scope.unread);
+    let first = unread().next();
+    file.unread = first.map(|(id, unread)| unread.error(*id));
+    if let Some((id, Unread { kind, .. })) = first {
+        let more = message::and_more(unread().count() - 1);
+        file.mesh.warnings.push(format!("'{source}': element {id} of type {kind}{more} left out, which is not read"));
+    }
     Ok(file)
 }
 
@@ -68,6 +75,7 @@ impl Placed<'_> {
         for (key, set) in self.deck.scopes[scope].sets(Kind::Element).iter().filter(|(_, set)| !set.internal) {
             let cells = self.resolve(Kind::Element, scope, &set.members, &set.name, &file.mesh.source)?;
             let (_, group) = named.entry(key.clone()).or_insert_with(|| (set.name.clone(), FileGroup::default()));
+            group.unread = self.unread(scope, &set.members);
             group.group = self.group_of(cells.iter().map(|&cell| cell as usize));
         }
         for surface in &self.deck.scopes[scope].surfaces {
@@ -105,6 +113,36 @@ impl Placed<'_> {
         group
     }
 
+    /// What is wrong with a set of elements: one of a type that is not read.
+    fn unread(&self, scope: usize, members: &[Member]) -> Option<Error> {
+        let mut stack: Vec<(usize, &Member)> = members.iter().map(|member| (scope, member)).collect();
+        let mut seen = HashSet::new();
+        while let Some((own, member)) = stack.pop() {
+            let of = |scope: usize| if scope == 0 { own } else { scope };
+            let (scope, range) = match member {
+                Member::One { scope, id } => (of(*scope), (*id, *id, 1)),
+                Member::Range { scope, first, last, step } => (of(*scope), (*first, *last, *step)),
+                Member::Set { scope, name, .. } => {
+                    let key = (of(*scope), name.to_uppercase());
+                    let set = self.deck.scopes[key.0].sets(Kind::Element).get(&key.1);
+                    if let Some(set) = set.filter(|_| seen.insert(key.clone())) {
+                        stack.extend(set.members.iter().map(|member| (key.0, member)));
+                    }
+                    continue;
+                }
+            };
+            let (first, last, step) = range;
+            if first > last {
+                continue;
+            }
+            let within = self.deck.scopes[scope].unread.range(first..=last);
+            if let Some((id, unread)) = within.into_iter().find(|(id, _)| (*id - first).is_multiple_of(step)) {
+                return Some(unread.error(*id));
+            }
+        }
+        None
+    }
+
     /// The nodes (points) or elements (slots) that the members of a set named `name` stand for, sorted, each once.
     fn resolve(&self, kind: Kind, scope: usize, members: &[Member], name: &str, source: &str) -> Result<Vec<u32>> {
         let (ids, what) = match kind {
@@ -119,6 +157,7 @@ impl Placed<'_> {
             match member {
                 Member::One { scope, id } => match ids[of(*scope)].get(*id) {
                     Some(index) => found.push(index),
+                    None if kind == Kind::Element && self.deck.scopes[of(*scope)].unread.contains_key(id) => {}
                     None => missing.push(*id),
                 },
                 // As in Abaqus, a range may have gaps.
@@ -162,7 +201,11 @@ impl Placed<'_> {
             }
         }
         for (scope, range) in self.starts.windows(2).enumerate().skip(1) {
-            let group = || FileGroup { group: self.group_of(range[0]..range[1]), closed: false };
+            let group = || FileGroup {
+                group: self.group_of(range[0]..range[1]),
+                closed: false,
+                unread: self.deck.scopes[scope].unread.iter().next().map(|(id, unread)| unread.error(*id)),
+            };
             groups.entry(self.deck.scopes[scope].name.clone()).or_insert_with(group);
         }
         groups

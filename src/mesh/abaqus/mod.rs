@@ -13,7 +13,7 @@ mod tests;
 use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
 use crate::Vec3;
-use crate::error::{Location, Result};
+use crate::error::{Error, Location, Result};
 use lines::{Keyword, Lines, fields};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -63,9 +63,12 @@ enum Reading {
     Instance {
         line: usize,
     },
-    /// Elements of a type that is not read; the first is named.
+    /// Elements of a type that is not read.
     Unread {
         kind: String,
+        set: Option<String>,
+        /// The data line goes on with the element of the line before.
+        goes_on: bool,
     },
     System,
 }
@@ -115,6 +118,8 @@ struct Scope {
     point_ids: Vec<u64>,
     points: Vec<[f64; 3]>,
     cells: Vec<Cell>,
+    /// Elements of types that are not read.
+    unread: BTreeMap<u64, Unread>,
     /// Of nodes and of elements, by name in capitals.
     sets: [BTreeMap<String, Set>; 2],
     surfaces: Vec<Surface>,
@@ -138,6 +143,24 @@ impl Scope {
         self.sets[kind as usize].get_mut(key)
     }
 }
+
+/// An element of a type that is not read.
+#[derive(Clone)]
+struct Unread {
+    kind: String,
+    at: Location,
+}
+
+impl Unread {
+    fn error(&self, id: u64) -> Error {
+        let what = format!("element {id} has type {}, which is not read", self.kind);
+        Error::input(&self.at, what, READ)
+    }
+}
+
+/// What is read.
+const READ: &str = "nagata reads C3D8, C3D4 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, ...: mesh with order 1, or name \
+                    a `group` without such elements";
 
 /// A set as listed.
 #[derive(Clone, Default)]
@@ -242,7 +265,8 @@ impl Deck {
         let kind = keyword.require("TYPE", lines)?;
         refuse_input(keyword, lines)?;
         let Some(shape) = shape(kind) else {
-            return Ok(Reading::Unread { kind: kind.to_string() });
+            let set = keyword.get("ELSET").map(|name| self.here().declare(Kind::Element, name));
+            return Ok(Reading::Unread { kind: kind.to_string(), set, goes_on: false });
         };
         let set = keyword.get("ELSET").map(|name| self.here().declare(Kind::Element, name));
         Ok(Reading::Elements { shape, set, partial: Vec::new() })
@@ -331,15 +355,24 @@ impl Deck {
             Reading::System => {
                 Err(lines.error("coordinate systems of nodes are not read", "write global coordinates without *SYSTEM"))
             }
-            Reading::Unread { kind } => {
-                let id = fields(&lines.text).next().unwrap_or_default();
-                let what = format!("element {id} has type {kind}, which is not read");
-                Err(lines.error(
-                    what,
-                    "nagata reads C3D8, C3D4 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, ...: mesh with order 1",
-                ))
+            Reading::Unread { kind, set, goes_on } => {
+                if !std::mem::replace(goes_on, lines.text.ends_with(',')) {
+                    self.take_unread(kind, set.as_deref(), lines)?;
+                }
+                Ok(())
             }
         }
+    }
+
+    /// An element of a type that is not read: an error for whoever takes it.
+    fn take_unread(&mut self, kind: &str, set: Option<&str>, lines: &Lines) -> Result<()> {
+        let id = lines.id(fields(&lines.text).next().unwrap_or_default(), "an element number")?;
+        let scope = self.here();
+        scope.unread.insert(id, Unread { kind: kind.to_string(), at: lines.at() });
+        if let Some(set) = set.and_then(|key| scope.set(Kind::Element, key)) {
+            set.members.push(Member::One { scope: 0, id });
+        }
+        Ok(())
     }
 
     fn take_node(&mut self, set: Option<&str>, lines: &Lines) -> Result<()> {

@@ -223,7 +223,6 @@ fn errors_name_the_line() {
         ),
         ("102, 2,3", "101, 2,3", "deck.inp: element 101 is defined twice"),
         ("12, 2, 1, 1", "11, 2, 1, 1", "deck.inp: node 11 is defined twice"),
-        ("type=C3D8R", "type=C3D10", "deck.inp:22:1: element 101 has type C3D10, which is not read"),
         ("type=C3D8R,", "", "*ELEMENT needs TYPE="),
         ("NSET=all", "SYSTEM=C", "only rectangular coordinates are read"),
         ("NSET=all", "INPUT=file", "*NODE, INPUT= is not read\n  | *Node, INPUT=file\n  help: use *INCLUDE"),
@@ -251,6 +250,17 @@ fn errors_name_the_line() {
     assert!(message_of("a mesh\n*NODE\n").contains("deck.inp:1:1: expected a keyword such as *NODE, found 'a mesh'"));
     let tetrahedron = "*NODE\n1\n2,1\n3,0,1\n4,0,0,1\n*ELEMENT, TYPE=C3D4\n5,1,2,3,4\n*SURFACE, NAME=s\n5, S5\n";
     assert!(message_of(tetrahedron).contains("deck.inp:9:1: element 5 has 4 faces, no S5"));
+}
+
+#[test]
+fn elements_of_other_types_are_left_to_who_takes_them() {
+    let file = parse(&DECK.replacen("type=C3D8R", "type=C3D10", 1)).unwrap();
+    let wanted = "deck.inp:22:1: element 101 has type C3D10, which is not read";
+    let told = |error: &Option<crate::error::Error>| error.as_ref().is_some_and(|e| e.to_string().starts_with(wanted));
+    assert!(told(&file.unread));
+    for (group, takes) in [("Left", true), ("cubes", true), ("front", true), ("right", false)] {
+        assert_eq!(told(&file.groups[group].unread), takes, "{group}");
+    }
 }
 
 #[test]

@@ -83,6 +83,13 @@ impl Material {
         }
     }
 
+    /// E / (1 - nu^2) in the undeformed state, by which a half-space resists an indenter, force per area.
+    pub fn indentation_modulus(&self) -> f64 {
+        let (lambda, mu) = self.initial_moduli();
+        let poisson = 0.5 * lambda / (lambda + mu);
+        2.0 * mu / (1.0 - poisson)
+    }
+
     /// Whether the material has states; without, those given to it do not count.
     pub fn remembers(&self) -> bool {
         match self {

@@ -71,6 +71,9 @@ struct Flow {
 /// Yield stress over itself by which a stress may be below it and still be at it: well above rounding.
 const AT_LIMIT: f64 = 1e-9;
 
+/// Excess over the stress from which a root is not found yet, well above rounding.
+const STEEP: f64 = 1e-12;
+
 /// After so many iterations of Newton's method the interval is halved; together far more than any case takes.
 const NEWTON: usize = 40;
 const HALVINGS: usize = 60;
@@ -195,7 +198,10 @@ impl Plastic {
             let newton = y + excess / fall;
             let inside = iteration < NEWTON && newton > low && newton < high;
             let next = if inside { newton } else { 0.5 * (low + high) };
-            let moved = (next - y).abs().min((newton - y).abs());
+            // Where hardening is very steep a short step is not the last.
+            let far = excess.abs() > STEEP * unrelaxed;
+            let moved = if far { (next - y).abs() } else { (next - y).abs().min((newton - y).abs()) };
+            let moved = if far && inside { f64::INFINITY } else { moved };
             y = if moved <= 4.0 * f64::EPSILON { newton.clamp(low, high) } else { next };
             if moved <= 4.0 * f64::EPSILON {
                 break;

@@ -138,10 +138,15 @@ impl<P: Piece> PieceSet<P> {
 
     /// The same when it is not further away than `reach`.
     pub fn nearest_within(&self, x: &Vec3, reach: f64) -> Option<Projection> {
+        self.nearest_of(x, reach, &|_, _| true)
+    }
+
+    /// The same of the pieces that are `admitted` with their point nearest to `x`.
+    pub fn nearest_of(&self, x: &Vec3, reach: f64, admitted: &dyn Fn(&P, &Foot) -> bool) -> Option<Projection> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let mut search = Search::new(self, x, reach, None, Question::Nearest, &|_, _| true);
+        let mut search = Search::new(self, x, reach, None, Question::Nearest, admitted);
         search.run(None);
         search.answer()
     }

@@ -1,0 +1,71 @@
+//! What memory a rank may still take, and the buffer of OpenBLAS, which must be had before it runs short.
+
+use std::fs::read_to_string;
+use std::ptr::null_mut;
+
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+
+use crate::error::check;
+use crate::sys;
+
+/// What OpenBLAS reserves at the first product of matrices, bytes: its `BUFFER_SIZE` on x86-64.
+const BLAS_BUFFER: u64 = 128 << 20;
+
+/// Address space that this process may still take, bytes; `None` without a limit (`ulimit -v`).
+pub fn address_space_left() -> Option<u64> {
+    let read = |file: &str| read_to_string(file).unwrap_or_default();
+    left(&read("/proc/self/limits"), &read("/proc/self/status"))
+}
+
+fn left(limits: &str, status: &str) -> Option<u64> {
+    let number = |text: &str, key: &str| -> Option<u64> {
+        text.lines().find_map(|line| line.strip_prefix(key))?.split_whitespace().next()?.parse().ok()
+    };
+    let limit = number(limits, "Max address space")?;
+    Some(limit.saturating_sub(number(status, "VmSize:").unwrap_or(0) << 10))
+}
+
+/// Lets OpenBLAS take its buffer now: it keeps it, and without memory for it would try again for ever.
+pub(crate) fn settle_blas() -> Result<(), String> {
+    if let Some(left) = address_space_left().filter(|left| *left < BLAS_BUFFER) {
+        return Err(format!(
+            "not enough memory to start: {} MB of address space are left of the limit (`ulimit -v`), and the linear \
+             algebra alone takes {} MB",
+            left >> 20,
+            BLAS_BUFFER >> 20
+        ));
+    }
+    // Large enough to be no small product, which needs no buffer.
+    const SIZE: i32 = 128;
+    let alone = SimpleCommunicator::self_comm();
+    let (mut a, mut product) = (null_mut(), null_mut());
+    // SAFETY: PETSc runs; NULL lets it allocate the entries, which are zero; the handles are destroyed once.
+    let done = unsafe {
+        check(sys::MatCreateSeqDense(alone.as_raw(), SIZE, SIZE, null_mut(), &mut a))
+            .and_then(|()| check(sys::MatAssemblyBegin(a, sys::MAT_FINAL_ASSEMBLY)))
+            .and_then(|()| check(sys::MatAssemblyEnd(a, sys::MAT_FINAL_ASSEMBLY)))
+            .and_then(|()| check(sys::MatMatMult(a, a, sys::MAT_INITIAL_MATRIX, 1.0, &mut product)))
+    };
+    // SAFETY: NULL, or live matrices that nobody else holds.
+    unsafe {
+        sys::MatDestroy(&mut product);
+        sys::MatDestroy(&mut a);
+    }
+    done.map_err(String::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::left;
+
+    #[test]
+    fn what_is_left_is_the_limit_less_what_is_taken() {
+        let limits = |limit: &str| format!("Limit  Soft\nMax address space         {limit}   unlimited  bytes\n");
+        let status = "Name:\tx\nVmPeak:\t  900 kB\nVmSize:\t  300 kB\n";
+        assert_eq!(left(&limits("1024000"), status), Some(1024000 - 300 * 1024));
+        assert_eq!(left(&limits("1024"), status), Some(0));
+        assert_eq!(left(&limits("unlimited"), status), None);
+        assert_eq!(left("", status), None);
+    }
+}

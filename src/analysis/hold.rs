@@ -1,0 +1,77 @@
+//! What holds bodies and force-driven tools while a step runs: supports, contacts, friction.
+
+use super::Analysis;
+use super::ladder::Cause;
+use super::preflight::rigid::{RigidMotions, Side, sides};
+use super::preflight::support::supported;
+use super::step::{Attempt, Converged, Frame};
+use crate::Vec3;
+use crate::contact::{Slave, Status, Trial};
+
+/// What contacts hold besides their normals.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Friction {
+    Nothing,
+    /// A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns against that.
+    AsItIs,
+}
+
+/// Gap over the facet size that is none, as in [`crate::contact::touching`].
+const TOUCHING: f64 = 1e-4;
+
+/// Share of a velocity that is normal to the contacts, below which friction is what holds it: that of a wedge of 30 degrees.
+/// Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.
+const STEEP: f64 = 0.5;
+
+impl Analysis<'_> {
+    /// Whether supports alone leave something free. Collective.
+    pub(super) fn hangs(&self, frame: &Frame) -> bool {
+        let place = |n: usize| self.model.part.points[n] + self.state.u[n];
+        !supported(self.comm, &self.model, &frame.conditions, &frame.driven(), place).free(self.comm).is_empty()
+    }
+
+    /// Whether friction alone holds something now. Collective.
+    pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
+        let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, Friction::Nothing);
+        !motions.free_along(self.comm, STEEP).is_empty()
+    }
+
+    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. Collective.
+    fn held(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, friction: Friction) -> RigidMotions {
+        let place = |n: usize| self.model.part.points[n] + u[n];
+        let mut motions = supported(self.comm, &self.model, &frame.conditions, &frame.driven(), place);
+        for (pair, (body, side)) in self.model.pairs.iter().zip(sides(&self.model, self.scene)) {
+            for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
+                let trial = of(slave);
+                let Some(at) = trial.projection else { continue };
+                let near = friction == Friction::Nothing && at.gap <= TOUCHING * pair.facet_size;
+                if trial.status == Status::Gap && !near {
+                    continue;
+                }
+                let x = place(slave.node as usize);
+                let rough = friction == Friction::AsItIs && pair.friction > 0.0;
+                motions.touch(body, side, &x, &at.normal, rough && trial.status == Status::Stick);
+                let across = at.normal.cross(&trial.traction());
+                if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
+                    motions.touch(body, side, &x, &across, false);
+                }
+            }
+        }
+        motions
+    }
+
+    /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
+    /// rounding. Collective.
+    pub(super) fn still_held(&self, frame: &Frame, converged: Box<Converged>) -> Attempt {
+        if !frame.hangs {
+            return Attempt::Converged(converged);
+        }
+        match self.held(frame, &converged.u, |slave| &slave.trial, Friction::AsItIs).free(self.comm).first() {
+            None => Attempt::Converged(converged),
+            Some(free) => {
+                let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());
+                Attempt::Failed(converged.refused(Cause::Loose, reason))
+            }
+        }
+    }
+}

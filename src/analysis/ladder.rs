@@ -1,0 +1,185 @@
+//! What is tried, in which order, when an increment does not converge.
+//!
+//! 1. Newton's method from the extrapolation of the last increments, where there is one, then from the converged state.
+//! 2. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
+//!    balance, for a few iterations at most, and slips only then; with the automatic penalty, too, where another one is
+//!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
+//!    leaves the body without stiffness and behind; so there every increment settles first, and one that does not is what is
+//!    tried by turns.
+//! 3. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
+//!    jump. Close to where equilibrium ends little drives a jump, and a longer increment is tried once or twice.
+//!
+//! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run.
+
+use super::increments::Increments;
+
+/// How an increment is sought.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    Newton {
+        /// What touches sticks until all is nearly in balance.
+        settle: bool,
+    },
+    Jump,
+}
+
+/// Why an increment failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Newton's method did not converge.
+    Iteration,
+    /// The matrix was singular from the start: a shorter increment does not help.
+    Singular,
+    /// Newton's method converged, but not the rounds around it.
+    Rounds,
+    /// Rounding leaves too much of the forces.
+    Rounding,
+    /// It converged to what cannot be, a node in or behind a master: only shorter increments help.
+    Watch,
+    /// It converged, but nothing holds something any more.
+    Loose,
+}
+
+/// How an increment was found, after how many failures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Found {
+    pub way: Way,
+    pub failures: usize,
+}
+
+/// What to do about an increment that failed, for the log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    Cut,
+    Settle,
+    Jump,
+}
+
+/// The state of the tries at an increment.
+#[derive(Clone, Copy, Debug)]
+pub struct Ladder {
+    /// Some contact has friction, or a penalty that is not the automatic one.
+    can_settle: bool,
+    /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
+    /// round.
+    pub settles: bool,
+    way: Way,
+    /// Failures in succession.
+    failures: usize,
+    /// Jumps that have failed.
+    jumps: usize,
+    /// How much of the path was jumped over of late: [`JUMP`] for each jump, less one for each increment after it.
+    jumped: usize,
+}
+
+/// Jumps that are tried, each four times as long as the last.
+const LONGER: usize = 2;
+
+/// Increments without a jump that make up for one, and as many jumps in succession as there may be: a path of little but
+/// jumps is none, for what lies between depends on the drag.
+const JUMP: usize = 4;
+const MOST_JUMPS: usize = 8;
+
+impl Ladder {
+    pub fn new(can_settle: bool) -> Self {
+        Self { can_settle, settles: false, way: Way::Newton { settle: false }, failures: 0, jumps: 0, jumped: 0 }
+    }
+
+    /// How to seek the increment now.
+    pub fn way(&self) -> Way {
+        match self.way {
+            Way::Newton { settle } => Way::Newton { settle: settle != self.settles },
+            Way::Jump => Way::Jump,
+        }
+    }
+
+    /// Whether it is sought in the other way because it has failed: then with automatic penalties, too.
+    pub fn is_remedy(&self) -> bool {
+        self.way == Way::Newton { settle: true }
+    }
+
+    /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
+    /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
+    pub fn is_strict(&self) -> bool {
+        self.way == Way::Jump || self.failures % 2 == 1
+    }
+
+    /// The increment has converged. Says how it was found.
+    pub fn succeed(&mut self) -> Found {
+        let found = Found { way: self.way(), failures: self.failures };
+        self.jumped = if self.way == Way::Jump { self.jumped + JUMP } else { self.jumped.saturating_sub(1) };
+        (self.way, self.failures) = (Way::Newton { settle: false }, 0);
+        found
+    }
+
+    /// The increment to `end` has failed: what to do. `None` when nothing is left.
+    pub fn fail(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
+        if cause == Cause::Watch {
+            self.way = Way::Newton { settle: false };
+            let shortest = increments.is_shortest(end);
+            increments.cut(end, false);
+            return (!shortest).then_some(Remedy::Cut);
+        }
+        let singular = matches!(cause, Cause::Singular | Cause::Rounding);
+        let Way::Newton { .. } = self.way else {
+            self.jumps += 1;
+            return (self.jumps < LONGER && increments.lengthen(end)).then_some(Remedy::Jump);
+        };
+        self.failures += 1;
+        let again = self.can_settle && !self.is_remedy();
+        let short = increments.is_short(end);
+        if again && (short || singular) {
+            self.way = Way::Newton { settle: true };
+            return Some(Remedy::Settle);
+        }
+        if singular {
+            return None;
+        }
+        if short {
+            (self.way, self.jumps) = (Way::Jump, 0);
+            return (self.jumped < JUMP * MOST_JUMPS).then_some(Remedy::Jump);
+        }
+        self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(2) };
+        increments.cut(end, self.failures > 1);
+        Some(Remedy::Cut)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Increment, Limits};
+
+    /// An increment that never converges is tried in ever shorter ones, then as jumps, and ends.
+    #[test]
+    fn tries_end() {
+        for (frictional, min) in [(false, 1e-4), (true, 1e-4), (true, 0.3), (true, 0.5)] {
+            let mut increments =
+                Increments::new(&Increment { initial: 0.5, min, max: 0.5, limits: Limits::default() }, 1.0);
+            let mut ladder = Ladder::new(frictional);
+            let (mut sizes, mut ways) = (Vec::new(), Vec::new());
+            loop {
+                let end = increments.next().unwrap();
+                sizes.push(end);
+                ways.push(ladder.way());
+                if ladder.fail(&mut increments, end, Cause::Iteration).is_none() {
+                    break;
+                }
+            }
+            assert!(sizes.len() < 16 && sizes.iter().all(|size| *size >= min), "{sizes:?}");
+            let jumps = ways.iter().filter(|way| **way == Way::Jump).count();
+            assert!((1..=2).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
+            assert_eq!(ways.contains(&Way::Newton { settle: true }), frictional);
+        }
+    }
+
+    #[test]
+    fn a_singular_matrix_ends_it_unless_friction_may_help() {
+        let mut increments =
+            Increments::new(&Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() }, 1.0);
+        assert_eq!(Ladder::new(false).fail(&mut increments, 0.5, Cause::Singular), None);
+        let mut ladder = Ladder::new(true);
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Settle));
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
+    }
+}

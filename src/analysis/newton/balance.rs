@@ -1,0 +1,290 @@
+//! When forces are in balance.
+//!
+//! Each body, each contact and each tool is judged by its own forces: a soft body beside a preloaded one has a scale of its
+//! own. A residual counts against the largest force that acts there now, or has acted there before, the latter in part, for
+//! what has been eased need not be as exact as if it still bore all. Gaps, and slips of what sticks, count as the force
+//! that the automatic penalty makes of them, so that no penalty that is given makes them large or small.
+//!
+//! No residual gets below what rounding leaves of it: of the forces of a body its stiffness times its displacements, or
+//! times the size of its elements; of a contact its penalty times the coordinates. Where the tolerance asks for more, that
+//! much is let through, but not more than [`CAP`] of the forces: a body that is strained, but loaded by less than
+//! its own forces round to, has no result.
+
+use super::Newton;
+use crate::contact::{Master, Pair, Slave, Status};
+use crate::model::Model;
+use crate::parallel::{max, sum};
+use crate::system::DofMap;
+
+/// What rounding leaves of a sum of some ten products of three factors.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Share of the largest force so far that residuals are compared with as long as there is less: after a press of 1e6 N,
+/// 1 N is still right to 1e-8 at the default tolerance.
+const EASED: f64 = 1e-4;
+
+/// Share of the forces below which rounding may excuse a residual: what users take for exact.
+const CAP: f64 = 1e-6;
+
+/// Element forces over what they round to at most, from which a body counts as strained: of one that is not they are some
+/// hundredths of it.
+const STRAINED: f64 = 1.0;
+
+/// The forces of one group, all ranks together after [`Balance::judge`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Group {
+    /// Largest force now, of an element on a node, and largest residual.
+    force: f64,
+    element: f64,
+    residual: f64,
+    /// Largest displacement or coordinate, and penalty.
+    far: f64,
+    penalty: f64,
+    /// A contact or a load acts on it.
+    acts: f64,
+}
+
+const FIELDS: usize = 6;
+
+/// Forces and residuals of an iterate, by bodies, then contacts, then tools.
+#[derive(Clone, Debug, Default)]
+pub struct Balance {
+    groups: Vec<Group>,
+    /// Largest forces in converged increments.
+    pub seen: Vec<f64>,
+    /// Forces that count while there are none.
+    floors: Vec<f64>,
+    /// Group of each local unknown.
+    group_of: Vec<u32>,
+    limits: Vec<f64>,
+}
+
+impl Balance {
+    /// The floors of all groups, N: `share` of the stiffness times the size of an element, or what is given.
+    pub fn floors(model: &Model, share: f64, given: Option<f64>) -> Vec<f64> {
+        let of_body = |b: usize| given.unwrap_or(share * model.bodies[b].stiffness * model.size);
+        let largest = (0..model.bodies.len()).map(of_body).fold(0.0, f64::max);
+        let bodies = (0..model.bodies.len()).map(of_body);
+        let pairs = model.pairs.iter().map(|pair| of_body(pair.body));
+        bodies.chain(pairs).chain(model.tools.iter().map(|_| largest)).collect()
+    }
+
+    pub fn new(model: &Model, dofs: &DofMap, seen: Vec<f64>, floors: Vec<f64>) -> Self {
+        let mut group_of = vec![0; dofs.count];
+        let mut give = |equation: i64, group: usize| {
+            if let Some(k) = dofs.local(equation) {
+                group_of[k] = group as u32;
+            }
+        };
+        for n in 0..model.part.owned {
+            dofs.node[n].iter().for_each(|&e| give(e, model.part.body[n] as usize));
+        }
+        for (p, of_pair) in dofs.multiplier.iter().enumerate() {
+            of_pair.iter().flatten().for_each(|&e| give(e, model.bodies.len() + p));
+        }
+        for (t, of_tool) in dofs.tool.iter().enumerate() {
+            of_tool.iter().for_each(|&e| give(e, model.bodies.len() + model.pairs.len() + t));
+        }
+        let groups = vec![Group::default(); floors.len()];
+        Self { groups, seen, limits: vec![0.0; floors.len()], floors, group_of }
+    }
+
+    /// Begins another iterate.
+    pub fn clear(&mut self) {
+        self.groups.fill(Group::default());
+    }
+
+    /// A force on a node of a body, N.
+    pub fn force(&mut self, group: usize, force: f64) {
+        self.groups[group].force = self.groups[group].force.max(force);
+    }
+
+    /// A contact force or a load on a group, N.
+    pub fn action(&mut self, group: usize, force: f64) {
+        self.force(group, force);
+        self.groups[group].acts = self.groups[group].acts.max(f64::from(force > 0.0));
+    }
+
+    /// The force of an element on a node of a body, N.
+    pub fn element(&mut self, body: usize, force: f64) {
+        self.groups[body].element = self.groups[body].element.max(force);
+    }
+
+    fn residual(&mut self, group: usize, residual: f64) {
+        // A NaN stays.
+        if residual > self.groups[group].residual || residual.is_nan() {
+            self.groups[group].residual = residual;
+        }
+    }
+
+    /// The force that a residual of a group is compared with, N.
+    pub fn scale(&self, group: usize) -> f64 {
+        self.actual(group).max(self.floors[group])
+    }
+
+    fn actual(&self, group: usize) -> f64 {
+        self.groups[group].force.max(EASED * self.seen[group])
+    }
+
+    /// The largest residual over its scale.
+    pub fn relative(&self) -> f64 {
+        let of = |g: usize| self.groups[g].residual / self.scale(g);
+        (0..self.groups.len()).map(of).fold(0.0, |most, r| if r > most || r.is_nan() { r } else { most })
+    }
+
+    /// Whether all residuals are within the limits of a tolerance.
+    pub fn holds(&self, tolerance: f64) -> bool {
+        (0..self.groups.len()).all(|g| self.groups[g].residual <= self.limit(g, tolerance))
+    }
+
+    /// The largest residual of a group that is let through, N.
+    pub fn limit(&self, group: usize, tolerance: f64) -> f64 {
+        (tolerance * self.scale(group)).max(self.limits[group])
+    }
+
+    /// The largest residual that a tolerance and rounding let through, over its scale.
+    pub fn limit_of_all(&self, tolerance: f64) -> f64 {
+        (0..self.groups.len()).map(|g| self.limit(g, tolerance) / self.scale(g)).fold(tolerance, f64::max)
+    }
+
+    /// The largest forces so far, when this iterate is accepted.
+    pub fn accepted(&self) -> Vec<f64> {
+        self.seen.iter().zip(&self.groups).map(|(seen, group)| seen.max(group.force)).collect()
+    }
+
+    /// The residual of a local unknown over its scale.
+    fn worth(&self, k: usize, residual: f64) -> f64 {
+        residual.abs() / self.scale(self.group_of[k] as usize)
+    }
+}
+
+impl Newton<'_> {
+    /// Judges the residuals `r` of an iterate, and names the worst. Collective.
+    pub(super) fn judge(&mut self, r: &[f64]) {
+        let bodies = self.model.bodies.len();
+        for (k, value) in r.iter().enumerate() {
+            let group = self.balance.group_of[k] as usize;
+            if !(bodies..bodies + self.model.pairs.len()).contains(&group) {
+                self.balance.residual(group, value.abs());
+            }
+        }
+        for n in 0..self.model.part.owned {
+            let own = &mut self.balance.groups[self.model.part.body[n] as usize];
+            own.far = own.far.max(self.u[n].amax());
+        }
+        for (p, pair) in self.model.pairs.iter().enumerate() {
+            let group = bodies + p;
+            for slave in &pair.slaves {
+                let x = self.model.part.points[slave.node as usize] + self.u[slave.node as usize];
+                self.balance.residual(group, violation(pair, slave));
+                let own = &mut self.balance.groups[group];
+                let penalty = if pair.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
+                (own.far, own.penalty) = (own.far.max(x.amax()), own.penalty.max(penalty));
+            }
+        }
+        self.share();
+        self.set_limits();
+        let worst = r.iter().enumerate().map(|(k, value)| (k, self.balance.worth(k, *value)));
+        self.worst = worst.fold((0, 0.0), |worst, at| if at.1 > worst.1 { at } else { worst });
+    }
+
+    /// Makes the groups those of all ranks. Collective.
+    fn share(&mut self) {
+        let groups = &mut self.balance.groups;
+        let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
+        let one = |g: &Group| {
+            [g.force, g.element, if g.residual.is_nan() { f64::INFINITY } else { g.residual }, g.far, g.penalty, g.acts]
+        };
+        let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
+        max(self.comm, &mut flat);
+        for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
+            let residual = if broken { f64::INFINITY } else { all[2] };
+            *group = Group { force: all[0], element: all[1], residual, far: all[3], penalty: all[4], acts: all[5] };
+        }
+    }
+
+    /// What rounding leaves of the internal forces of a body, N.
+    fn own_rounding(&self, body: usize) -> f64 {
+        ROUNDING * self.model.bodies[body].stiffness * self.balance.groups[body].far.max(self.model.size)
+    }
+
+    /// What rounding leaves of the residuals of a group, N.
+    pub(super) fn rounding(&self, group: usize) -> f64 {
+        let bodies = self.model.bodies.len();
+        let groups = &self.balance.groups;
+        let of_pair = |p: usize| ROUNDING * groups[bodies + p].penalty * groups[bodies + p].far;
+        let touches =
+            |p: &usize, b: usize| self.model.pairs[*p].body == b || self.model.pairs[*p].master_body == Some(b);
+        let pairs = 0..self.model.pairs.len();
+        if group < bodies {
+            let body = self.own_rounding(group);
+            return pairs.filter(|p| touches(p, group)).map(of_pair).fold(body, f64::max);
+        }
+        if group < bodies + self.model.pairs.len() {
+            return of_pair(group - bodies);
+        }
+        let tool = Master::Tool(group - bodies - self.model.pairs.len());
+        pairs
+            .filter(|p| self.model.pairs[*p].master == tool)
+            .map(|p| self.rounding(self.model.pairs[p].body))
+            .fold(0.0, f64::max)
+    }
+
+    /// The residual that is let through at each contact, N.
+    pub fn limits(&self) -> Vec<f64> {
+        let bodies = self.model.bodies.len();
+        (0..self.model.pairs.len()).map(|p| self.balance.limit(bodies + p, self.tolerance)).collect()
+    }
+
+    fn set_limits(&mut self) {
+        let capped = |g: usize| {
+            let rounding = self.rounding(g);
+            if self.is_strained(g) { rounding.min(CAP * self.balance.actual(g)) } else { rounding }
+        };
+        self.balance.limits = (0..self.balance.groups.len()).map(capped).collect();
+    }
+
+    /// Whether a group is a body that is strained under contacts or loads.
+    fn is_strained(&self, group: usize) -> bool {
+        let is_body = group < self.model.bodies.len();
+        let Group { element, acts, .. } = self.balance.groups[group];
+        is_body && element > STRAINED * self.own_rounding(group) && acts > 0.0
+    }
+
+    /// A body whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal forces
+    /// of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
+    pub fn unresolved(&self, converged: bool) -> Option<String> {
+        let mut sums: Vec<f64> = self.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
+        sum(self.comm, &mut sums);
+        sums.chunks_exact(3).enumerate().filter(|(b, _)| self.is_strained(*b)).find_map(|(b, total)| {
+            let (forces, residual) = (self.balance.actual(b), self.balance.groups[b].residual);
+            let rest = total.iter().fold(0.0f64, |most, t| most.max(t.abs()));
+            let rounds = residual > self.balance.limits[b] && residual <= self.rounding(b);
+            let lost = if rounds { residual } else { rest };
+            (rounds || converged && rest > CAP * forces).then(|| {
+                format!(
+                    "what rounding leaves of the forces of body `{}`, {lost:.1e}, is too much of the {forces:.1e} that act on it: {}",
+                    self.model.bodies[b].name,
+                    if self.rounding(b) > self.own_rounding(b) {
+                        "the `penalty` of its contact is too large"
+                    } else {
+                        "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
+                    }
+                )
+            })
+        })
+    }
+}
+
+/// How far a slave node is from what its contact asks for, N.
+fn violation(pair: &Pair, slave: &Slave) -> f64 {
+    let trial = &slave.trial;
+    if trial.status == Status::Gap || pair.method.holds_multipliers() {
+        return trial.local;
+    }
+    let share = (slave.automatic / slave.law.normal).min(1.0);
+    let gap = trial.projection.map_or(0.0, |p| p.gap.abs());
+    let slip = if trial.status == Status::Stick { trial.slip.norm() } else { 0.0 };
+    let open = if slave.slack > 0.0 { 0.0 } else { slave.automatic * gap.max(slip) };
+    (trial.local * share).max(open)
+}

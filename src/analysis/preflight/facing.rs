@@ -1,0 +1,76 @@
+//! Masters whose normals look away from the slave: tools that are inside out.
+//!
+//! Where a slave and its master are nearest, their normals oppose each other, and the slave is in front of the master, or
+//! a little inside. A slave node that is behind the master, or on it, while both look the same way, would have to go
+//! through its own body to meet it; so would one in front whose elements the master cuts through. When such a node is nearer than every node that faces the master, the master is turned
+//! the wrong way: it is no matter whether it is closed, and how far away. Nodes farther in front that look the same way say
+//! nothing: the upper side of a sheet sees the lower wall of a channel.
+//!
+//! A tool whose nearest faces all stand across the slave's normals is not judged.
+
+use super::master_of;
+use super::sight::Sight;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parallel::{any, max};
+use crate::scene::Contact;
+use mpi::topology::SimpleCommunicator;
+
+/// Cosine between the normals from which both sides look the same way.
+const SAME: f64 = 0.5;
+/// Distance over the facet size that is none: as in [`crate::contact::touching`].
+const TOUCHING: f64 = 1e-4;
+
+/// Refuses contacts whose master looks away. Collective.
+pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model, sights: &[Vec<Sight>]) -> Result<()> {
+    for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
+        // A rank without slave nodes of the pair does not know.
+        if any(comm, pair.within_body || pair.slaves.iter().any(|s| s.mate.is_some())) {
+            continue;
+        }
+        // Least distances, and that of nodes in front that look away, as negative numbers.
+        let mut least = [f64::NEG_INFINITY; 3];
+        for sight in sights {
+            let (Some(normal), Some(gap)) = (sight.nearest.map(|(normal, _)| normal), sight.gap()) else { continue };
+            // Beyond an end of the master nothing tells inside from outside.
+            let known = sight.contact.is_some();
+            let cosine = sight.outward.dot(&normal);
+            let kind = match () {
+                _ if cosine < 0.0 => 0,
+                _ if cosine > SAME && known && gap <= (TOUCHING * pair.facet_size).max(0.5 * sight.depth) => 1,
+                _ if cosine > SAME => 2,
+                _ => continue,
+            };
+            least[kind] = f64::max(least[kind], -gap.abs());
+        }
+        max(comm, &mut least);
+        let [facing, behind, away] = least.map(|l| -l);
+        let master = master_of(contact);
+        if behind.is_finite() && behind < facing - TOUCHING * pair.facet_size {
+            let what = format!(
+                "contact `{}`: {master} looks away from `{}` where they are nearest, {behind:.3e} apart, so that it would \
+                 pass through without a force",
+                contact.name.value, contact.slave.value
+            );
+            return Err(Error::input(&contact.master.at, what, help(contact)));
+        }
+        if !facing.is_finite() && away.is_finite() {
+            model.warnings.push(format!(
+                "contact `{}`: `{}` and {master} look the same way wherever they are near: no slave node faces the \
+                 master; is the slave the right side of the body?",
+                contact.name.value, contact.slave.value
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn help(contact: &Contact) -> &'static str {
+    match contact.surface {
+        None => {
+            "normals of a tool point to the bodies: set `flip` (mesh, CAD, profile), turn `normal` over (plane), or \
+             change `hollow`"
+        }
+        Some(_) => "name the faces of the master that look at the slave, or move the bodies apart",
+    }
+}

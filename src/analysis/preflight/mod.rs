@@ -1,0 +1,109 @@
+//! What is checked before the first increment: models whose results could not be right are refused, suspicious ones are
+//! warned about.
+//!
+//! - `sight`: what every slave node sees of its master, however far away
+//! - `gaps`: the gap or overlap of every contact, and nodes too deep inside to be seen
+//! - `facing`: masters whose normals look away from the slave
+//! - `stuck`: slave nodes that nothing lets give way to a tool that comes
+//! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
+//! - `support`: what holds every body and every force-driven tool, in each step
+//! - `pressed`: bodies that nothing presses against what touches them
+//! - `locking`: elements that are too stiff for their material
+//! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
+//!
+//! What is wrong with the meshes alone is found where they are read: [`crate::model`].
+
+mod facing;
+mod gaps;
+mod locking;
+mod pressed;
+pub mod rigid;
+mod sight;
+mod stuck;
+pub(super) mod support;
+mod units;
+
+use super::conditions::Conditions;
+use crate::Vec3;
+use crate::error::Result;
+use crate::model::Model;
+use crate::parallel::{agree, first_word, max};
+use crate::scene::{Contact, Scene, Step};
+use crate::system::dofs::node_name;
+use mpi::topology::SimpleCommunicator;
+
+/// Checks a model before it is run; warnings are added to the model. Gives a line about the gap of every contact.
+/// Collective; what is found does not depend on the number of ranks.
+///
+/// # Errors
+/// What cannot be right, with its place in the scene, on all ranks.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Vec<String>> {
+    let steps = conditions(comm, scene, model)?;
+    units::offset(comm, scene, model)?;
+    locking::check(comm, scene, model);
+    turns(scene, model);
+    let sights = sight::look(comm, model);
+    let contacts = scene.passes();
+    facing::check(comm, &contacts, model, &sights)?;
+    let lines = gaps::check(comm, &contacts, model, &sights)?;
+    units::sizes(comm, scene, model, &sights);
+    stuck::check(comm, scene, model, &steps)?;
+    support::check(comm, scene, model, (&steps, &sights))?;
+    pressed::check(comm, scene, model, (&steps, &sights))?;
+    Ok(lines)
+}
+
+/// Warns of steps in which tools turn too far for the increments that are asked for.
+fn turns(scene: &Scene, model: &mut Model) {
+    for step in scene.steps.iter().filter(|step| step.sizes().max < step.increment.max) {
+        model.warnings.push(format!(
+            "step `{}`: a tool turns by more than {} degrees an increment; its increments are at most {:.3e} long",
+            step.name.value,
+            Step::TURN,
+            step.sizes().max
+        ));
+    }
+}
+
+/// The conditions of every step, as far as they are known beforehand. Collective.
+///
+/// # Errors
+/// Conditions that contradict each other.
+fn conditions(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<Vec<Conditions>> {
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    let mut steps: Vec<Conditions> = Vec::new();
+    let none = Conditions::none(model);
+    for step in &scene.steps {
+        let next = agree(comm, Conditions::new(comm, model, step, &still, steps.last().unwrap_or(&none)))?;
+        steps.push(next);
+    }
+    Ok(steps)
+}
+
+/// Among nodes of all ranks with a value each, the one with the largest, of several the one with the lowest number, in
+/// words; `None` when there are none. Collective.
+fn worst(comm: &SimpleCommunicator, model: &Model, nodes: &[(u32, f64)]) -> Option<String> {
+    /// Values that differ by less are equal.
+    const EQUAL: f64 = 1e-9;
+    let mut largest = [nodes.iter().map(|(_, value)| *value).fold(f64::NEG_INFINITY, f64::max)];
+    max(comm, &mut largest);
+    let close = |value: f64| value >= largest[0] - EQUAL * largest[0].abs();
+    let order = |n: u32| (f64::from(model.part.body[n as usize]), model.part.id[n as usize] as f64);
+    let best = nodes.iter().filter(|(_, value)| close(*value)).map(|(n, _)| *n);
+    let best = best.min_by(|a, b| order(*a).partial_cmp(&order(*b)).unwrap_or(std::cmp::Ordering::Equal));
+    let mut lowest = [best.map_or(f64::NEG_INFINITY, |n| -order(n).0)];
+    max(comm, &mut lowest);
+    let best = best.filter(|n| -order(*n).0 == lowest[0]);
+    let mut lowest = [best.map_or(f64::NEG_INFINITY, |n| -order(n).1)];
+    max(comm, &mut lowest);
+    let best = best.filter(|n| -order(*n).1 == lowest[0]);
+    first_word(comm, best.map(|n| node_name(model, n)))
+}
+
+/// The master of a contact in words.
+fn master_of(contact: &Contact) -> String {
+    match contact.surface {
+        None => format!("the tool `{}`", contact.master.value),
+        Some(_) => format!("`{}`", contact.master.value),
+    }
+}

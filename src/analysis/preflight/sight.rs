@@ -1,0 +1,169 @@
+//! What every slave node sees of its master where it stands, however far away that is.
+//!
+//! The search widens by a factor until every node has found something, each time for those only that have found nothing.
+//! So a rank holds no more of a master than lies between its farthest nodes and what is nearest to these; and that is
+//! given back at the end.
+
+use crate::Vec3;
+use crate::contact::{BodySurface, Master, Pair, Tool, follow_all, watch_all};
+use crate::model::Model;
+use crate::parallel::any;
+use crate::partition::Part;
+use crate::surface::Projection;
+use crate::tool::shape::side_normal;
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
+
+/// How much farther the search goes when nothing is found.
+const WIDER: f64 = 4.0;
+/// Widenings after which there is nothing: far beyond what numbers can tell.
+const MOST: usize = 100;
+
+/// What a slave node sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sight {
+    /// Outward unit normal of the slave faces around it; zero where they cancel.
+    pub outward: Vec3,
+    /// How far the elements around it reach into the body from there, the least of them.
+    pub depth: f64,
+    /// Where it would meet the master, as in the run, but without a limit to the distance; `None` beyond an end of it.
+    pub contact: Option<Projection>,
+    /// Normal of the master where it is nearest, ends included, of the face there that is the most along the node's own;
+    /// and the distance. `None` where both are on one body.
+    pub nearest: Option<(Vec3, f64)>,
+}
+
+impl Sight {
+    /// Normal of the master.
+    pub fn normal(&self) -> Option<Vec3> {
+        self.contact.map(|p| p.normal).or(self.nearest.map(|(normal, _)| normal))
+    }
+
+    /// Distance from the master, below zero inside.
+    pub fn gap(&self) -> Option<f64> {
+        self.contact.map(|p| p.gap).or(self.nearest.map(|(_, distance)| distance))
+    }
+}
+
+/// For each pair what its slave nodes see. Collective.
+pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Sight>> {
+    let own: Vec<Vec<Sight>> = model.pairs.iter().map(|pair| own_side(&model.part, pair)).collect();
+    let Model { part, tools, surfaces, pairs, .. } = model;
+    let place = |n: u32| part.points[n as usize];
+    // Those within a body look as in the run: only what looks back at them counts.
+    follow_all(comm, surfaces, pairs, place);
+    let mut seen = Vec::new();
+    for (pair, mut sights) in pairs.iter().zip(own) {
+        let fixed = pair.within_body || pair.slaves.iter().any(|s| s.mate.is_some());
+        match pair.master {
+            Master::Surface(k) if any(comm, fixed) => {
+                for (s, sight) in sights.iter_mut().enumerate() {
+                    sight.contact = pair.project(&surfaces[k], s, &place(pair.slaves[s].node), None);
+                }
+            }
+            Master::Surface(k) => {
+                let fetches = surfaces[k].fetches;
+                widen(comm, pair, place, &mut sights, |points, own, reach| {
+                    surfaces[k].follow(comm, points, reach, &BTreeSet::new(), place);
+                    of_surface(&surfaces[k], points, own, reach)
+                });
+                surfaces[k].forget();
+                surfaces[k].fetches = fetches;
+            }
+            Master::Tool(t) => {
+                widen(comm, pair, place, &mut sights, |points, own, reach| {
+                    of_tool(comm, &mut tools[t], points, own, reach)
+                });
+                tools[t].surface.forget();
+            }
+        }
+        seen.push(sights);
+    }
+    // As they were found.
+    let fetches: Vec<usize> = surfaces.iter().map(|s| s.fetches).collect();
+    watch_all(comm, tools, pairs, place);
+    follow_all(comm, surfaces, pairs, place);
+    surfaces.iter_mut().zip(fetches).for_each(|(surface, fetches)| surface.fetches = fetches);
+    seen
+}
+
+/// Asks `find` for the nodes that have found nothing, farther and farther; it gets their places, what is known of them, and the
+/// reach. Collective.
+fn widen(
+    comm: &SimpleCommunicator,
+    pair: &Pair,
+    place: impl Fn(u32) -> Vec3,
+    sights: &mut [Sight],
+    mut find: impl FnMut(&[Vec3], &[Sight], f64) -> Vec<Option<Sight>>,
+) {
+    let mut open: Vec<usize> = (0..sights.len()).collect();
+    let mut reach = pair.reach;
+    for _ in 0..MOST {
+        if !any(comm, !open.is_empty()) {
+            return;
+        }
+        let points: Vec<Vec3> = open.iter().map(|&s| place(pair.slaves[s].node)).collect();
+        let own: Vec<Sight> = open.iter().map(|&s| sights[s]).collect();
+        let found = find(&points, &own, reach);
+        let mut rest = Vec::new();
+        for (&s, found) in open.iter().zip(found) {
+            match found {
+                Some(sight) => sights[s] = sight,
+                None => rest.push(s),
+            }
+        }
+        open = rest;
+        reach *= WIDER;
+    }
+}
+
+/// What points see of a tool where it stands, within a reach. Collective.
+fn of_tool(
+    comm: &SimpleCommunicator,
+    tool: &mut Tool,
+    points: &[Vec3],
+    own: &[Sight],
+    reach: f64,
+) -> Vec<Option<Sight>> {
+    let surface = &mut tool.surface;
+    surface.watch(comm, points, reach);
+    let sight = |(x, own): (&Vec3, &Sight)| {
+        surface.near().nearest(x, reach)?;
+        let (contact, nearest) = (surface.project(x, reach, None), surface.near().side_normal(x, &own.outward));
+        Some(Sight { contact, nearest, ..*own })
+    };
+    points.iter().zip(own).map(sight).collect()
+}
+
+/// The same of a deformable master that follows these points.
+fn of_surface(surface: &BodySurface, points: &[Vec3], own: &[Sight], reach: f64) -> Vec<Option<Sight>> {
+    let shapes = surface.shapes();
+    let sight = |(x, own): (&Vec3, &Sight)| {
+        shapes.nearest_within(x, reach)?;
+        let (contact, nearest) = (shapes.closest(x, reach, None), side_normal(shapes, x, &own.outward));
+        Some(Sight { contact, nearest, ..*own })
+    };
+    points.iter().zip(own).map(sight).collect()
+}
+
+/// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
+fn own_side(part: &Part, pair: &Pair) -> Vec<Sight> {
+    let mut sums = vec![Vec3::zeros(); part.points.len()];
+    for facet in &part.sets[pair.set].facets {
+        let nodes = &facet.nodes[..facet.count as usize];
+        let at = |k: usize| part.points[nodes[k % nodes.len()] as usize];
+        let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
+        nodes.iter().for_each(|&n| sums[part.tie[n as usize] as usize] += area);
+    }
+    sums.iter_mut().for_each(|sum| *sum = sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default());
+    let mut depths = vec![f64::INFINITY; part.points.len()];
+    for solid in &part.solids {
+        for &n in solid.nodes() {
+            let n = part.tie[n as usize] as usize;
+            let below = |m: &u32| (part.points[n] - part.points[*m as usize]).dot(&sums[n]);
+            depths[n] = depths[n].min(solid.nodes().iter().map(below).fold(0.0, f64::max));
+        }
+    }
+    let sight = |n: usize| Sight { outward: sums[n], depth: depths[n], ..Sight::default() };
+    pair.slaves.iter().map(|s| sight(s.node as usize)).collect()
+}

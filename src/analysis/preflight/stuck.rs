@@ -1,0 +1,112 @@
+//! Slave nodes that cannot give way to a tool: those whose supports hold or move them along every direction that the
+//! tool's normal has, against a tool that no force drives there. No contact force acts on them, whatever their gap; in the
+//! gap that is right, inside the tool it is not.
+//!
+//! Motions of such nodes and tools are known beforehand, as far as no force or equilibrium has had a part in them; where
+//! one had, nothing is said here. They are looked at in [`LOOKS`] places of each step.
+
+use super::super::conditions::Conditions;
+use super::worst;
+use crate::Vec3;
+use crate::contact::{Master, Pair, Pose};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parallel::{any, max};
+use crate::scene::Scene;
+use mpi::topology::SimpleCommunicator;
+
+/// Fractions of a step that are looked at, evenly.
+const LOOKS: usize = 8;
+/// Depth over the size of a slave facet that counts: well above what smoothed surfaces differ from exact ones.
+const DEPTH: f64 = 1e-3;
+/// Components of a normal below this are none, as in [`crate::contact::law::Guide::gives_way`].
+const ACROSS: f64 = 1e-6;
+
+/// Refuses scenes in which such a node comes to be inside its tool. Collective.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) -> Result<()> {
+    let contacts = scene.passes();
+    // How far each direction of each owned node has moved, NaN where equilibrium has decided; and where tools are.
+    let mut moved = vec![Vec3::zeros(); model.part.owned];
+    let mut poses: Vec<Option<Pose>> = model.tools.iter().map(|tool| Some(tool.committed)).collect();
+    let mut found = Ok(());
+    for (step, conditions) in scene.steps.iter().zip(steps) {
+        let before = moved.clone();
+        for (n, u) in moved.iter_mut().enumerate() {
+            (0..3).for_each(|d| u[d] += conditions.prescribed[3 * n + d].map_or(f64::NAN, |(_, by)| by));
+        }
+        for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
+            *pose = pose.filter(|_| motion.free == [false; 3]);
+        }
+        for (pair, contact) in model.pairs.iter().zip(&contacts) {
+            let Master::Tool(t) = pair.master else { continue };
+            let Some(start) = poses[t] else { continue };
+            let watched: Vec<usize> = (0..pair.slaves.len()).filter(|&s| is_held(pair, s, conditions)).collect();
+            if !any(comm, !watched.is_empty()) {
+                continue;
+            }
+            let motion = &conditions.motions[t];
+            let tool = &mut model.tools[t];
+            let mut deep: Vec<(u32, f64)> = Vec::new();
+            for look in 0..=LOOKS {
+                let s = look as f64 / LOOKS as f64;
+                tool.trial = start.moved(&motion.by, motion.rotation.as_ref(), s);
+                let place = |k: usize| {
+                    let n = pair.slaves[k].node as usize;
+                    let u = before[n] + (moved[n] - before[n]) * s;
+                    (model.part.points[n] + u.map(|u| if u.is_nan() { 0.0 } else { u }), u)
+                };
+                let points: Vec<Vec3> = watched.iter().map(|&k| tool.trial.inward(&place(k).0)).collect();
+                // As deep as a look may find it for the first time.
+                let mut reach = [watched
+                    .iter()
+                    .map(|&k| {
+                        (moved[pair.slaves[k].node as usize] - before[pair.slaves[k].node as usize])
+                            .map(|u| if u.is_nan() { 0.0 } else { u })
+                            .norm()
+                    })
+                    .fold(0.0, f64::max)];
+                max(comm, &mut reach);
+                let reach = pair.reach + (reach[0] + motion.by.norm()) / LOOKS as f64;
+                tool.surface.watch(comm, &points, reach);
+                for &k in &watched {
+                    let (x, u) = place(k);
+                    let Some(p) = tool.project(&x, reach, None) else { continue };
+                    let held =
+                        (0..3).all(|d| p.normal[d].abs() <= ACROSS || is_set(pair, k, conditions, d) && !u[d].is_nan());
+                    if held && p.gap < -DEPTH * pair.facet_size {
+                        deep.push((pair.slaves[k].node, -p.gap));
+                    }
+                }
+            }
+            tool.trial = tool.committed;
+            tool.surface.forget();
+            let mut depth = [deep.iter().map(|(_, depth)| *depth).fold(0.0, f64::max)];
+            max(comm, &mut depth);
+            if let Some(node) = worst(comm, model, &deep) {
+                let what = format!(
+                    "step `{}`: node {node}, a slave node of contact `{}`, comes to be {:.3e} inside the tool `{}`, and \
+                     supports keep it from giving way: no force would act on it",
+                    step.name.value, contact.name.value, depth[0], contact.master.value
+                );
+                let help = "take it out of `fix` or `move` along the tool's normal, or out of the slave's faces";
+                found = Err(Error::input(&step.name.at, what, help));
+                break;
+            }
+        }
+        found.clone()?;
+        for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
+            *pose = pose.map(|pose| pose.moved(&motion.by, motion.rotation.as_ref(), 1.0));
+        }
+    }
+    found
+}
+
+/// Whether a support sets where slave node `s` of a pair is along a direction.
+fn is_set(pair: &Pair, s: usize, conditions: &Conditions, d: usize) -> bool {
+    conditions.prescribed[3 * pair.slaves[s].node as usize + d].is_some()
+}
+
+/// Whether a slave node is held at all.
+fn is_held(pair: &Pair, s: usize, conditions: &Conditions) -> bool {
+    (0..3).any(|d| is_set(pair, s, conditions, d))
+}

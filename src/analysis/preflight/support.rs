@@ -1,0 +1,185 @@
+//! What holds every body and every force-driven tool, in each step: supports, and contacts.
+//!
+//! A motion that neither the supports of a step nor any of its contacts could hold, even if all slave nodes touched, has no
+//! equilibrium that is the only one: it is refused, with or without a load along it. There is no exception for motions
+//! that seem harmless, such as a frictionless ring that turns in its bore: where it ends would be a matter of rounding.
+//!
+//! The first step begins with nothing but supports and what touches: nodes within 1e-4 of a facet, and those that
+//! a tool or body reaches by its prescribed motion in the first increment. What is free to translate then is refused, too;
+//! what is free to turn is warned about, since a curved body that touches at a point may settle. Contacts hold both ways
+//! here: whether a body is pressed on or pulled off is not asked.
+//!
+//! With friction a contact that touches sticks. A force-driven tool counts as held then: the solver takes it over a gap to
+//! where it meets something.
+
+use super::super::conditions::Conditions;
+use super::rigid::{Free, RigidMotions, Side, sides};
+use super::sight::Sight;
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parallel::{max, sum};
+use crate::scene::{Scene, Step};
+use mpi::topology::SimpleCommunicator;
+
+/// Gap over the facet size that is none, as in [`crate::contact::touching`].
+const TOUCHING: f64 = 1e-4;
+
+/// Refuses what nothing holds. Collective.
+pub fn check(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    model: &mut Model,
+    (steps, sights): (&[Conditions], &[Vec<Sight>]),
+) -> Result<()> {
+    let sides = sides(model, scene);
+    let mut warnings = Vec::new();
+    for (k, (step, conditions)) in scene.steps.iter().zip(steps).enumerate() {
+        let driven: Vec<[bool; 3]> = conditions.motions.iter().map(|m| m.free).collect();
+        let still = |n: usize| model.part.points[n];
+        let mut held = supported(comm, model, conditions, &driven, still);
+        for (p, pair) in model.pairs.iter().enumerate() {
+            let state = |s: usize| {
+                Some((model.part.points[pair.slaves[s].node as usize], sights[p][s].normal()?, pair.friction > 0.0))
+            };
+            held.touch_pair(pair, sides[p], state);
+        }
+        let free = held.free(comm);
+        if !free.is_empty() {
+            return Err(loose(scene, model, step, &free, k));
+        }
+        if k > 0 {
+            continue;
+        }
+        let first = step.sizes().initial / step.duration;
+        let drifts = drifts(comm, model, conditions);
+        let mut touched = supported(comm, model, conditions, &vec![[false; 3]; model.tools.len()], still);
+        for (p, pair) in model.pairs.iter().enumerate() {
+            let (body, side) = sides[p];
+            let state = |s: usize| {
+                let x = model.part.points[pair.slaves[s].node as usize];
+                let at = sights[p][s].contact?;
+                let master = match side {
+                    Side::Body(other) => drifts[other] * first,
+                    Side::Tool(t) => {
+                        let motion = &conditions.motions[t];
+                        model.tools[t].committed.moved(&motion.by, motion.rotation.as_ref(), first).outward(&at.point)
+                            - at.point
+                    }
+                };
+                let comes = at.normal.dot(&(drifts[body] * first - master)).min(0.0);
+                (at.gap + comes <= TOUCHING * pair.facet_size).then_some((x, at.normal, pair.friction > 0.0))
+            };
+            touched.touch_pair(pair, sides[p], state);
+        }
+        let free = touched.free(comm);
+        if free.iter().any(|free| !free.along.is_empty()) {
+            return Err(apart(comm, (scene, model), (step, conditions), sights, &free));
+        }
+        warnings.extend(free.iter().map(|free| {
+            format!(
+                "step `{}` begins with {} free to {}: what touches does not hold it; `fix` it if the run fails",
+                step.name.value,
+                free.who,
+                free.motion()
+            )
+        }));
+    }
+    model.warnings.extend(warnings);
+    Ok(())
+}
+
+/// The supports of a step, with tools that are free along some directions, and nodes where `place` has them. Collective.
+pub fn supported(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    conditions: &Conditions,
+    free: &[[bool; 3]],
+    place: impl Fn(usize) -> Vec3,
+) -> RigidMotions {
+    let mut motions = RigidMotions::new(comm, model, free);
+    for n in 0..model.part.owned {
+        for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_some()) {
+            motions.hold(model.part.body[n] as usize, &place(n), &Vec3::ith(d, 1.0));
+        }
+    }
+    motions
+}
+
+/// How far the supports of a step move each body: along each direction the farthest that they move a node. Collective.
+fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions) -> Vec<Vec3> {
+    let mut ends = vec![0.0f64; 6 * model.bodies.len()];
+    for n in 0..model.part.owned {
+        let own = &mut ends[6 * model.part.body[n] as usize..];
+        for d in 0..3 {
+            let by = conditions.prescribed[3 * n + d].map_or(0.0, |(_, by)| by);
+            (own[d], own[3 + d]) = (own[d].max(by), own[3 + d].max(-by));
+        }
+    }
+    max(comm, &mut ends);
+    let farther = |up: f64, down: f64| if up >= down { up } else { -down };
+    ends.chunks_exact(6).map(|e| Vec3::new(farther(e[0], e[3]), farther(e[1], e[4]), farther(e[2], e[5]))).collect()
+}
+
+/// What is free even if all contacts touch.
+fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> Error {
+    let what = format!("step `{}`: {}: no support and no contact could hold that", step.name.value, told(free));
+    let lists = |fix: &crate::scene::Fix| step.fix.iter().any(|own| own.set.value == fix.set.value);
+    let dropped = k > 0 && !scene.steps[k - 1].fix.iter().all(lists);
+    let forgotten = if dropped { "; a step holds only what it lists: repeat the `fix` of the step before" } else { "" };
+    if free.iter().all(|f| f.is_tool) {
+        return Error::input(
+            &step.name.at,
+            what,
+            "let its force act only where it can meet a body, and `move` it otherwise",
+        );
+    }
+    let smooth = model.pairs.iter().any(|p| p.friction == 0.0);
+    let friction = if smooth { ", or give its contact friction" } else { "" };
+    let turns = free.iter().all(|f| f.along.is_empty());
+    let turned = if turns { "; one node held off the axis keeps a body from turning" } else { "" };
+    Error::input(&step.name.at, what, format!("`fix` it in these directions{friction}{turned}{forgotten}"))
+}
+
+/// What is free as long as nothing more touches than at the start. Collective.
+fn apart(
+    comm: &SimpleCommunicator,
+    (scene, model): (&Scene, &Model),
+    (step, conditions): (&Step, &Conditions),
+    sights: &[Vec<Sight>],
+    free: &[Free],
+) -> Error {
+    let sides = sides(model, scene);
+    let mut nearest = Vec::new();
+    for (p, pair) in model.pairs.iter().enumerate() {
+        let mut least = [sights[p].iter().filter_map(Sight::gap).map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max)];
+        max(comm, &mut least);
+        let concerned = |f: &Free| f.index == sides[p].0 || sides[p].1 == Side::Body(f.index);
+        if free.iter().any(concerned) && -least[0] > TOUCHING * pair.facet_size {
+            nearest.push(format!("`{}` begins with a gap of {:.3e}", pair.name, -least[0]));
+        }
+    }
+    let gaps = if nearest.is_empty() { String::new() } else { format!(" (contact {})", nearest.join(", ")) };
+    let pushed = if is_loaded(comm, conditions) { ", and a load acts" } else { "" };
+    let what = format!(
+        "step `{}`: {}: what touches at the start does not hold that{gaps}{pushed}: there is no equilibrium",
+        step.name.value,
+        told(free)
+    );
+    let help = "let the meshes touch, or `fix` or `move` it in these directions in a first step that closes the gap";
+    Error::input(&step.name.at, what, help)
+}
+
+/// Whether some load acts. Collective.
+fn is_loaded(comm: &SimpleCommunicator, conditions: &Conditions) -> bool {
+    let mut loads = [conditions.loads.iter().filter(|l| l.to != Vec3::zeros()).count() as f64];
+    sum(comm, &mut loads);
+    loads[0] > 0.0
+        || conditions.pressures.values().any(|p| p.to != 0.0)
+        || conditions.tool_forces.iter().any(|f| f.to != Vec3::zeros())
+}
+
+fn told(free: &[Free]) -> String {
+    let each: Vec<String> = free.iter().map(|free| format!("{} can {}", free.who, free.motion())).collect();
+    each.join("; ")
+}

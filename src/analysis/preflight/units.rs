@@ -1,0 +1,109 @@
+//! Sizes that hint at mixed units, and coordinates too far from the origin for their rounding to be small.
+
+use super::sight::Sight;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parallel::max;
+use crate::partition::Bounds;
+use crate::partition::parcels::{bounds, hull};
+use crate::scene::Scene;
+use mpi::topology::SimpleCommunicator;
+
+/// Ratio of sizes that is hardly meant: a unit and its thousandth.
+const UNLIKE: f64 = 900.0;
+/// Gap over the size of the body, from which it is hardly meant.
+const FAR: f64 = 10.0;
+/// Largest coordinate over the shortest edge of a body that is farther from the origin than it is long. Coordinates are
+/// rounded to 1.1e-16 of themselves, strains to that times this ratio. Measured on a sphere on a block: at 1e3 forces are
+/// right to 1e-8 for strains of 1e-5; at 1e5 they are 2 % off for strains of 1e-3.
+const OFFSET: f64 = 3e4;
+/// The same that is worth a word.
+const APART: f64 = 3e3;
+/// Strain that is right to 1e-5, over the ratio.
+const ROUNDED: f64 = 1e5 * f64::EPSILON;
+
+/// The box of each body. Collective.
+fn boxes(comm: &SimpleCommunicator, model: &Model) -> Vec<Bounds> {
+    let part = &model.part;
+    let of = |b: usize| bounds((0..part.owned).filter(|&n| part.body[n] as usize == b).map(|n| part.points[n]));
+    (0..model.bodies.len()).map(|b| hull(comm, of(b)).unwrap_or_default()).collect()
+}
+
+/// Refuses bodies too far from the origin, and warns of those on the way there. Collective.
+pub fn offset(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<()> {
+    let part = &model.part;
+    // The shortest edges, as negative numbers.
+    let mut edges = vec![f64::NEG_INFINITY; model.bodies.len()];
+    for solid in &part.solids {
+        let nodes = solid.nodes();
+        let edge = &mut edges[solid.body as usize];
+        for (i, a) in nodes.iter().enumerate() {
+            for b in &nodes[..i] {
+                *edge = edge.max(-(part.points[*a as usize] - part.points[*b as usize]).norm());
+            }
+        }
+    }
+    max(comm, &mut edges);
+    for ((body, (low, high)), edge) in scene.bodies.iter().zip(boxes(comm, model)).zip(edges) {
+        let far = low.amax().max(high.amax());
+        let ratio = far / -edge;
+        if ratio <= APART || far <= (high - low).norm() {
+            continue;
+        }
+        let what = format!(
+            "body `{}` is {far:.3e} from the origin, {ratio:.1e} times its shortest edge ({:.3e}): coordinates are rounded \
+             there, and strains below {:.0e} are lost",
+            body.name.value,
+            -edge,
+            ROUNDED * ratio
+        );
+        let help = "move all bodies and tools of the scene towards the origin";
+        if ratio > OFFSET {
+            return Err(Error::input(&body.name.at, what, help));
+        }
+        model.warnings.push(format!("{what}; {help}"));
+    }
+    Ok(())
+}
+
+/// Warns of sizes and distances that hint at mixed units. Collective.
+pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights: &[Vec<Sight>]) {
+    let boxes = boxes(comm, model);
+    let diagonals: Vec<f64> = boxes.iter().map(|(low, high)| (high - low).norm()).collect();
+    let mut told = Vec::new();
+    let mut compare = |a: (String, f64), b: (String, f64)| {
+        if a.1 > UNLIKE * b.1 || b.1 > UNLIKE * a.1 {
+            told.push(format!("{} is {:.3e} long and {} {:.3e}: are they in one unit of length?", a.0, a.1, b.0, b.1));
+        }
+    };
+    let named = |b: usize| (format!("body `{}`", model.bodies[b].name), diagonals[b]);
+    (1..diagonals.len()).for_each(|b| compare(named(0), named(b)));
+    for tool in &model.tools {
+        let Some((low, high)) = tool.surface.bounds(comm) else { continue };
+        compare(named(0), (format!("tool `{}`", tool.name), (high - low).norm()));
+    }
+    for (pair, sights) in model.pairs.iter().zip(sights) {
+        let mut least = [sights.iter().filter_map(Sight::gap).map(|g| -g.abs()).fold(f64::NEG_INFINITY, f64::max)];
+        max(comm, &mut least);
+        let largest = diagonals.iter().copied().fold(0.0, f64::max);
+        if (-least[0]).is_finite() && -least[0] > FAR * largest {
+            told.push(format!(
+                "contact `{}`: the master is {:.3e} away, {:.0} times the size of the bodies: are they in one unit of \
+                 length?",
+                pair.name,
+                -least[0],
+                -least[0] / largest
+            ));
+        }
+    }
+    for step in &scene.steps {
+        for motion in step.moves.iter().filter(|m| m.by.norm() > UNLIKE * diagonals.iter().sum::<f64>()) {
+            let (target, by) = (&motion.target.value, motion.by.norm());
+            told.push(format!(
+                "step `{}` moves `{target}` by {by:.3e}, much more than the bodies are long",
+                step.name.value
+            ));
+        }
+    }
+    model.warnings.extend(told);
+}

@@ -1,0 +1,293 @@
+//! The watch over increments: whether a converged one may become the state, and what is to be said at the end of a run.
+//!
+//! What a node may do is in [`crate::contact::watch`]; here all nodes of all ranks are looked at, with a reach that follows
+//! from how far they and the masters have moved.
+
+use super::Analysis;
+use super::ladder::Cause;
+use super::newton::relative_travel;
+use super::step::{Attempt, Converged};
+use crate::Vec3;
+use crate::contact::watch::{self, Allowance, Finding, Ground, Seen, Start};
+use crate::contact::{Master, Pair, Sight};
+use crate::model::Model;
+use crate::output::phases::Phase;
+use crate::parallel::{first_word, max, sum};
+use crate::partition::parcels::bounds;
+use crate::scene::Enforcement;
+use crate::system::dofs::node_name;
+use mpi::topology::SimpleCommunicator;
+use std::time::Instant;
+
+/// How far the watch looks, over the size of the slave facets and over how far a node has moved against the master: a way
+/// is seen from its end, with all that is as near to it as half its length.
+const AROUND: f64 = 2.0;
+const FARTHER: f64 = 1.5;
+
+/// What rounds of Uzawa's method may leave of a penetration, times the largest stiffness over the largest residual.
+const UZAWA: f64 = 100.0;
+
+/// What a contact did until now.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Touch {
+    /// Time of the last increment in which a node touched, if there was one.
+    until: Option<f64>,
+    /// It touches now.
+    now: bool,
+    /// Force of the master on the slave then.
+    force: Vec3,
+    /// Middle of the nodes that touched then, in space and on the tool.
+    middle: Vec3,
+    on_tool: Vec3,
+}
+
+/// Where all is at an increment's beginning and end.
+struct Motion<'a> {
+    before: &'a [Vec3],
+    after: &'a [Vec3],
+    /// Residual that is let through at each contact, N.
+    residuals: &'a [f64],
+}
+
+impl Analysis<'_> {
+    /// The first look, before anything moves. Collective.
+    pub(super) fn begin_watch(&mut self) {
+        let still = self.state.u.clone();
+        let motion = Motion { before: &still, after: &still, residuals: &[] };
+        let travels = look_out(self.comm, &mut self.model, &motion);
+        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        for (pair, travel) in pairs.iter_mut().zip(travels) {
+            let first = |s: usize| {
+                let x = part.points[pair.slaves[s].node as usize];
+                let may = allowance(pair, 0.0, travel);
+                match pair.master {
+                    Master::Tool(t) => {
+                        watch::first_sight(&Ground::Tool(&tools[t].surface), &tools[t].trial.inward(&x), &may)
+                    }
+                    Master::Surface(k) => watch::first_sight(&Ground::Body(&surfaces[k], pair, s), &x, &may),
+                }
+            };
+            let sights: Vec<Sight> = (0..pair.slaves.len()).map(first).collect();
+            pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
+        }
+        self.touches = vec![Touch::default(); self.model.pairs.len()];
+    }
+
+    /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
+    pub(super) fn watched(&mut self, attempt: Attempt) -> Attempt {
+        let Attempt::Converged(converged) = attempt else { return attempt };
+        let begun = Instant::now();
+        let reason = self.finding(&converged);
+        self.phases.add(Phase::Search, begun.elapsed());
+        match reason {
+            None => Attempt::Converged(converged),
+            Some(reason) => Attempt::Failed(converged.refused(Cause::Watch, reason)),
+        }
+    }
+
+    /// The worst that some node did, in words. Collective.
+    fn finding(&mut self, converged: &Converged) -> Option<String> {
+        let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits };
+        let travels = look_out(self.comm, &mut self.model, &motion);
+        let mut worst = [0.0];
+        let mut told = None;
+        for (p, travel) in travels.into_iter().enumerate() {
+            let sights = judge_pair(self.comm, &self.model, p, travel, &motion);
+            for (s, (sight, finding)) in sights.into_iter().enumerate() {
+                self.model.pairs[p].slaves[s].sighted = sight;
+                if let Some(finding) = finding.filter(|finding| finding.size() > worst[0]) {
+                    (worst[0], told) = (finding.size(), Some((p, s, finding)));
+                }
+            }
+        }
+        let here = worst[0];
+        max(self.comm, &mut worst);
+        let told = told.filter(|_| here == worst[0]);
+        first_word(self.comm, told.map(|(p, s, finding)| self.word(p, s, finding)))
+    }
+
+    fn word(&self, p: usize, s: usize, finding: Finding) -> String {
+        let pair = &self.model.pairs[p];
+        let node = node_name(&self.model, pair.slaves[s].node);
+        let master = self.master_name(pair);
+        let did = match finding {
+            Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
+            Finding::Through(_) => format!("went through {master}"),
+        };
+        format!("node {node} {did} (contact `{}`)", pair.name)
+    }
+
+    fn master_name(&self, pair: &Pair) -> String {
+        match pair.master {
+            Master::Tool(t) => format!("the tool `{}`", self.model.tools[t].name),
+            Master::Surface(k) => format!("`{}`", self.model.surfaces[k].name),
+        }
+    }
+
+    /// Notes which contacts touch in an increment that was accepted. Collective.
+    pub(super) fn note_touches(&mut self) {
+        const EACH: usize = 7;
+        let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
+        for pair in &self.model.pairs {
+            let (mut count, mut force, mut middle) = (0.0, Vec3::zeros(), Vec3::zeros());
+            for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
+                let node = slave.node as usize;
+                count += 1.0;
+                force -= slave.accepted.force;
+                middle += self.model.part.points[node] + self.state.u[node];
+            }
+            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z]);
+        }
+        sum(self.comm, &mut sums);
+        for ((touch, pair), sums) in self.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
+            touch.now = sums[0] > 0.0;
+            if touch.now {
+                touch.until = Some(self.state.time);
+                touch.force = Vec3::from_column_slice(&sums[1..4]);
+                touch.middle = Vec3::from_column_slice(&sums[4..]) / sums[0];
+                if let Master::Tool(t) = pair.master {
+                    touch.on_tool = self.model.tools[t].committed.inward(&touch.middle);
+                }
+            }
+        }
+    }
+
+    /// At the end of a run: contacts that never touched, and those that no longer do, though nothing took the tool away.
+    /// Collective.
+    pub(super) fn warn_of_contacts(&mut self) {
+        let mut warnings = Vec::new();
+        let mut inside: Vec<f64> = (self.model.pairs.iter())
+            .map(|p| p.slaves.iter().filter(|s| s.sight.side == watch::Side::Inside).count() as f64)
+            .collect();
+        sum(self.comm, &mut inside);
+        for (p, pair) in self.model.pairs.iter().enumerate() {
+            let (name, master) = (&pair.name, self.master_name(pair));
+            if inside[p] > 0.0 {
+                warnings
+                    .push(format!("contact `{name}`: {} nodes that began inside {master} are still there", inside[p]));
+            }
+            let touch = &self.touches[p];
+            let other = pair.other.map(|other| self.touches[other]);
+            if pair.is_second || touch.now || other.is_some_and(|o| o.now) {
+                continue;
+            }
+            let until = [touch.until, other.and_then(|o| o.until)].into_iter().flatten().reduce(f64::max);
+            match until {
+                None => warnings.push(format!("contact `{name}`: no node has ever touched {master}")),
+                Some(_) if self.was_taken_away(pair, touch) => {}
+                Some(time) => {
+                    warnings.push(format!("contact `{name}`: nothing touches {master} any more since time {time:.6}"));
+                }
+            }
+        }
+        for warning in warnings {
+            self.log.line(&format!("  warning: {warning}"));
+            self.summary.warnings.push(warning);
+        }
+    }
+
+    /// Whether the tool has moved away from where it touched, against its force.
+    fn was_taken_away(&self, pair: &Pair, touch: &Touch) -> bool {
+        let Master::Tool(t) = pair.master else { return false };
+        let way = self.model.tools[t].committed.outward(&touch.on_tool) - touch.middle;
+        way.dot(&touch.force) < 0.0
+    }
+}
+
+/// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its
+/// nodes have gone against the master, at most. Collective.
+fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Vec<f64> {
+    let Model { part, tools, surfaces, pairs, .. } = model;
+    let before = |n: u32| part.points[n as usize] + motion.before[n as usize];
+    let after = |n: u32| part.points[n as usize] + motion.after[n as usize];
+    let mut travels = vec![0.0; pairs.len()];
+    for (t, tool) in tools.iter_mut().enumerate() {
+        let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
+        let nodes = || of_tool().flat_map(|pair| &pair.slaves).map(|slave| slave.node);
+        let poses = watch::turning(&tool.committed, &tool.trial);
+        let way = |n: u32| match poses.is_empty() {
+            true => (tool.trial.inward(&after(n)) - tool.committed.inward(&before(n))).norm(),
+            false => {
+                watch::way_past(&poses, &before(n), &after(n)).windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
+            }
+        };
+        let mut longest = [nodes().map(way).fold(0.0, f64::max)];
+        max(comm, &mut longest);
+        let points: Vec<Vec3> = nodes().map(|n| tool.trial.inward(&after(n))).collect();
+        let facet_size = of_tool().map(|pair| pair.facet_size).fold(0.0, f64::max);
+        tool.surface.watch(comm, &points, reach(facet_size, longest[0]));
+        pairs.iter().zip(&mut travels).filter(|(p, _)| p.master == Master::Tool(t)).for_each(|(_, t)| *t = longest[0]);
+    }
+    for (pair, travel) in pairs.iter().zip(&mut travels) {
+        let Master::Surface(k) = pair.master else { continue };
+        let slaves = bounds(pair.slaves.iter().map(|s| after(s.node) - before(s.node)));
+        let masters = surfaces[k].travel(before, after);
+        *travel = relative_travel(comm, slaves, masters);
+        surfaces[k].follow_pair(comm, pair, reach(pair.facet_size, *travel), after);
+    }
+    travels
+}
+
+/// How far to look around nodes that have gone so far.
+fn reach(facet_size: f64, travel: f64) -> f64 {
+    AROUND * facet_size + FARTHER * travel
+}
+
+fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance {
+    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair.facet_size, travel) }
+}
+
+/// Judges the slave nodes of a pair, of which none has gone farther than `travel`. Collective.
+fn judge_pair(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    p: usize,
+    travel: f64,
+    motion: &Motion,
+) -> Vec<(Sight, Option<Finding>)> {
+    let (part, pair) = (&model.part, &model.pairs[p]);
+    let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
+    let (mut masters, mut poses) = (Vec::new(), Vec::new());
+    match pair.master {
+        Master::Tool(t) => poses = watch::turning(&model.tools[t].committed, &model.tools[t].trial),
+        Master::Surface(k) => masters = model.surfaces[k].places(comm, |n| place(motion.before, n)),
+    }
+    let judge = |s: usize| {
+        let slave = &pair.slaves[s];
+        let last = &slave.sight;
+        let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
+        let may = allowance(pair, explained(model, pair, s, motion.residuals[p]), travel);
+        match pair.master {
+            Master::Tool(t) => {
+                let tool = &model.tools[t];
+                let start = |_: &Seen| Start {
+                    place: tool.committed.inward(&from),
+                    normal: last.normal,
+                    way: if poses.is_empty() { Vec::new() } else { watch::way_past(&poses, &from, &to) },
+                };
+                watch::judge(&Ground::Tool(&tool.surface), last, start, &tool.trial.inward(&to), &may)
+            }
+            Master::Surface(k) => {
+                let surface = &model.surfaces[k];
+                let ground = Ground::Body(surface, pair, s);
+                if pair.is_self() {
+                    return watch::judge_self(&ground, last, &to, &may);
+                }
+                let start = |seen: &Seen| watch::carried(surface, seen, &masters, &from, last);
+                watch::judge(&ground, last, start, &to, &may)
+            }
+        }
+    };
+    (0..pair.slaves.len()).map(judge).collect()
+}
+
+/// How deep the law of contact lets a slave node be: what its force needs under a penalty, and what the tolerance leaves.
+fn explained(model: &Model, pair: &Pair, s: usize, residual: f64) -> f64 {
+    let slave = &pair.slaves[s];
+    residual / slave.law.normal
+        + match pair.method {
+            Enforcement::Penalty => slave.trial.force.norm() / slave.law.penalty,
+            Enforcement::Uzawa => pair.tolerance.unwrap_or(UZAWA * residual / model.stiffness),
+            _ => 0.0,
+        }
+}

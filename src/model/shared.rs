@@ -1,0 +1,169 @@
+//! Places that several bodies have in common, on the rank that reads the meshes.
+//!
+//! Every body has nodes of its own. Two that stand on the same place part there without a force, unless a contact is
+//! between them. Elements at one place in two bodies may be specimens to be compared; of a mesh file with several groups
+//! of elements they are a `group` that was forgotten.
+
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::mesh::{Solid, SolidShape, message};
+use crate::partition::GlobalMesh;
+use crate::scene::{Located, MeshSource, Scene, body_of};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// Nodes are at one place when they are closer than this times the size of both bodies.
+const COINCIDENT: f64 = 1e-9;
+
+/// Warns of faces of two bodies at one place that no contact is between.
+///
+/// # Errors
+/// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that no contact is between.
+pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Vec<String>> {
+    let mut warnings = Vec::new();
+    for ((a, b), pairs) in partners(global) {
+        let (one, other) = (&scene.bodies[a as usize], &scene.bodies[b as usize]);
+        let [own, theirs] = [a, b].map(|k| solids_of(global, k));
+        let twin = |solid: &&Solid| twins(solid, &pairs);
+        let known: BTreeSet<Vec<u32>> = theirs.iter().map(|s| sorted(s.nodes())).collect();
+        let doubled: Vec<u64> =
+            own.iter().filter(|s| twin(s).is_some_and(|twin| known.contains(&twin))).map(|s| s.id).collect();
+        if !doubled.is_empty() {
+            let what = format!(
+                "{} in body `{}` and in body `{}`, at one place",
+                message::several("element", &doubled),
+                one.name.value,
+                other.name.value
+            );
+            let undivided = [a, b].iter().any(|k| global.parts[*k as usize] > 1);
+            if is_one_file(&one.mesh, &other.mesh) && undivided {
+                let help = "the mesh file has several groups of elements: give each body its own `group`";
+                return Err(Error::input(&other.name.at, what, help));
+            }
+            warnings.push(what + ": they do not know of each other");
+            continue;
+        }
+        let covered = covered(scene, names, global, (a, b));
+        let faces = |solids: &[Solid]| -> BTreeSet<Vec<u32>> { solids.iter().flat_map(faces_of).collect() };
+        let (ours, others) = (faces(&own), faces(&theirs));
+        let meets = |face: &&Vec<u32>| {
+            let twin: Option<Vec<u32>> = face.iter().map(|n| pairs.get(n).copied()).collect();
+            twin.is_some_and(|twin| others.contains(&sorted(&twin)))
+        };
+        let bare: Vec<&Vec<u32>> =
+            ours.iter().filter(meets).filter(|face| !face.iter().all(|n| covered.contains(n))).collect();
+        if bare.is_empty() {
+            continue;
+        }
+        let shared = is_one_file(&one.mesh, &other.mesh)
+            && bare.iter().all(|face| face.iter().all(|&n| global.id[n as usize] == global.id[pairs[&n] as usize]));
+        let x = global.points[bare[0][0] as usize];
+        let what = format!(
+            "bodies `{}` and `{}` lie on each other with {} faces, such as near ({:.6}, {:.6}, {:.6}), where no contact is \
+             between them: they {} there",
+            one.name.value,
+            other.name.value,
+            bare.len(),
+            x.x,
+            x.y,
+            x.z,
+            if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
+        );
+        if shared {
+            let help = "take what belongs together as one body (a group with both), or add a contact between the faces";
+            return Err(Error::input(&other.name.at, what, help));
+        }
+        warnings.push(what + "; add a contact, or mesh them as one body");
+    }
+    Ok(warnings)
+}
+
+/// For two bodies the nodes of the first that stand on nodes of the second, with these.
+type Partners = BTreeMap<(u32, u32), BTreeMap<u32, u32>>;
+
+fn partners(global: &GlobalMesh) -> Partners {
+    let mut partners = Partners::new();
+    if global.body.last().is_none_or(|last| *last == 0) {
+        return partners;
+    }
+    let count = global.body.iter().max().map_or(0, |b| *b as usize + 1);
+    let mut boxes = vec![(Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)); count];
+    for (x, &b) in global.points.iter().zip(&global.body) {
+        let (low, high) = &mut boxes[b as usize];
+        (*low, *high) = (low.inf(x), high.sup(x));
+    }
+    let smallest = boxes.iter().map(|(low, high)| (high - low).norm()).fold(f64::INFINITY, f64::min);
+    let rounding = global.points.iter().map(|x| x.amax()).fold(0.0, f64::max) * 8.0 * f64::EPSILON;
+    let near = COINCIDENT * smallest + rounding;
+    // Cells a thousand times as large: most points meet one, and none more than eight.
+    let cell = 1e3 * near;
+    let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (n, x) in (0u32..).zip(&global.points) {
+        let mut keys: Vec<[i64; 3]> = (0..8u32)
+            .map(|corner| {
+                std::array::from_fn(|d| {
+                    let side = if corner >> d & 1 == 1 { near } else { -near };
+                    ((x[d] + side) / cell).floor() as i64
+                })
+            })
+            .collect();
+        keys.sort_unstable();
+        keys.dedup();
+        for key in keys {
+            let beside = cells.entry(key).or_default();
+            for &m in beside.iter() {
+                let (a, b) = (global.body[m as usize], global.body[n as usize]);
+                if a != b && (global.points[m as usize] - x).norm() <= near {
+                    partners.entry((a, b)).or_default().insert(m, n);
+                }
+            }
+            beside.push(n);
+        }
+    }
+    partners
+}
+
+fn solids_of(global: &GlobalMesh, body: u32) -> Vec<Solid> {
+    global.solids.iter().zip(&global.solid_body).filter(|(_, b)| **b == body).map(|(s, _)| *s).collect()
+}
+
+fn sorted(nodes: &[u32]) -> Vec<u32> {
+    let mut nodes = nodes.to_vec();
+    nodes.sort_unstable();
+    nodes
+}
+
+/// The nodes of another body that a solid stands on with all of its own.
+fn twins(solid: &Solid, pairs: &BTreeMap<u32, u32>) -> Option<Vec<u32>> {
+    let twin: Option<Vec<u32>> = solid.nodes().iter().map(|n| pairs.get(n).copied()).collect();
+    twin.map(|twin| sorted(&twin))
+}
+
+fn faces_of(solid: &Solid) -> Vec<Vec<u32>> {
+    let count = if solid.shape == SolidShape::Tet4 { 4 } else { 6 };
+    (0..count).map(|k| sorted(solid.face(k).nodes())).collect()
+}
+
+/// Nodes of the first body in contacts with the second, on either side.
+fn covered(scene: &Scene, names: &[Located<String>], global: &GlobalMesh, (a, b): (u32, u32)) -> BTreeSet<u32> {
+    let [a, b] = [a, b].map(|k| scene.bodies[k as usize].name.value.as_str());
+    let mut covered = BTreeSet::new();
+    for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
+        let (slave, master) = (&contact.slave.value, &contact.master.value);
+        let own = match (body_of(slave), body_of(master)) {
+            (s, m) if s == a && m == b => slave,
+            (s, m) if s == b && m == a => master,
+            _ => continue,
+        };
+        let set = names.iter().position(|n| n.value == *own).map(|k| &global.sets[k]);
+        covered.extend(set.into_iter().flat_map(|set| &set.nodes).copied());
+    }
+    covered
+}
+
+fn is_one_file(one: &MeshSource, other: &MeshSource) -> bool {
+    let path = |source: &MeshSource| match source {
+        MeshSource::File { path, .. } => path.value.canonicalize().ok(),
+        MeshSource::Block(_) => None,
+    };
+    path(one).is_some() && path(one) == path(other)
+}

@@ -1,0 +1,62 @@
+//! Runs that something happens to: their processes, and what they leave.
+
+use std::path::Path;
+use std::process::Child;
+use std::time::{Duration, Instant};
+
+/// The times in `fields.xdmf`, whose tags must close and whose data must stand in `fields.h5` in the size it promises.
+pub fn shown_times(folder: &Path) -> Vec<f64> {
+    let text = std::fs::read_to_string(folder.join("fields.xdmf")).unwrap();
+    let file = hdf5::File::open(folder.join("fields.h5")).unwrap();
+    let (mut open, mut times): (Vec<&str>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (prologue, tags) = text.split_at(text.find("<Xdmf").unwrap());
+    assert!(prologue.starts_with("<?xml ") && prologue.trim_end().ends_with("?>"));
+    for piece in tags.split('<').skip(1) {
+        let (tag, content) = piece.split_once('>').unwrap();
+        let name = tag.split([' ', '/']).next().unwrap();
+        let value = |key: &str| tag.split(&format!("{key}=\"")).nth(1).unwrap().split('"').next().unwrap();
+        match tag.strip_prefix('/') {
+            Some(end) => assert_eq!(open.pop(), Some(end)),
+            None if tag.ends_with('/') => {}
+            None => open.push(name),
+        }
+        match name {
+            "Time" => times.push(value("Value").parse().unwrap()),
+            "DataItem" => {
+                let path = content.strip_prefix("fields.h5:").unwrap();
+                let shape: Vec<usize> = value("Dimensions").split(' ').map(|n| n.parse().unwrap()).collect();
+                assert_eq!(file.dataset(path).unwrap_or_else(|e| panic!("{path}: {e}")).shape(), shape, "{path}");
+            }
+            _ => {}
+        }
+    }
+    assert!(open.is_empty(), "{open:?}");
+    times
+}
+
+/// The processes that `parent` has started, lowest first.
+pub fn children(parent: u32) -> Vec<u32> {
+    let parent_of = |pid: u32| {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+        stat.rsplit(')').next()?.split_whitespace().nth(1)?.parse::<u32>().ok()
+    };
+    let all = std::fs::read_dir("/proc").unwrap().filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+    let mut found: Vec<u32> = all.filter(|&pid| parent_of(pid) == Some(parent)).collect();
+    found.sort_unstable();
+    found
+}
+
+/// Polls until `done` gives something; the job is ended when it does not in time.
+pub fn wait_for<T>(job: &mut Child, seconds: u64, what: &str, mut done: impl FnMut(&mut Child) -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(value) = done(job) {
+            return value;
+        }
+        if begun.elapsed() > Duration::from_secs(seconds) {
+            job.kill().unwrap();
+            panic!("{what} not within {seconds} s");
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}

@@ -1,0 +1,250 @@
+//! Nodes on edges, vertices and corners, and on several tools.
+
+use crate::case::Case;
+use crate::oracle::{balance, near, same, value};
+use crate::scenes::{BAR, METHODS, SLAB, plate};
+
+family!(to_and_fro, node_on_two_tools, node_on_three_tools, coincident_tools, trench, across_an_edge);
+
+/// A slab is drawn over a grid of facets by whole facets and back: its nodes begin, turn and end on vertices.
+fn to_and_fro() -> Vec<Case> {
+    let steps = "[[step]]\nname = \"back\"\nincrements = 4\nfix = [{ set = \"b.zmin\" }]\nmove = [{ target = \"t\", by = [-2.0, 0.0, 0.0] }]\n[output]";
+    let scene = SLAB
+        .replace("plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }", "mesh = \"tool.msh\"")
+        .replace("by = [0.5, 0.0, 0.0]", "by = [2.0, 0.0, 0.0]")
+        .replace("friction = 0.3", "friction = 0.05")
+        .replace("[output]", steps);
+    let flat = SLAB
+        .replace("by = [0.5, 0.0, 0.0]", "by = [2.0, 0.0, 0.0]")
+        .replace("friction = 0.3", "friction = 0.05")
+        .replace("[output]", steps);
+    let tool = plate(16, 8.0, 2.0, false);
+    let mut cases = Vec::new();
+    for method in METHODS {
+        for smoothing in ["nagata", "facet"] {
+            for ranks in [1, 2, 3, 4] {
+                let case = Case::text(format!("{method}, {smoothing}, {ranks} ranks"), scene.as_str())
+                    .file("tool.msh", tool.as_str())
+                    .set(format!("contact.c.method={method}"))
+                    .set(format!("tool.t.smoothing={smoothing}"))
+                    .ranks(ranks)
+                    .oracle(value("t.fx@draw/t.fz@draw", -0.05, 1e-6, "Coulomb"))
+                    .oracle(value("t.fx/t.fz", 0.05, 1e-6, "Coulomb"))
+                    .oracle(same(
+                        "t.fz",
+                        Case::text("flat", flat.as_str()).set(format!("contact.c.method={method}")),
+                        1e-6,
+                        "a plane",
+                    ))
+                    .must_run();
+                cases.push(case.quick_if(method == METHODS[0] && ranks % 3 != 0));
+            }
+        }
+    }
+    // Bodies on each other with the same grid, drawn by one facet and back.
+    for ranks in [1, 2, 3, 4] {
+        for discretization in ["one-pass", "two-pass"] {
+            let (_, head) = SLAB.split_once("[body.b]").unwrap();
+            let head = head.split_once("[tool.t]").unwrap().0;
+            let upper = "[body.u]\nmaterial = \"m\"\nelement = \"hex8\"\nblock = { box = { origin = [-2.0, -2.0, 2.0], size = [8.0, 8.0, 2.0] }, elements = [8, 8, 2] }\n";
+            let step = |name: &str, by: &str| {
+                format!(
+                    "[[step]]\nname = \"{name}\"\nincrements = 4\nfix = [{{ set = \"b.zmin\" }}]\nmove = [{{ target = \"u.zmax\", by = {by} }}]\n"
+                )
+            };
+            let text = format!(
+                "[body.b]{head}{upper}[contact.c]\nslave = \"b.zmax\"\nmaster = \"u.zmin\"\nfriction = 0.05\ndiscretization = \"{discretization}\"\n{}{}{}[output]\nevery = 1000\nhistory = [\"b.zmin\", \"u.zmax\"]\n",
+                step("press", "[0.0, 0.0, -0.1]"),
+                step("draw", "[1.0, 0.0, 0.0]"),
+                step("back", "[-1.0, 0.0, 0.0]")
+            );
+            let one = Case::text("1 rank", text.as_str());
+            let case = Case::text(format!("two bodies, {discretization}, {ranks} ranks"), text)
+                .ranks(ranks)
+                // The lower body dents the upper one: normals at its rim lean.
+                .oracle(value("b.zmin.fx@draw/b.zmin.fz@draw", -0.05, 5e-2, "Coulomb"))
+                .oracle(same("u.zmax.fz", one, 1e-6, "1 rank"))
+                .oracle(balance(&["b.zmin", "u.zmax"], 1e-6));
+            cases.push(case.slow());
+        }
+    }
+    cases
+}
+
+/// The quarter of a bar that is also kept from getting thicker along x by a wall.
+fn beside_a_wall(friction: f64, method: &str) -> String {
+    BAR.replace("symmetry = [\"xmin\", \"ymin\", \"zmin\"]", "symmetry = [\"xmin\", \"zmin\"]")
+        .replace("model = \"hooke\"\nyoung = 10.0", "model = \"neo-hookean\"\nyoung = 100.0")
+        .replace("size = [2.0, 2.0, 2.0]", "size = [4.0, 4.0, 2.0]")
+        .replace("[contact.c]", &format!("[tool.wx]\nplane = {{ point = [4.0, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }}\n[contact.cx]\nslave = \"b.xmax\"\nmaster = \"wx\"\nfriction = {friction:?}\nmethod = \"{method}\"\n[contact.c]\nfriction = {friction:?}\nmethod = \"{method}\""))
+        .replace("increments = 2\n", "increments = 2\nfix = [{ set = \"b.ymin\", directions = \"y\" }]\n")
+        .replace("by = [0.0, 0.0, -0.4]", "by = [0.0, 0.0, -0.2]")
+}
+
+fn node_on_two_tools() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for friction in [0.0, 0.3, 5.0] {
+        for method in METHODS {
+            let tolerance = if method == "penalty" { 0.1 } else { 1e-4 };
+            let case = Case::text(format!("friction {friction}, {method}"), beside_a_wall(friction, method));
+            let uzawa = Case::text("uzawa", beside_a_wall(friction, "uzawa"));
+            let case = match method {
+                "uzawa" => case.oracle(value("p.fz/b.zmin.fz", -1.0, 1.0, "sign")),
+                _ => case
+                    .oracle(same("p.fz", uzawa.clone(), tolerance, "uzawa"))
+                    .oracle(same("wx.fx", uzawa, tolerance, "uzawa")),
+            };
+            let case = if friction < 1.0 && method != "penalty" { case.must_run() } else { case };
+            cases.push(case);
+        }
+    }
+    cases
+}
+
+/// A block in the corner of three walls that close on it: E / (1 - 2 nu) ln l under even pressure, over the area 4 l^2 of
+/// a side, with J = l^3.
+fn node_on_three_tools() -> Vec<Case> {
+    let wall = |name: &str, normal: [f64; 3], by: [f64; 3], slave: &str, friction: f64, method: &str| {
+        (
+            format!(
+                "[tool.{name}]\nplane = {{ point = [2.0, 2.0, 2.0], normal = {normal:?} }}\n[contact.c{name}]\nslave = \"b.{slave}\"\nmaster = \"{name}\"\nfriction = {friction:?}\nmethod = \"{method}\"\n"
+            ),
+            format!("{{ target = \"{name}\", by = {by:?} }}, "),
+        )
+    };
+    let mut cases = Vec::new();
+    for method in METHODS {
+        for friction in [0.0, 0.3] {
+            let (head, _) = BAR.split_once("[tool.p]").unwrap();
+            let mut text = head.to_string();
+            let mut moves = String::new();
+            for (axis, name) in ["wx", "wy", "wz"].iter().enumerate() {
+                let along = |s: f64| [0, 1, 2].map(|c| if c == axis { s } else { 0.0 });
+                let (tool, by) = wall(name, along(-1.0), along(-0.1), ["xmax", "ymax", "zmax"][axis], friction, method);
+                text += &tool;
+                moves += &by;
+            }
+            text += &format!(
+                "[[step]]\nincrements = 2\nmove = [{moves}]\n[output]\nevery = 1000\nhistory = [\"b.zmin\"]\n"
+            );
+            let even = 4.0 * 10.0 / 0.4 * 0.95f64.ln() / 0.95;
+            let tolerance = if method == "penalty" { 5e-2 } else { 1e-6 };
+            let case = Case::text(format!("friction {friction}, {method}"), text);
+            cases.push(if friction == 0.0 {
+                case.oracle(value("wx.fx", even, tolerance, "closed form")).oracle(value(
+                    "wz.fz",
+                    even,
+                    tolerance,
+                    "closed form",
+                ))
+            } else {
+                case.oracle(value("wx.fx/wz.fz", 1.0, 1e-6, "all axes alike"))
+            });
+        }
+    }
+    cases
+}
+
+/// Two tools of the same plane on the same nodes.
+fn coincident_tools() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for friction in [0.0, 0.3] {
+        for method in METHODS {
+            let tool = format!(
+                "[tool.q]\nplane = {{ point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }}\n[contact.d]\nslave = \"b.zmax\"\nmaster = \"q\"\nfriction = {friction:?}\nmethod = \"{method}\"\n[contact.c]"
+            );
+            let text = BAR
+                .replace("[contact.c]", &tool)
+                .replace("move = [", "move = [{ target = \"q\", by = [0.0, 0.0, -0.4] }, ");
+            let right = crate::scenes::bar_force(10.0, 4.0, 0.8);
+            let tolerance = if method == "penalty" { 2e-2 } else { 1e-6 };
+            let case = Case::text(format!("friction {friction}, {method}"), text)
+                .set(format!("contact.c.friction={friction:?}"))
+                .set(format!("contact.c.method={method}"));
+            // With friction the top is held sideways, and the force the larger.
+            cases.push(if friction == 0.0 {
+                case.oracle(value("b.zmin.fz", -right, tolerance, "closed form"))
+            } else {
+                let one =
+                    Case::text("one", BAR).set("contact.c.friction=0.3").set(format!("contact.c.method={method}"));
+                case.oracle(same("b.zmin.fz", one, 0.2, "one tool"))
+            });
+        }
+    }
+    cases
+}
+
+/// A square prism stands on its edge in a trench of two planes, and is closed in by two more: a bar turned by 45 degrees
+/// that is pressed along both of its axes in plane strain.
+fn trench() -> Vec<Case> {
+    let s = std::f64::consts::FRAC_1_SQRT_2;
+    let mesh = crate::common::msh::block([4, 4, 1], false, |[a, b, c]| {
+        let (a, b) = (2.0 * a, 2.0 * b);
+        [s * (a - b), s * (a + b), c]
+    });
+    // Sides of the prism: xmin, ymin below, xmax, ymax above.
+    let tool = |name: &str, point: [f64; 3], normal: [f64; 3], slave: &str, method: &str, friction: f64| {
+        format!(
+            "[tool.{name}]\nplane = {{ point = {point:?}, normal = {normal:?} }}\n[contact.c{name}]\nslave = \"b.{slave}\"\nmaster = \"{name}\"\nfriction = {friction:?}\nmethod = \"{method}\"\n"
+        )
+    };
+    let top = [0.0, 4.0 * s, 0.0];
+    let mut cases = Vec::new();
+    for method in METHODS {
+        for friction in [0.0, 0.2] {
+            let text = "[body.b]\nmesh = \"b.msh\"\nmaterial = \"m\"\nelement = \"hex8\"\nplane_strain = true\n[material.m]\nmodel = \"hooke\"\nyoung = 10.0\npoisson = 0.3\n".to_string()
+                + &tool("la", [0.0; 3], [s, s, 0.0], "xmin", method, friction)
+                + &tool("lb", [0.0; 3], [-s, s, 0.0], "ymin", method, friction)
+                + &tool("ua", top, [-s, -s, 0.0], "xmax", method, friction)
+                + &tool("ub", top, [s, -s, 0.0], "ymax", method, friction)
+                + &format!("[[step]]\nincrements = 2\nmove = [{{ target = \"ua\", by = [{0:?}, {0:?}, 0.0] }}, {{ target = \"ub\", by = [{1:?}, {0:?}, 0.0] }}]\n[output]\nevery = 1000\nhistory = [\"b\"]\n", -0.1 * s, 0.1 * s);
+            // Strain ln 0.95 along both axes: Kirchhoff E / ((1 + nu) (1 - 2 nu)) ln l, area 2 l, J = l^2; its share along y.
+            let right = s * 2.0 * 10.0 / (1.3 * 0.4) * 0.95f64.ln() / 0.95;
+            let tolerance = if method == "penalty" { 5e-2 } else { 1e-6 };
+            let case = Case::text(format!("friction {friction}, {method}"), text).file("b.msh", mesh.as_str());
+            let case = if friction == 0.0 {
+                case.oracle(value("ua.fy", right, tolerance, "closed form")).oracle(value(
+                    "la.fy",
+                    -right,
+                    tolerance,
+                    "closed form",
+                ))
+            } else {
+                case.oracle(near("ua.fy", right, right.abs(), 0.3, "without friction"))
+                    .oracle(balance(&["la", "lb", "ua", "ub"], 1e-6))
+            };
+            cases.push(case);
+        }
+    }
+    cases
+}
+
+/// A flat is drawn over the crest of a roof of two planes, with a row of nodes exactly on it at each increment.
+fn across_an_edge() -> Vec<Case> {
+    let roof = crate::common::msh::surface(2, |s, t| {
+        let (x, y) = (12.0 * t - 6.0, 12.0 * s - 6.0);
+        [x + 2.0, y + 2.0, 2.0 + 0.3 * x.abs()]
+    });
+    let scene = SLAB.replace(
+        "plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }",
+        "mesh = \"roof.msh\"\nfeature_angle = 10.0",
+    );
+    let mut cases = Vec::new();
+    for method in METHODS {
+        for smoothing in ["nagata", "facet"] {
+            for (by, name) in [("[1, 0, 0]", "by an element"), ("[2, 0, 0]", "to the end")] {
+                let case = Case::text(format!("{name}, {method}, {smoothing}"), scene.as_str())
+                    .file("roof.msh", roof.as_str())
+                    .set(format!("contact.c.method={method}"))
+                    .set(format!("tool.t.smoothing={smoothing}"))
+                    .set(format!("step.draw.move.0.by={by}"))
+                    .oracle(balance(&["t", "b.zmin"], 1e-8));
+                let other = if method == "lagrange" { "uzawa" } else { "lagrange" };
+                let reference = case.clone().set(format!("contact.c.method={other}"));
+                let tolerance = if method == "penalty" { 5e-2 } else { 1e-3 };
+                cases.push(case.oracle(same("t.fz", reference, tolerance, &format!("method={other}"))).slow());
+            }
+        }
+    }
+    cases
+}

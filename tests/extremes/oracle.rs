@@ -1,0 +1,104 @@
+//! Where right values come from, and how far off a run may be.
+//!
+//! A quantity is a column of `history.csv` at its end, as in `cap.fx`; `cap.fx@press` is its last value in a step, and
+//! `a/b` a ratio of two.
+
+use crate::case::{Case, Done};
+use crate::common::History;
+
+#[derive(Clone)]
+pub enum Oracle {
+    /// A value, the length or force that an error is compared with, the share of it that is allowed, and the source.
+    Value { quantity: String, value: f64, scale: f64, tolerance: f64, source: String },
+    /// What another run gives.
+    Same { quantity: String, as_in: Box<Case>, times: f64, tolerance: f64, source: String },
+    /// The forces of these tools and sets, on which nothing else acts, add up to none.
+    Balance { names: Vec<&'static str>, tolerance: f64 },
+}
+
+/// Of an oracle.
+pub struct Verdict {
+    pub holds: bool,
+    pub text: String,
+}
+
+/// `quantity` is `value` within a relative tolerance.
+pub fn value(quantity: &str, value: f64, tolerance: f64, source: &str) -> Oracle {
+    near(quantity, value, value.abs(), tolerance, source)
+}
+
+/// `quantity` is `value` within a share of `scale`.
+pub fn near(quantity: &str, value: f64, scale: f64, tolerance: f64, source: &str) -> Oracle {
+    Oracle::Value { quantity: quantity.into(), value, scale, tolerance, source: source.into() }
+}
+
+/// `quantity` is what another run gives.
+pub fn same(quantity: &str, as_in: Case, tolerance: f64, source: &str) -> Oracle {
+    scaled(quantity, as_in, 1.0, tolerance, source)
+}
+
+/// `quantity` is `times` what another run gives.
+pub fn scaled(quantity: &str, as_in: Case, times: f64, tolerance: f64, source: &str) -> Oracle {
+    Oracle::Same { quantity: quantity.into(), as_in: Box::new(as_in), times, tolerance, source: source.into() }
+}
+
+/// See [`Oracle::Balance`]; the tolerance is a share of the largest force.
+pub fn balance(names: &[&'static str], tolerance: f64) -> Oracle {
+    Oracle::Balance { names: names.to_vec(), tolerance }
+}
+
+impl Oracle {
+    pub fn text(&self) -> String {
+        match self {
+            Self::Value { quantity, value, source, .. } => format!("{quantity} = {value:.5e} ({source})"),
+            Self::Same { quantity, source, .. } => format!("{quantity} as by {source}"),
+            Self::Balance { names, .. } => format!("{} balance", names.join(" + ")),
+        }
+    }
+
+    pub fn judge(&self, done: &Done) -> Verdict {
+        let Some(history) = done.history.as_ref().filter(|history| history.len() > 0) else {
+            return Verdict { holds: false, text: "an empty history".into() };
+        };
+        match self {
+            Self::Value { quantity, value, scale, tolerance, .. } => {
+                compare(quantity, find(history, quantity), *value, *scale, *tolerance)
+            }
+            Self::Same { quantity, as_in, times, tolerance, .. } => {
+                let other = as_in.run();
+                let Some(right) = other.history.as_ref().filter(|_| other.code == Some(0)) else {
+                    return Verdict { holds: false, text: format!("the oracle failed: {}", other.reason()) };
+                };
+                let right = times * find(right, quantity);
+                compare(quantity, find(history, quantity), right, right.abs(), *tolerance)
+            }
+            Self::Balance { names, tolerance } => {
+                let force = |name: &str| ["fx", "fy", "fz"].map(|c| history.last(&format!("{name}.{c}")));
+                let forces: Vec<_> = names.iter().map(|name| force(name)).collect();
+                // Of the whole run: at its end there may be none.
+                let largest = names.iter().fold(f64::MIN_POSITIVE, |m, name| m.max(history.largest_force(name)));
+                let rest = (0..3).map(|c| forces.iter().map(|f| f[c]).sum::<f64>().abs()).fold(0.0, f64::max);
+                let error = rest / largest;
+                // A NaN in the forces is no balance.
+                let finite = forces.iter().flatten().all(|f| f.is_finite());
+                Verdict { holds: finite && error <= *tolerance, text: format!("balance {error:.1e}") }
+            }
+        }
+    }
+}
+
+fn compare(quantity: &str, found: f64, value: f64, scale: f64, tolerance: f64) -> Verdict {
+    let error = (found - value).abs() / scale;
+    // A NaN does not hold.
+    Verdict { holds: error <= tolerance, text: format!("{quantity} {found:.6e}, off by {error:.1e}") }
+}
+
+/// A quantity of a history.
+pub fn find(history: &History, quantity: &str) -> f64 {
+    if let Some((a, b)) = quantity.split_once('/') {
+        return find(history, a) / find(history, b);
+    }
+    let Some((column, step)) = quantity.split_once('@') else { return history.last(quantity) };
+    let row = history.steps.iter().rposition(|s| s == step);
+    history.column(column)[row.unwrap_or_else(|| panic!("no step `{step}`"))]
+}

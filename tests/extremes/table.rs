@@ -1,0 +1,88 @@
+//! Runs cases side by side, and prints what came out.
+
+use crate::case::{Case, Outcome};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
+use std::time::Instant;
+
+/// Beginnings of the names of quick cases that are neither right nor refused yet: they count in the table alone.
+const OPEN: &[&str] = &[
+    "conditions/nothing_holds: no fix in the second step",
+    "conditions/nothing_holds: no fix, friction",
+    "edges/node_on_two_tools: friction 0.3, augmented-lagrangian",
+    "edges/node_on_two_tools: friction 0.3, lagrange",
+    "friction/a_block_that_slides",
+    "friction/slopes_in_two_passes: wedge",
+    "friction/slopes_in_two_passes: wedge on a floor",
+    "numbers/aspect_ratios: hex8, height over width 1e-4",
+];
+
+impl Outcome {
+    /// As it stands in the table: bad ones in capitals.
+    fn words(&self) -> (&'static str, &str) {
+        match self {
+            Self::Right(text) => ("right", text),
+            Self::Refused(text) => ("refused", text),
+            Self::Wrong(text) => ("WRONG", text),
+            Self::Failed(text) => ("FAILED", text),
+            Self::Crash(text) => ("CRASH", text),
+            Self::Hang(text) => ("HANG", text),
+        }
+    }
+
+    pub fn is_good(&self) -> bool {
+        matches!(self, Self::Right(_) | Self::Refused(_))
+    }
+}
+
+/// Fails the test that calls it, and says why, unless each of the quick cases is right or refused.
+pub fn hold(cases: Vec<Case>) {
+    let is_open = |case: &Case| OPEN.iter().any(|name| case.name.starts_with(name));
+    let quick: Vec<Case> = cases.into_iter().filter(|case| case.quick && !is_open(case)).collect();
+    let mut bad = String::new();
+    for case in &quick {
+        let outcome = case.outcome();
+        let (word, text) = outcome.words();
+        println!("{}: {word}, {text}", case.name);
+        if !outcome.is_good() {
+            bad += &format!("{}: {word}, {text} (oracle: {})\n", case.name, case.oracle_text());
+        }
+    }
+    assert!(bad.is_empty(), "\n{bad}");
+}
+
+/// Runs all, as many at a time as there are cores, prints the table and the counts; whether no row is bad.
+pub fn print(cases: &[Case]) -> bool {
+    let (next, outcomes) = (AtomicUsize::new(0), Mutex::new(vec![None; cases.len()]));
+    let workers = thread::available_parallelism().map_or(2, |n| n.get());
+    thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                while let Some((k, case)) =
+                    Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, cases.get(k)?)))
+                {
+                    let started = Instant::now();
+                    let outcome = case.outcome();
+                    let (word, text) = outcome.words();
+                    let seconds = started.elapsed().as_secs_f64();
+                    eprintln!("{}/{} {}: {word}: {text} ({seconds:.1} s)", k + 1, cases.len(), case.name);
+                    outcomes.lock().unwrap()[k] = Some(outcome);
+                }
+            });
+        }
+    });
+    let outcomes: Vec<Outcome> = outcomes.into_inner().unwrap().into_iter().flatten().collect();
+    let width = |texts: &mut dyn Iterator<Item = usize>| texts.max().unwrap_or(0);
+    let first = width(&mut cases.iter().map(|case| case.name.chars().count()));
+    let second = width(&mut cases.iter().map(|case| case.oracle_text().chars().count())).min(64);
+    println!("\n{:first$} | {:second$} | outcome", "case", "oracle");
+    for (case, outcome) in cases.iter().zip(&outcomes) {
+        let (word, text) = outcome.words();
+        println!("{:first$} | {:second$} | {word}: {text}", case.name, case.oracle_text());
+    }
+    let counts = ["right", "refused", "WRONG", "FAILED", "CRASH", "HANG"]
+        .map(|word| format!("{} {word}", outcomes.iter().filter(|outcome| outcome.words().0 == word).count()));
+    println!("\n{} cases: {}", cases.len(), counts.join(", "));
+    outcomes.iter().all(Outcome::is_good)
+}

@@ -1,0 +1,403 @@
+//! What is refused, or warned about, before the first increment; and what is not.
+
+mod common;
+
+use common::{Bench, assert_close, deck, msh, nagata};
+
+/// A block on its bottom under a plate that touches it, 2 by 2 by 1.
+const BLOCK: &str = r#"
+[body.block]
+material = "soft"
+block = { box = { size = [2.0, 2.0, 1.0] }, elements = [2, 2, 1], faces = { top = "zmax", bottom = "zmin" } }
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.plate]
+plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }
+[contact.top]
+slave = "block.top"
+master = "plate"
+friction = 0.3
+[[step]]
+name = "press"
+increments = 2
+fix = [{ set = "block.bottom" }]
+move = [{ target = "plate", by = [0.0, 0.0, -0.1] }]
+"#;
+
+const PLATE: &str = "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }";
+const FIX: &str = "fix = [{ set = \"block.bottom\" }]";
+
+/// The block with some words exchanged.
+fn block(changes: &[(&str, &str)]) -> Bench {
+    let exchange = |scene: String, (from, to): &(&str, &str)| {
+        assert!(scene.contains(from), "{from}");
+        scene.replace(from, to)
+    };
+    Bench::new(&changes.iter().fold(BLOCK.to_string(), exchange))
+}
+
+/// What `check` says: its exit code, and all its words.
+fn verdict(bench: &Bench, ranks: usize) -> (i32, String) {
+    let run = nagata(&bench.path(""), ranks, &["check", "scene.toml"], bench.path("out"));
+    (run.code, run.stdout + &run.stderr)
+}
+
+#[track_caller]
+fn refused(bench: &Bench, words: &[&str]) {
+    let (code, text) = verdict(bench, 2);
+    assert_eq!(code, 2, "{text}");
+    words.iter().for_each(|words| assert!(text.contains(words), "{words}\n{text}"));
+    assert_eq!(text.matches("error: ").count(), 1, "{text}");
+}
+
+#[track_caller]
+fn warned(bench: &Bench, words: &[&str]) {
+    let (code, text) = verdict(bench, 2);
+    assert_eq!(code, 0, "{text}");
+    words.iter().for_each(|words| assert!(text.contains(words), "{words}\n{text}"));
+    assert!(text.contains("warning: "), "{text}");
+}
+
+/// Nothing to say against it; `words` stand in what is said.
+#[track_caller]
+fn accepted(bench: &Bench, words: &str) {
+    let (code, text) = verdict(bench, 2);
+    assert!(code == 0 && !text.contains("warning") && text.contains(words), "{code}: {text}");
+}
+
+#[test]
+fn gaps_are_told_however_wide() {
+    let at = |z: &str| block(&[("1.0], normal", &format!("{z}], normal"))]);
+    accepted(&at("1.0"), "contact `top` begins with 9 nodes that touch");
+    accepted(&at("1.25"), "contact `top` begins with a gap of 2.500e-1");
+    accepted(&at("9.0"), "contact `top` begins with a gap of 8.000e0");
+    accepted(&at("0.95"), "contact `top` begins with 9 nodes inside, up to 5.000e-2 deep");
+    warned(&at("0.7"), &["contact `top`: 9 nodes start inside the tool `plate`, up to 3.000e-1 deep"]);
+    let deep = block(&[("1.0], normal", "0.5], normal"), ("friction = 0.3", "friction = 0.3\nreach = 0.4")]);
+    refused(&deep, &["scene.toml:11:10", "begins 5.000e-1 inside the tool `plate`, out of its reach of 4.000e-1"]);
+    // The run says the same.
+    assert!(at("1.25").solve(2, &["--steps", "1"]).log().contains("contact `top` begins with a gap of 2.500e-1"));
+}
+
+#[test]
+fn the_number_of_ranks_does_not_matter() {
+    for changes in [&[("1.0], normal", "5.0], normal")][..], &[("-1.0] }\n[contact", "1.0] }\n[contact")], &[(FIX, "")]]
+    {
+        let bench = block(changes);
+        let of = |ranks: usize| {
+            let (code, text) = verdict(&bench, ranks);
+            (code, text.replace(&format!("{ranks} ranks"), "1 rank"))
+        };
+        let alone = of(1);
+        assert!([2, 3, 7].iter().all(|&ranks| of(ranks) == alone), "{alone:?}");
+    }
+}
+
+#[test]
+fn tools_that_look_away() {
+    let tool = |tool: &str| {
+        let bench = block(&[(PLATE, tool)]);
+        for (name, up) in [("up.msh", true), ("down.msh", false)] {
+            let (a, b) = if up { (4.0, 0.0) } else { (0.0, 4.0) };
+            let sheet = |height: f64| move |s: f64, t: f64| [a * s + b * t - 1.0, b * s + a * t - 1.0, height];
+            bench.write(name, &msh::surface(3, sheet(1.0)));
+            bench.write(&format!("far-{name}"), &msh::surface(3, sheet(31.0)));
+            bench.write(&format!("in-{name}"), &msh::surface(3, sheet(-8.0)));
+        }
+        bench
+    };
+    let away = ["scene.toml:13:10: contact `top`: the tool `plate` looks away from `block.top`", "set `flip`"];
+    for plane in ["1.0", "31.0", "0.999"] {
+        refused(&tool(&format!("plane = {{ point = [0, 0, {plane}], normal = [0.0, 0.0, 1.0] }}")), &away);
+    }
+    for file in ["up.msh", "far-up.msh"] {
+        refused(&tool(&format!("mesh = \"{file}\"")), &away);
+        accepted(&tool(&format!("mesh = \"{file}\"\nflip = true")), "begins with");
+        accepted(&tool(&format!("mesh = \"{}\"", file.replace("up", "down"))), "begins with");
+    }
+    // What is below the block and looks down has the block deep inside; what looks up never meets the top.
+    refused(&tool("mesh = \"in-down.msh\""), &["inside the tool `plate`, out of its reach"]);
+    warned(&tool("mesh = \"in-up.msh\""), &["no slave node faces the master"]);
+    // Round and closed ones, from outside and from inside.
+    let sphere = |more: &str| format!("sphere = {{ center = [1.0, 1.0, 4.0], radius = 3.0{more} }}");
+    accepted(&tool(&sphere("")), "1 nodes that touch");
+    refused(&tool(&sphere(", hollow = true")), &away);
+    let bore = "sphere = { center = [1.0, 1.0, -2.0], radius = 3.4, hollow = true }";
+    accepted(&tool(bore), "begins with a gap of ");
+}
+
+/// All faces of the block are slave, and the tool is above it, or around it.
+#[test]
+fn slaves_that_wrap_around() {
+    let all = "faces = { skin = [\"xmin\", \"xmax\", \"ymin\", \"ymax\", \"zmin\", \"zmax\"], top = \"zmax\", bottom = \"zmin\" }";
+    let skin = |tool: &str| {
+        block(&[
+            ("faces = { top = \"zmax\", bottom = \"zmin\" }", all),
+            ("slave = \"block.top\"", "slave = \"block.skin\""),
+            (PLATE, tool),
+        ])
+    };
+    accepted(&skin("plane = { point = [0.0, 0.0, 1.2], normal = [0.0, 0.0, -1.0] }"), "a gap of 2.000e-1");
+    accepted(&skin("sphere = { center = [1.0, 1.0, 0.5], radius = 3.0, hollow = true }"), "a gap of ");
+    refused(&skin("plane = { point = [0.0, 0.0, 1.2], normal = [0.0, 0.0, 1.0] }"), &["looks away"]);
+    refused(&skin("sphere = { center = [1.0, 1.0, 0.5], radius = 3.0 }"), &["looks away"]);
+}
+
+#[test]
+fn held_slave_nodes() {
+    let inside = ["scene.toml:16:8: step `press`: node ", "inside the tool `plate`", "no force would act on it"];
+    refused(&block(&[(FIX, "fix = [{ set = \"block.bottom\" }, { set = \"block.top\" }]")]), &inside);
+    refused(&block(&[(FIX, "fix = [{ set = \"block.bottom\" }, { set = \"block.xmin\" }]")]), &inside);
+    let pushed = "move = [{ target = \"block.top\", by = [0.0, 0.0, 0.1] }]";
+    refused(&block(&[("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", pushed)]), &inside);
+    // In the gap they may be held, and moved along the tool; a symmetry plane leaves them free.
+    let side = "fix = [{ set = \"block.bottom\" }, { set = \"block.xmin\" }]";
+    accepted(&block(&[(FIX, side), ("1.0], normal", "1.11], normal")]), "a gap");
+    accepted(
+        &block(&[(FIX, "fix = [{ set = \"block.bottom\" }, { set = \"block.xmin\", directions = \"xy\" }]")]),
+        "touch",
+    );
+    let along = "move = [{ target = \"block.top\", by = [0.1, 0.0, 0.0] }]";
+    accepted(&block(&[("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", along)]), "touch");
+    // Later steps count, with where earlier ones have brought them.
+    let twice = |by: &str| {
+        let step = format!(
+            "[[step]]\nname = \"more\"\nincrements = 1\n{side}\nmove = [{{ target = \"plate\", by = [0.0, 0.0, {by}] }}]"
+        );
+        let bench = block(&[(FIX, side), ("1.0], normal", "1.15], normal")]);
+        bench.write("scene.toml", &(std::fs::read_to_string(bench.path("scene.toml")).unwrap() + &step));
+        bench
+    };
+    accepted(&twice("-0.04"), "a gap");
+    refused(&twice("-0.07"), &["step `more`: node ", "comes to be 2.000e-2 inside"]);
+}
+
+#[test]
+fn bodies_that_nothing_holds() {
+    let free = "body `block` can move along x and y, and turn about z through (1.0000, 1.0000, 0.0000)";
+    let smooth =
+        [(FIX, "fix = [{ set = \"block.bottom\", directions = \"z\" }]"), ("friction = 0.3", "friction = 0.0")];
+    refused(
+        &block(&smooth),
+        &["scene.toml:16:8: step `press`: ", free, "no support and no contact could hold that", "friction"],
+    );
+    accepted(&block(&smooth[..1]), "touch");
+    // A node off the axis keeps it from turning.
+    let pin = "fix = [{ set = \"block.bottom\", directions = \"z\" }, { set = \"block.xmin\", directions = \"x\" }, { set = \"block.ymin\", directions = \"y\" }]";
+    accepted(&block(&[(FIX, pin), smooth[1]]), "touch");
+    // A later step that does not repeat what holds.
+    let second = "[[step]]\nname = \"slide\"\nincrements = 1\nmove = [{ target = \"plate\", by = [0.1, 0.0, 0.0] }]";
+    let forgotten = block(&[smooth[1]]);
+    forgotten.write("scene.toml", &(BLOCK.replace("friction = 0.3", "friction = 0.0") + second));
+    refused(&forgotten, &["scene.toml:21:8: step `slide`: ", "along x and y", "repeat the `fix` of the step before"]);
+    forgotten.write("scene.toml", &(BLOCK.to_string() + second));
+    accepted(&forgotten, "touch");
+}
+
+#[test]
+fn bodies_that_begin_apart() {
+    let push = (
+        "move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]",
+        "force = [{ target = \"block.bottom\", total = [0.0, 0.0, 1.0] }]",
+    );
+    let at = |z: &str| block(&[(FIX, ""), push, ("1.0], normal", &format!("{z}], normal"))]);
+    accepted(&at("1.00001"), "gap");
+    let apart = [
+        "what touches at the start does not hold that",
+        "`top` begins with a gap of 1.000e-3",
+        "a load acts",
+        "let the meshes touch",
+    ];
+    refused(&at("1.001"), &apart);
+    // A tool that comes in the first increment holds it; later is too late.
+    let moved = |by: &str| {
+        block(&[
+            (FIX, "fix = [{ set = \"block.xmin\", directions = \"xy\" }]"),
+            ("-0.1] }]", &format!("{by}] }}]")),
+            ("1.0], normal", "1.01], normal"),
+        ])
+    };
+    accepted(&moved("-0.04"), "gap");
+    refused(&moved("-0.01"), &["along z", "what touches at the start does not hold that"]);
+    // A tool that a force drives may begin apart.
+    let driven = "force = [{ target = \"plate\", total = [0.0, 0.0, -9.0], directions = \"z\" }]";
+    accepted(
+        &block(&[("1.0], normal", "1.2], normal"), ("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", driven)]),
+        "gap",
+    );
+    let nowhere = driven.replace("[0.0, 0.0, -9.0], directions = \"z\"", "[9.0, 0.0, 0.0], directions = \"x\"");
+    let smooth = ("friction = 0.3", "friction = 0.0");
+    let sideways = block(&[smooth, ("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", &nowhere)]);
+    refused(&sideways, &["tool `plate` can move along x", "only where it can meet a body"]);
+}
+
+/// Two cubes of one deck with the groups `low` and `high`, which share the nodes between them or have their own.
+fn two_cubes(shared: bool, more: &str) -> Bench {
+    let cube = |id: usize, at: usize, first: usize, second: usize| {
+        let layer = |from: usize| (0..4).map(|k| (from + k).to_string()).collect::<Vec<_>>().join(", ");
+        format!("*ELEMENT, TYPE=C3D8, ELSET={}\n{id}, {}, {}\n", ["low", "high"][at], layer(first), layer(second))
+    };
+    let nodes = |from: usize, z: f64| {
+        [[0, 0], [1, 0], [1, 1], [0, 1]]
+            .iter()
+            .enumerate()
+            .map(|(k, [x, y])| format!("{}, {x}, {y}, {z:?}\n", from + k))
+            .collect::<String>()
+    };
+    let upper = if shared { 5 } else { 15 };
+    let twins = if shared { String::new() } else { nodes(15, 1.0) };
+    let deck = format!(
+        "*NODE\n{}{}{twins}{}{}{}*SURFACE, NAME=base\n1, S1\n*SURFACE, NAME=lid\n1, S2\n*SURFACE, NAME=sole\n2, S1\n*SURFACE, NAME=cap\n2, S2\n",
+        nodes(1, 0.0),
+        nodes(5, 1.0),
+        nodes(25, 2.0),
+        cube(1, 0, 1, 5),
+        cube(2, 1, upper, 25)
+    );
+    let bench = Bench::new(&format!(
+        "[body.a]\nmaterial = \"soft\"\nmesh = \"two.inp\"\ngroup = \"low\"\n[body.b]\nmaterial = \"soft\"\nmesh = \"two.inp\"\ngroup = \"high\"\n\
+         [material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n{more}\n\
+         [[step]]\nincrements = 1\nfix = [{{ set = \"a.base\" }}, {{ set = \"b.cap\" }}]\n"
+    ));
+    bench.write("two.inp", &deck);
+    bench
+}
+
+#[test]
+fn bodies_with_places_in_common() {
+    let contact = "[contact.c]\nslave = \"b.sole\"\nmaster = \"a.lid\"\nfriction = 0.3";
+    refused(
+        &two_cubes(true, ""),
+        &[
+            "scene.toml:5:7: bodies `a` and `b` lie on each other with 1 faces",
+            "share nodes of their mesh, and come apart",
+        ],
+    );
+    accepted(&two_cubes(true, contact), "4 nodes that touch");
+    warned(&two_cubes(false, ""), &["bodies `a` and `b` lie on each other with 1 faces", "no contact is between them"]);
+    accepted(&two_cubes(false, contact), "4 nodes that touch");
+    let forgotten = two_cubes(true, "");
+    let scene = std::fs::read_to_string(forgotten.path("scene.toml")).unwrap();
+    forgotten.write("scene.toml", &scene.replace("group = \"low\"\n", "").replace("group = \"high\"\n", ""));
+    refused(&forgotten, &["elements 1, 2 are in body `a` and in body `b`, at one place", "its own `group`"]);
+    // One more block at the place of another may be a specimen to compare with.
+    let twin = BLOCK.replace("[material.soft]", "[body.twin]\nmaterial = \"soft\"\nblock = { box = { size = [2.0, 2.0, 1.0] }, elements = [2, 2, 1] }\n[material.soft]");
+    let twin = Bench::new(&twin.replace(FIX, "fix = [{ set = \"block.bottom\" }, { set = \"twin.zmin\" }]"));
+    warned(&twin, &["at one place: they do not know of each other"]);
+}
+
+#[test]
+fn elements_that_lock() {
+    let element = |material: &str, element: &str| {
+        block(&[
+            ("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3", material),
+            ("[material.soft]", &format!("{element}\n[material.soft]")),
+        ])
+    };
+    let (rubber, firm) =
+        ("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.499", "model = \"hooke\"\nyoung = 100.0\npoisson = 0.45");
+    let metal = "model = \"j2\"\nyoung = 100.0\npoisson = 0.3\nyield_stress = 1.0";
+    for (material, default) in [(rubber, "hex8-fbar"), (firm, "hex8"), (metal, "hex8-sri")] {
+        accepted(&element(material, ""), &format!("body `block`: {default},"));
+    }
+    for (material, why) in [(rubber, "with Poisson's ratio above 0.45"), (metal, "that flows plastically")] {
+        warned(&element(material, "element = \"hex8\""), &["body `block`: `hex8` is too stiff for a material", why]);
+        accepted(&element(material, "element = \"hex8-eas\""), "body `block`: hex8-eas,");
+    }
+    let tets = block(&[
+        ("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3", rubber),
+        (
+            "block = { box = { size = [2.0, 2.0, 1.0] }, elements = [2, 2, 1], faces = { top = \"zmax\", bottom = \"zmin\" } }",
+            "mesh = \"tet.inp\"",
+        ),
+    ]);
+    tets.write("tet.inp", "*NODE\n1,0,0,0\n2,2,0,0\n3,0,2,0\n4,0,0,1\n5,2,0,1\n6,0,2,1\n*ELEMENT, TYPE=C3D4, ELSET=all\n1,1,2,3,4\n2,2,3,4,6\n3,2,4,5,6\n*SURFACE, NAME=bottom\n1, S1\n*SURFACE, NAME=top\n3, S3\n");
+    warned(&tets, &["tetrahedra are too stiff for a material with Poisson's ratio above 0.45"]);
+}
+
+#[test]
+fn mixed_units_and_far_origins() {
+    warned(
+        &block(&[("1.0], normal", "1000.0], normal")]),
+        &["contact `top`: the master is 9.990e2 away", "one unit of length"],
+    );
+    warned(
+        &block(&[
+            ("-0.1] }]", "-5000.0] }]"),
+            ("[0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0]", "[0.0, 0.0, -9.0], normal = [0.0, 0.0, 1.0]"),
+        ]),
+        &["moves `plate` by 5.000e3"],
+    );
+    let away = |x: &str| {
+        let origin = format!("origin = [{x}, 0.0, 0.0], size = [2.0, 2.0, 1.0]");
+        block(&[("size = [2.0, 2.0, 1.0]", &origin)])
+    };
+    accepted(&away("2e3"), "touch");
+    warned(&away("9e3"), &["body `block` is 9.002e3 from the origin", "strains below"]);
+    refused(&away("1e8"), &["scene.toml:2:7: body `block` is 1.000e8 from the origin, 1.0e8 times its shortest edge"]);
+}
+
+/// A turn is a path: one increment is as many as it takes.
+#[test]
+fn a_full_turn_at_once() {
+    let roller = "cylinder = { point = [1.0, 0.0, 2.5], axis = [0.0, 1.0, 0.0], radius = 1.5 }";
+    let turn = |increments: usize| {
+        let step = format!(
+            "[[step]]\nname = \"turn\"\nincrements = {increments}\n{FIX}\nmove = [{{ target = \"plate\", rotate = {{ point = [1.0, 0.0, 2.4], axis = [0.0, 1.0, 0.0], angle = 360.0 }} }}]"
+        );
+        let bench = block(&[(PLATE, roller)]);
+        bench.write("scene.toml", &(std::fs::read_to_string(bench.path("scene.toml")).unwrap() + &step));
+        bench.solve(1, &[])
+    };
+    let (once, often) = (turn(1), turn(24));
+    assert!(once.log().contains("warning: step `turn`: a tool turns by more than 30 degrees an increment"));
+    assert_eq!((once.history().len(), often.history().len()), (14, 26));
+    let [once, often] = [once, often].map(|run| run.history().last("plate.fx"));
+    assert_close("force along the turn", once, often, 1e-6);
+    assert!(once.abs() > 0.1, "{once}");
+}
+
+/// Vectors of any length are directions; hardening may begin at nothing; a foil has its planes of symmetry.
+#[test]
+fn extreme_numbers() {
+    let force = |normal: &str| block(&[("normal = [0.0, 0.0, -1.0]", normal)]).solve(1, &[]).history().last("plate.fz");
+    let unit = force("normal = [0.0, 0.0, -1.0]");
+    assert!(unit < -1.0);
+    for normal in ["normal = [0.0, 0.0, -1e155]", "normal = [0.0, 0.0, -1e-300]"] {
+        assert_eq!(force(normal), unit);
+    }
+    let swift = |e0: &str| {
+        let metal = format!(
+            "model = \"j2\"\nyoung = 1000.0\npoisson = 0.3\nhardening = {{ swift = {{ k = 5.0, n = 0.2, e0 = {e0} }} }}"
+        );
+        let scene = [("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3", metal.as_str())];
+        block(&scene).solve(1, &[]).history().last("plate.fz")
+    };
+    assert_close("Swift from nothing", swift("1e-100"), swift("1e-15"), 1e-3);
+    let foil =
+        BLOCK.replace("size = [2.0, 2.0, 1.0]", "size = [2.0, 2.0, 2e-6]").replace("1.0], normal", "2e-6], normal");
+    let foil = foil.replace("material = \"soft\"", "material = \"soft\"\nsymmetry = [\"xmin\", \"ymin\", \"zmin\"]");
+    accepted(&Bench::new(&foil), "mirrored across `block.xmin`, `block.ymin`, `block.zmin`");
+}
+
+/// Reference nodes, and elements that nobody takes.
+#[test]
+fn what_a_deck_has_besides() {
+    let more = "*NODE\n900, 5.0, 5.0, 5.0\n901, 6.0, 5.0, 5.0\n*ELEMENT, TYPE=CONN3D2, ELSET=link\n950, 900, 901\n*ELSET, ELSET=all, GENERATE\n101, 104\n";
+    let scene = |group: &str| {
+        let of_mesh = format!("mesh = \"block.inp\"\n{group}");
+        let bench = block(&[(
+            "block = { box = { size = [2.0, 2.0, 1.0] }, elements = [2, 2, 1], faces = { top = \"zmax\", bottom = \"zmin\" } }",
+            &of_mesh,
+        )]);
+        bench.write("block.inp", &(deck([2, 2, 1]) + more));
+        bench
+    };
+    let words =
+        ["nodes 900, 901 are not part of any element", "element 950 of type CONN3D2 left out, which is not read"];
+    warned(&scene("group = \"all\""), &words);
+    refused(&scene(""), &["element 950 has type CONN3D2, which is not read"]);
+    refused(&scene("group = \"link\""), &["element 950 has type CONN3D2, which is not read"]);
+}

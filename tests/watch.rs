@@ -1,0 +1,284 @@
+//! What no solution may do: nodes that go through a master or stay in it. Each scene is right, or refused.
+
+mod common;
+
+use common::{Bench, assert_close, assert_small};
+
+/// A block of 4 x 4 x 2 under something that comes from above, of which `master` says what it is and `how` what moves.
+fn block(master: &str, how: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+[body.b]
+material = "m"
+element = "hex8"
+[body.b.block]
+box = {{ size = [4.0, 4.0, 2.0] }}
+elements = [4, 4, 2]
+faces = {{ top = "zmax", bottom = "zmin" }}
+[material.m]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.t.{master}
+[contact.c]
+slave = "b.top"
+master = "t"
+friction = 0.3
+[[step]]
+name = "press"
+increments = 1
+{how}
+[output]
+history = ["b.bottom"]
+"#
+    ))
+}
+
+/// A closed plate of a thickness, 0.2 above the block.
+fn plate(thickness: f64) -> String {
+    let top = 2.2 + thickness;
+    format!(
+        r#"profile]
+points = [[-1.0, 2.2], [5.0, 2.2], [5.0, {top}], [-1.0, {top}]]
+closed = true
+extrude = {{ origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }}"#
+    )
+}
+
+const PRESS: &str = r#"fix = [{ set = "b.bottom" }]
+move = [{ target = "t", by = [0.0, 0.0, -1.0] }]"#;
+
+/// A ball of radius 10 pressed by 12: the nodes under it must not come out above it.
+#[test]
+fn a_ball_does_not_pass_through_a_block_in_one_or_two_increments() {
+    let bench = Bench::new(
+        r#"
+[body.block]
+material = "rubber"
+element = "hex8"
+[body.block.block]
+elements = [8, 8, 4]
+box = { origin = [-20.0, -20.0, 0.0], size = [40.0, 40.0, 20.0] }
+faces = { bottom = "zmin", top = "zmax" }
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.cap]
+sphere = { center = [0.0, 0.0, 30.0], radius = 10.0 }
+[contact.top]
+slave = "block.top"
+master = "cap"
+friction = 0.3
+[[step]]
+name = "press"
+increments = 12
+fix = [{ set = "block.bottom" }]
+move = [{ target = "cap", by = [0.0, 0.0, -12.0] }]
+"#,
+    );
+    let force = |increments: &str| {
+        let run = bench.solve(1, &["--set", &format!("step.press.increments={increments}")]);
+        (run.history().last("cap.fz"), run.log().contains("went through the tool `cap` (contact `top`)"))
+    };
+    let (exact, flagged) = force("12");
+    assert!(!flagged);
+    for increments in ["1", "2"] {
+        let (found, flagged) = force(increments);
+        assert!(flagged);
+        // Friction depends on the path a little.
+        assert_close(&format!("{increments} increments"), found, exact, 0.01);
+    }
+}
+
+#[test]
+fn a_ball_does_not_pass_through_a_sheet() {
+    let bench = Bench::new(
+        r#"
+[body.s]
+material = "m"
+element = "hex8-eas"
+[body.s.block]
+box = { origin = [-10.0, -10.0, 0.0], size = [20.0, 20.0, 1.0] }
+elements = [10, 10, 1]
+faces = { rim = ["xmin", "xmax", "ymin", "ymax"] }
+[material.m]
+model = "neo-hookean"
+young = 10.0
+poisson = 0.4
+[tool.ball]
+sphere = { center = [0.3, 0.2, 5.0], radius = 4.0 }
+[contact.c]
+slave = "s.zmax"
+master = "ball"
+[[step]]
+name = "push"
+increments = 4
+fix = [{ set = "s.rim" }]
+move = [{ target = "ball", by = [0.0, 0.0, -6.0] }]
+"#,
+    );
+    let force = |increments: usize| {
+        bench.solve(1, &["--set", &format!("step.push.increments={increments}")]).history().last("ball.fz")
+    };
+    // Without friction the end does not depend on the path.
+    assert_close("force", force(1), force(4), 1e-6);
+}
+
+/// Plates moved by more than their thickness in one increment: as in 16. One thinner than the smallest increment is refused.
+#[test]
+fn a_closed_tool_does_not_pass_through_whatever_its_thickness() {
+    let run = block(&plate(1e-4), PRESS).run(1, &[]);
+    assert_eq!(run.code, 1, "{}", run.stdout);
+    assert!(
+        run.stderr.contains("went through the tool `t` (contact `c`) with the smallest increment"),
+        "{}",
+        run.stderr
+    );
+    for thickness in [0.3, 0.03] {
+        let bench = block(&plate(thickness), PRESS);
+        let [one, many] =
+            ["1", "16"].map(|n| bench.solve(1, &["--set", &format!("step.press.increments={n}")]).history());
+        assert!(one.last("c.active") == 25.0);
+        assert_close("force", one.last("t.fz"), many.last("t.fz"), 0.01);
+        assert_small("penetration", one.last("c.max_penetration"), 1e-9);
+    }
+}
+
+/// The same on more ranks, with the same increments.
+#[test]
+fn ranks_see_the_same() {
+    let bench = block(&plate(0.3), PRESS);
+    let one = bench.solve(1, &[]);
+    for ranks in [2, 3] {
+        let run = bench.solve(ranks, &[]);
+        let reasons =
+            |log: &str| log.lines().filter(|l| l.contains("went through")).map(str::to_string).collect::<Vec<_>>();
+        assert_eq!(reasons(&run.log()), reasons(&one.log()));
+        assert_eq!(run.history().len(), one.history().len());
+        assert_close("force", run.history().last("t.fz"), one.history().last("t.fz"), 1e-8);
+    }
+}
+
+/// A sheet 0.1 thick, both sides of which are the master, under a block that goes down by 0.8 in one increment.
+#[test]
+fn a_body_does_not_pass_through_a_thin_sheet() {
+    let bench = Bench::new(
+        r#"
+[body.low]
+material = "m"
+element = "hex8-eas"
+[body.low.block]
+box = { origin = [0.0, 0.0, 0.0], size = [8.0, 2.0, 0.1] }
+elements = [12, 3, 1]
+faces = { ends = ["xmin", "xmax"], skin = ["zmin", "zmax"] }
+[body.high]
+material = "m"
+element = "hex8"
+[body.high.block]
+box = { origin = [3.1, 0.3, 0.3], size = [1.5, 1.3, 1.0] }
+elements = [2, 2, 2]
+faces = { bottom = "zmin", top = "zmax" }
+[material.m]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[contact.c]
+slave = "high.bottom"
+master = "low.skin"
+[[step]]
+name = "press"
+increments = 8
+fix = [{ set = "low.ends" }]
+move = [{ target = "high.top", by = [0.0, 0.0, -0.8] }]
+[output]
+history = ["high.top"]
+"#,
+    );
+    let run = |increments: usize| bench.solve(1, &["--set", &format!("step.press.increments={increments}")]);
+    let (one, many) = (run(1), run(8));
+    assert!(one.log().contains("went through `low.skin`"), "{}", one.log());
+    assert_close("force", one.history().last("high.top.fz"), many.history().last("high.top.fz"), 1e-6);
+}
+
+/// Nodes that cannot give way: the run ends, with the node, the contact and the depth.
+#[test]
+fn nodes_that_are_held_in_a_tool_are_refused() {
+    let plane = "plane]\npoint = [0.0, 0.0, 2.0]\nnormal = [0.0, 0.0, -1.0]";
+    let down = r#"move = [{ target = "t", by = [0.0, 0.0, -0.2] }]"#;
+    for how in [
+        r#"fix = [{ set = "b.bottom" }, { set = "b.top" }]"#.to_string() + "\n" + down,
+        r#"fix = [{ set = "b.bottom" }, { set = "b.xmin" }]"#.to_string() + "\n" + down,
+        "fix = [{ set = \"b.bottom\" }]\nmove = [{ target = \"b.top\", by = [0.0, 0.0, 0.3] }]".to_string(),
+    ] {
+        let run = block(plane, &how).run(2, &[]);
+        assert_eq!(run.code, 1, "{}", run.stdout);
+        let said = &run.stderr;
+        assert!(said.contains("node 51 of body `b` at (0.000000, 0.000000, 2.000000) is "), "{said}");
+        assert!(said.contains(" deep in the tool `t` (contact `c`) with the smallest increment"), "{said}");
+        assert_eq!(run.summary()["jumps"], 0);
+    }
+}
+
+/// A plate that stands beside the block and turns over it by 100 degrees in one increment: its nodes stand on an arc in the
+/// plate's frame, at both ends of which they are in front of it.
+#[test]
+fn a_tool_that_turns_is_followed_on_its_arc() {
+    let plate = r#"profile]
+points = [[-0.3, 1.5], [-0.1, 1.5], [-0.1, 7.0], [-0.3, 7.0]]
+closed = true
+extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }"#;
+    let turn = r#"fix = [{ set = "b.bottom" }, { set = "b.top" }]
+move = [{ target = "t", rotate = { point = [-0.2, 0.0, 1.5], axis = [0.0, 1.0, 0.0], angle = 100.0 } }]"#;
+    let run = block(plate, turn).run(1, &[]);
+    assert_eq!(run.code, 1, "{}", run.stdout);
+    assert!(
+        run.stderr.contains("deep in the tool `t`") || run.log().contains("went through the tool `t`"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.log().contains("went through the tool `t` (contact `c`) with increment 1"), "{}", run.log());
+}
+
+/// Nodes that are past the end of an open surface may be behind it.
+#[test]
+fn beside_an_open_surface_a_node_may_be_behind_it() {
+    // Half a step of the plate's length over the block; the part of the block beside it swells up past its end.
+    let strip = r#"profile]
+points = [[2.4, 2.0], [-3.0, 2.0]]
+extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }"#;
+    let how = r#"fix = [{ set = "b.bottom" }]
+move = [{ target = "t", by = [0.0, 0.0, -0.6] }]"#;
+    let reversed = strip.replace("[[2.4, 2.0], [-3.0, 2.0]]", "[[-3.0, 2.0], [2.4, 2.0]]");
+    let [one, other] = [strip.to_string(), reversed].map(|strip| block(&strip, how));
+    let runs = [&one, &other].map(|bench| bench.solve(1, &["--set", "step.press.increments=4"]));
+    // One of them looks down.
+    let pressed = runs.iter().find(|run| run.history().last("c.active") > 0.0).unwrap();
+    assert_small("penetration", pressed.history().last("c.max_penetration"), 1e-9);
+    assert!(!pressed.log().contains("tool `t` (contact"), "{}", pressed.log());
+    assert_eq!(pressed.summary()["cutbacks"], 0);
+}
+
+/// At the end of a run: a contact that never was, one that ended, and one that was ended on purpose.
+#[test]
+fn contacts_that_do_not_act_are_named_at_the_end() {
+    let plane = "plane]\npoint = [0.0, 0.0, 2.1]\nnormal = [0.0, 0.0, -1.0]";
+    let moved =
+        |by: &str| format!("fix = [{{ set = \"b.bottom\" }}]\nmove = [{{ target = \"t\", by = [0.0, 0.0, {by}] }}]");
+    let step = |by: &str| format!("[[step]]\nname = \"next\"\nincrements = 1\n{}", moved(by));
+    let warnings = |how: &str| {
+        let run = block(plane, how).solve(2, &[]);
+        let list: Vec<String> = serde_json::from_value(run.summary()["warnings"].clone()).unwrap();
+        for warning in &list {
+            assert!(run.log().contains(warning) && run.stdout.contains(warning), "{}", run.stdout);
+        }
+        list
+    };
+    assert_eq!(warnings(&moved("-0.05")), ["contact `c`: no node has ever touched the tool `t`"]);
+    assert_eq!(warnings(&moved("-0.3")), Vec::<String>::new());
+    assert_eq!(warnings(&(moved("-0.3") + "\n" + &step("0.5"))), Vec::<String>::new());
+    // The block is drawn away from under the tool.
+    let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
+    let until = warnings(&(moved("-0.3") + "\n" + drawn));
+    assert_eq!(until, ["contact `c`: nothing touches the tool `t` any more since time 1.000000"]);
+}
