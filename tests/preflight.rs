@@ -91,7 +91,7 @@ fn the_number_of_ranks_does_not_matter() {
             (code, text.replace(&format!("{ranks} ranks"), "1 rank"))
         };
         let alone = of(1);
-        assert!([2, 3, 7].iter().all(|&ranks| of(ranks) == alone), "{alone:?}");
+        [2, 3, 7].iter().for_each(|&ranks| assert_eq!(of(ranks), alone, "{ranks} ranks"));
     }
 }
 
@@ -192,8 +192,9 @@ fn bodies_that_nothing_holds() {
     let forgotten = block(&[smooth[1]]);
     forgotten.write("scene.toml", &(BLOCK.replace("friction = 0.3", "friction = 0.0") + second));
     refused(&forgotten, &["scene.toml:21:8: step `slide`: ", "along x and y", "repeat the `fix` of the step before"]);
+    // With friction the plate could draw it along, but nothing presses it against the plate.
     forgotten.write("scene.toml", &(BLOCK.to_string() + second));
-    accepted(&forgotten, "touch");
+    refused(&forgotten, &["scene.toml:21:8: step `slide`: nothing presses body `block` against what touches it"]);
 }
 
 #[test]
@@ -214,7 +215,10 @@ fn bodies_that_begin_apart() {
     // A tool that comes in the first increment holds it; later is too late.
     let moved = |by: &str| {
         block(&[
-            (FIX, "fix = [{ set = \"block.xmin\", directions = \"xy\" }]"),
+            (
+                FIX,
+                "fix = [{ set = \"block.xmin\", directions = \"xy\" }]\nforce = [{ target = \"block.bottom\", total = [0.0, 0.0, 1.0] }]",
+            ),
             ("-0.1] }]", &format!("{by}] }}]")),
             ("1.0], normal", "1.01], normal"),
         ])

@@ -173,7 +173,8 @@ fn frictionless_contact_has_no_memory() {
 /// leg for something that it has penetrated.
 #[test]
 fn the_far_side_of_a_sheet_attracts_nothing() {
-    for (smoothing, friction) in [("facet", 0.2), ("nagata", 0.0)] {
+    // With friction the slack of the constraints leaves as much as it may.
+    for (smoothing, friction, tolerance) in [("facet", 0.2, 2e-3), ("nagata", 0.0, 1e-6), ("facet", 0.0, 1e-6)] {
         let rub = format!("contact.inside.friction={friction}");
         let smooth = format!("contact.inside.smoothing={smoothing}");
         let common = ["--steps", "2", "--set", &rub, "--set", &smooth];
@@ -185,7 +186,7 @@ fn the_far_side_of_a_sheet_attracts_nothing() {
             assert_eq!(found.last("inside.active"), inside.last("inside.active"));
             let names = ["strip.lip-top", "strip.leg-top"];
             let difference = found.row_difference(found.len() - 1, &inside, inside.len() - 1, &names);
-            assert_small(&format!("{smoothing}, thickness {what}"), difference, 1e-6);
+            assert_small(&format!("{smoothing}, thickness {what}"), difference, tolerance);
         }
     }
 }
@@ -226,7 +227,7 @@ fn what_cannot_meet_before_long_is_not_coupled() {
         master = "tube.rmax"
         [[step]]
         increments = 1
-        fix = [{ set = "tube.zmin" }]
+        fix = [{ set = "tube.rmin" }]
     "#,
     );
     let entries = |master: &str| -> f64 {

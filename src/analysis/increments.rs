@@ -73,14 +73,11 @@ impl Increments {
         end - self.done <= self.min * (1.0 + 1e-9)
     }
 
-    /// Makes the next increment four times as long as that to `end`, which was short and failed; `false` when it was longer
-    /// than that already.
+    /// Makes the next increment four times as long as that to `end`, which failed, as far as the grid allows; `false` when
+    /// that was as long as it may be.
     pub fn lengthen(&mut self, end: f64) -> bool {
-        let can = self.is_short(end);
-        if can {
-            self.size = 4.0 * (end - self.done);
-        }
-        can
+        self.size = (4.0 * (end - self.done)).min(self.max);
+        self.next().is_some_and(|longer| longer > end)
     }
 }
 

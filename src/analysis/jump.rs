@@ -63,7 +63,10 @@ impl Analysis<'_> {
                     return Ok(Attempt::Converged(converged));
                 }
                 Attempt::Converged(converged) => {
-                    self.commit(frame, &converged);
+                    if let Err(error) = self.commit(frame, &converged) {
+                        self.restore(frame, before);
+                        return Err(error);
+                    }
                     weakest = drag;
                     drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
                 }

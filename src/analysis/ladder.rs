@@ -7,7 +7,7 @@
 //!    leaves the body without stiffness and behind; so there every increment settles first, and one that does not is what is
 //!    tried by turns.
 //! 3. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
-//!    jump. Close to where equilibrium ends little drives a jump, and a longer increment is tried once or twice.
+//!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
 //! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run.
 
@@ -60,6 +60,8 @@ pub enum Remedy {
 pub struct Ladder {
     /// Some contact has friction, or a penalty that is not the automatic one.
     can_settle: bool,
+    /// Jumps that may fail.
+    most_jumps: usize,
     /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
     /// round.
     pub settles: bool,
@@ -72,7 +74,8 @@ pub struct Ladder {
     jumped: usize,
 }
 
-/// Jumps that are tried, each four times as long as the last.
+/// Jumps that are tried where something depends on the way, each four times as long as the last. Where nothing does, neither
+/// friction nor flow, they may become as long as an increment.
 const LONGER: usize = 2;
 
 /// Increments without a jump that make up for one, and as many jumps in succession as there may be: a path of little but
@@ -81,8 +84,11 @@ const JUMP: usize = 4;
 const MOST_JUMPS: usize = 8;
 
 impl Ladder {
-    pub fn new(can_settle: bool) -> Self {
-        Self { can_settle, settles: false, way: Way::Newton { settle: false }, failures: 0, jumps: 0, jumped: 0 }
+    /// `has_memory` where friction or flow make the state depend on the way to it.
+    pub fn new(can_settle: bool, has_memory: bool) -> Self {
+        let most_jumps = if has_memory { LONGER } else { usize::MAX };
+        let way = Way::Newton { settle: false };
+        Self { can_settle, most_jumps, settles: false, way, failures: 0, jumps: 0, jumped: 0 }
     }
 
     /// How to seek the increment now.
@@ -123,7 +129,7 @@ impl Ladder {
         let singular = matches!(cause, Cause::Singular | Cause::Rounding);
         let Way::Newton { .. } = self.way else {
             self.jumps += 1;
-            return (self.jumps < LONGER && increments.lengthen(end)).then_some(Remedy::Jump);
+            return (self.jumps < self.most_jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         };
         self.failures += 1;
         let again = self.can_settle && !self.is_remedy();
@@ -156,7 +162,7 @@ mod tests {
         for (frictional, min) in [(false, 1e-4), (true, 1e-4), (true, 0.3), (true, 0.5)] {
             let mut increments =
                 Increments::new(&Increment { initial: 0.5, min, max: 0.5, limits: Limits::default() }, 1.0);
-            let mut ladder = Ladder::new(frictional);
+            let mut ladder = Ladder::new(frictional, frictional);
             let (mut sizes, mut ways) = (Vec::new(), Vec::new());
             loop {
                 let end = increments.next().unwrap();
@@ -168,7 +174,7 @@ mod tests {
             }
             assert!(sizes.len() < 16 && sizes.iter().all(|size| *size >= min), "{sizes:?}");
             let jumps = ways.iter().filter(|way| **way == Way::Jump).count();
-            assert!((1..=2).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
+            assert!((1..=5).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
             assert_eq!(ways.contains(&Way::Newton { settle: true }), frictional);
         }
     }
@@ -177,8 +183,8 @@ mod tests {
     fn a_singular_matrix_ends_it_unless_friction_may_help() {
         let mut increments =
             Increments::new(&Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() }, 1.0);
-        assert_eq!(Ladder::new(false).fail(&mut increments, 0.5, Cause::Singular), None);
-        let mut ladder = Ladder::new(true);
+        assert_eq!(Ladder::new(false, false).fail(&mut increments, 0.5, Cause::Singular), None);
+        let mut ladder = Ladder::new(true, true);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Settle));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }

@@ -9,7 +9,7 @@ use crate::model::{Body, Model};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::History;
-use crate::parallel::{max, number, sum};
+use crate::parallel::{agree, max, number, sum};
 use crate::partition::PartFacet;
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::scene::Scene;
@@ -100,7 +100,7 @@ impl Results {
     /// Adds the row of a converged increment. Collective.
     ///
     /// # Errors
-    /// A file that cannot be written, on all ranks.
+    /// A file that cannot be written, or an element without stress, on all ranks.
     pub fn add_row(&mut self, comm: &SimpleCommunicator, model: &Model, at: &Row) -> Result<()> {
         let mut row = Vec::new();
         for (tool, force) in model.tools.iter().zip(at.tool_forces) {
@@ -123,7 +123,7 @@ impl Results {
             row.extend(&sums[3..6]);
         }
         for (b, _) in plastic_bodies(model) {
-            let mut energies = assembly::energies(model, at.u, b);
+            let mut energies = agree(comm, assembly::energies(model, at.u, b))?;
             sum(comm, &mut energies);
             row.extend(energies);
         }
@@ -166,9 +166,9 @@ impl Results {
     /// Writes the fields of the last converged increment, with displacements `u`. Collective.
     ///
     /// # Errors
-    /// A file that cannot be written, on all ranks.
+    /// A file that cannot be written, or an element without stress, on all ranks.
     pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
-        let stresses = assembly::stresses(model, u);
+        let stresses = agree(comm, assembly::stresses(model, u))?;
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
@@ -176,7 +176,7 @@ impl Results {
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
             let mut cell = vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)];
             if model.bodies[b].material.remembers() {
-                cell.push(("equivalent_plastic_strain", 1, assembly::plastic_strains(model, u, b)));
+                cell.push(("equivalent_plastic_strain", 1, agree(comm, assembly::plastic_strains(model, u, b))?));
             }
             let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
             grids.push(Columns { grid: shown.id, node, cell });

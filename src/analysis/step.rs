@@ -139,7 +139,7 @@ impl Analysis<'_> {
             poses,
             offsets,
             past: Vec::new(),
-            ladder: Ladder::new(frictional || given),
+            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow()),
             hangs: false,
         };
         self.summary.dofs = frame.dofs.total;
@@ -161,6 +161,8 @@ impl Analysis<'_> {
         let limits = step.increment.limits;
         let mut since_written = 0;
         let mut warned = false;
+        // The last failure of Newton's method itself, which says more than that of a remedy.
+        let mut plain: Option<Failed> = None;
         frame.hangs = self.hangs(&frame);
         while let Some(end) = increments.next() {
             frame.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(&frame);
@@ -196,14 +198,14 @@ impl Analysis<'_> {
                     }
                     let busy = self.is_busy();
                     increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
-                    self.state.time = start + end * step.duration;
-                    since_written += 1;
-                    let last = increments.next().is_none();
-                    let write = since_written >= self.scene.output.every || last;
-                    if write {
-                        since_written = 0;
+                    let write = since_written + 1 >= self.scene.output.every || increments.next().is_none();
+                    let span = (size, start + end * step.duration);
+                    if let Err(error) = self.accept(&mut frame, *converged, found, span, write) {
+                        let _ = self.keep(since_written);
+                        return Err(error);
                     }
-                    self.accept(&mut frame, *converged, found, size, write)?;
+                    since_written = if write { 0 } else { since_written + 1 };
+                    plain = None;
                     let null_pivots = snes.linear_statistics().null_pivots;
                     if null_pivots > 0 && !std::mem::replace(&mut warned, true) {
                         self.log.line(&describe::null_pivots(&step.name.value, null_pivots));
@@ -217,13 +219,19 @@ impl Analysis<'_> {
                         self.keep(since_written)?;
                         return Err(Error::Diverged(told));
                     }
+                    let is_remedy = frame.ladder.is_remedy() || frame.ladder.way() == Way::Jump;
                     let Some(remedy) = frame.ladder.fail(&mut increments, end, failed.cause) else {
                         self.keep(since_written)?;
-                        return Err(Error::Diverged(self.tell_failure(&frame, &failed, size)));
+                        let told = plain.filter(|_| is_remedy && failed.cause == Cause::Iteration).unwrap_or(failed);
+                        let size = (told.end - increments.done) * step.duration;
+                        return Err(Error::Diverged(self.tell_failure(&frame, &told, size)));
                     };
                     self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
                     self.log.line(&describe::remedy(&step.name.value, &failed.reason, size, remedy));
                     self.log.record(&describe::trace(&failed.trace, &failed.changes));
+                    if !is_remedy {
+                        plain = Some(failed);
+                    }
                 }
             }
         }
@@ -354,7 +362,12 @@ impl Analysis<'_> {
     }
 
     /// Makes a converged increment the state. Collective.
-    pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) {
+    ///
+    /// # Errors
+    /// An element that cannot follow; the state is then what it was.
+    pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) -> Result<()> {
+        let flown = agree(self.comm, assembly::flown(&mut self.model, &converged.u))?;
+        assembly::flow(&mut self.model, flown);
         for tool in &mut self.model.tools {
             tool.committed = tool.trial;
         }
@@ -375,20 +388,28 @@ impl Analysis<'_> {
         }
         frame.offsets.clone_from(&converged.offsets);
         self.state.u.clone_from(&converged.u);
-        assembly::flow(&mut self.model, &self.state.u);
         self.model.turn_slaves(&self.state.u);
         self.model.follow_sheets(self.comm, &self.state.u);
         self.state.tool_forces.clone_from(&converged.tool_forces);
         self.state.seen.clone_from(&converged.seen);
+        Ok(())
     }
 
-    /// Makes a converged increment the state, and reports it. Collective.
-    fn accept(&mut self, frame: &mut Frame, converged: Converged, found: Found, size: f64, write: bool) -> Result<()> {
-        self.commit(frame, &converged);
+    /// Makes a converged increment of a size, to a time, the state, and reports it. Collective.
+    fn accept(
+        &mut self,
+        frame: &mut Frame,
+        converged: Converged,
+        found: Found,
+        (size, time): (f64, f64),
+        write: bool,
+    ) -> Result<()> {
+        self.commit(frame, &converged)?;
+        self.state.time = time;
         self.note_touches();
         self.summary.increments += 1;
         let step = &frame.step.name.value;
-        let (number, time) = (self.summary.increments, self.state.time);
+        let number = self.summary.increments;
         let iterations = converged.trace.len() - 1;
         let begun = Instant::now();
         let row = results::Row {

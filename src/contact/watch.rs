@@ -226,8 +226,8 @@ impl Seen {
         let nearest = ground.nearest(x, may.reach);
         let gap = nearest.map_or(may.reach, |p| p.gap);
         let depth = if gap < -NONE * may.facet { ground.depth(x, -gap).unwrap_or(0.0) } else { 0.0 };
-        let lingers = nearest.filter(|_| depth > 0.0).map_or(0.0, |p| ground.lingers(&p));
-        Self { gap, nearest, depth, allowed: DEEP * may.facet + may.explained + lingers }
+        let allowed = nearest.filter(|_| depth > 0.0).map_or(0.0, |p| allowed(ground, &p, may));
+        Self { gap, nearest, depth, allowed }
     }
 
     fn is_behind(&self) -> bool {
@@ -251,6 +251,11 @@ impl Seen {
         let [rises, bends] = [way.dot(&(n + m)) / 2.0, way.dot(&(n - m)) / 8.0];
         way.norm() <= facet && n.dot(&m) >= ALONG && rises.abs().max(bends.abs()) <= LIFT * facet
     }
+}
+
+/// Depth behind the surface up to which a node is not behind it, with its nearest point there.
+fn allowed(ground: &Ground, nearest: &Projection, may: &Allowance) -> f64 {
+    DEEP * may.facet + may.explained + ground.lingers(nearest)
 }
 
 /// What is seen of a node at `x` before anything has moved.
@@ -326,10 +331,10 @@ fn goes_through(ground: &Ground, way: &[Vec3], may: &Allowance, lift_end: bool) 
 /// A place a little farther off the surface, if it is near; in a corner off both its sides.
 fn lift(ground: &Ground, x: &Vec3, may: &Allowance) -> Vec3 {
     const SIDES: usize = 3;
-    let (lift, deepest) = (LIFT * may.facet, -(DEEP * may.facet + may.explained));
+    let lift = LIFT * may.facet;
     let mut x = *x;
     for _ in 0..SIDES {
-        match ground.nearest(&x, lift).filter(|p| p.gap > deepest) {
+        match ground.nearest(&x, lift).filter(|p| p.gap >= -allowed(ground, p, may)) {
             Some(p) => x += p.normal * (lift - p.gap),
             None => break,
         }
@@ -349,7 +354,7 @@ fn crosses(ground: &Ground, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowan
         let step = (SHARE * here.gap.abs()).max(STEP * may.facet);
         done = (done + step).min(length);
         let there = look(&(from + along * done));
-        if step > here.gap.abs() && is_between(&here, &there, &look, POINT * may.facet) {
+        if is_between(&here, &there, &look, POINT * may.facet) {
             return true;
         }
         here = there;

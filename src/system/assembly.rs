@@ -13,7 +13,7 @@ use crate::solid::element::{
     hex8_fbar, hex8_sri, plane4, plastic_work, stored_energy, tet4,
 };
 use crate::solid::load;
-use crate::solid::material::strain_between;
+use crate::solid::material::{State, strain_between};
 use crate::solid::voigt::Voigt;
 
 /// Matrices of one element, made once for a sweep over all.
@@ -226,28 +226,45 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
     Ok(diagonal.iter().map(smallest).collect())
 }
 
-/// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx); zero where an element is inverted.
-pub fn stresses(model: &Model, u: &[Vec3]) -> Vec<Voigt> {
+/// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx).
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn stresses(model: &Model, u: &[Vec3]) -> Result<Vec<Voigt>> {
     let of = |e: usize| average_stress(&samples(model, e, u)?, medium(model, e));
-    mine(model).map(|e| of(e).unwrap_or_default()).collect()
+    mine(model).map(|e| of(e).map_err(|_| lost(model, e))).collect()
 }
 
 /// Mean equivalent plastic strain of each element of a body that this rank counts.
-pub fn plastic_strains(model: &Model, u: &[Vec3], body: usize) -> Vec<f64> {
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn plastic_strains(model: &Model, u: &[Vec3], body: usize) -> Result<Vec<f64>> {
     let of = |e: usize| Ok::<_, Inverted>(average_plastic_strain(&samples(model, e, u)?, model.history.of(e)));
-    of_body(model, body).map(|e| of(e).unwrap_or_default()).collect()
+    of_body(model, body).map(|e| of(e).map_err(|_| lost(model, e))).collect()
 }
 
 /// Stored energy and plastic work of what this rank counts of a body.
-pub fn energies(model: &Model, u: &[Vec3], body: usize) -> [f64; 2] {
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn energies(model: &Model, u: &[Vec3], body: usize) -> Result<[f64; 2]> {
     let mut sums = [0.0; 2];
     for e in of_body(model, body) {
         let medium = medium(model, e);
         let of_element = samples(model, e, u)
             .and_then(|samples| Ok([stored_energy(&samples, medium)?, plastic_work(&samples, medium)]));
-        (0..2).for_each(|k| sums[k] += of_element.map_or(0.0, |energies| energies[k]));
+        let energies = of_element.map_err(|_| lost(model, e))?;
+        (0..2).for_each(|k| sums[k] += energies[k]);
     }
-    sums
+    Ok(sums)
+}
+
+/// What is said of an element that has no stress in a state that has converged.
+fn lost(model: &Model, e: usize) -> Error {
+    let solid = &model.part.solids[e];
+    let body = &model.bodies[solid.body as usize].name;
+    Error::Diverged(format!("element {} of body `{body}` has turned inside out in the converged state", solid.id))
 }
 
 /// Largest principal logarithmic strain between two states of displacements, of what this rank counts; infinite where an
@@ -271,21 +288,35 @@ fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
     mine(model).filter(move |&e| model.part.solids[e].body as usize == body)
 }
 
-/// Makes the states of all integration points, and the enhanced strain, those at displacements `u`, at which no element is
-/// inverted. Every rank does so for all elements that it knows, from the same numbers.
-pub fn flow(model: &mut Model, u: &[Vec3]) {
+/// The states of all integration points at displacements `u`, by element, and there the enhanced strain, too. Every rank
+/// finds those of all elements that it knows, from the same numbers. [`flow`] makes them those of the history.
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn flown(model: &mut Model, u: &[Vec3]) -> Result<Vec<(usize, Vec<State>)>> {
     let mut scratch = Scratch::default();
+    let mut flown = Vec::new();
     for e in 0..model.part.solids.len() {
-        if model.history.amplitudes(e).is_some() && scratch.evaluate(model, e, u, true).is_ok() {
+        if model.history.amplitudes(e).is_some() {
+            scratch.evaluate(model, e, u, true).map_err(|_| lost(model, e))?;
             scratch.keep(model, e);
         }
         if model.history.of(e).is_empty() {
             continue;
         }
-        if let Ok(samples) = samples(model, e, u) {
-            let Model { part, bodies, history, .. } = &mut *model;
-            let _ = advance(&samples, &bodies[part.solids[e].body as usize].material, history.of_mut(e));
-        }
+        let material = &model.bodies[model.part.solids[e].body as usize].material;
+        let mut states = model.history.of(e).to_vec();
+        let advanced = samples(model, e, u).and_then(|samples| advance(&samples, material, &mut states));
+        advanced.map_err(|_| lost(model, e))?;
+        flown.push((e, states));
+    }
+    Ok(flown)
+}
+
+/// Makes the states that have been found those of the history.
+pub fn flow(model: &mut Model, flown: Vec<(usize, Vec<State>)>) {
+    for (e, states) in flown {
+        model.history.of_mut(e).copy_from_slice(&states);
     }
     model.history.accept();
 }

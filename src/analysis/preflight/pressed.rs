@@ -1,8 +1,8 @@
 //! Bodies that nothing presses against what touches them.
 //!
 //! Contacts push, and friction pulls along them by no more than mu times that. Where all the forces that the contacts of a
-//! body could have lie on one side, and neither a support nor a load acts against them, the only equilibrium has none: a
-//! tool that is moved shoves the body along. With the normals n, and a direction d of no support, that is so if
+//! body could have lie on one side, and neither a support nor a load acts against them, there is no equilibrium, or only one
+//! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of no support, that is so if
 //! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them.
 
 use super::super::conditions::Conditions;
@@ -24,12 +24,9 @@ pub fn check(
 ) -> Result<()> {
     let sides = sides(model, scene);
     for (step, conditions) in scene.steps.iter().zip(steps) {
-        let mut supports = supports(model, conditions);
-        max(comm, &mut supports);
-        for (b, body) in model.bodies.iter().enumerate() {
-            let [x, y, z, loaded] = *supports[4 * b..].first_chunk().unwrap_or(&[1.0; 4]);
-            let free = Vec3::new(1.0 - x, 1.0 - y, 1.0 - z);
-            if loaded > 0.0 || free == Vec3::zeros() {
+        let supports = supports(comm, model, conditions);
+        for (b, (body, Support { free, loads, pressed })) in model.bodies.iter().zip(supports).enumerate() {
+            if pressed || free == Vec3::zeros() {
                 continue;
             }
             // The normals of all contacts, as pushes on the body, with the sine of the angle of friction of each.
@@ -45,6 +42,9 @@ pub fn check(
             let mut total = pushes().map(|(n, _)| n).sum::<Vec3>();
             sum(comm, total.as_mut_slice());
             let direction = total.component_mul(&free).try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+            if loads.iter().any(|load| load.dot(&direction) < 0.0) {
+                continue;
+            }
             let mut least = [f64::NEG_INFINITY];
             pushes().for_each(|(n, sine)| least[0] = least[0].max(sine - n.dot(&direction)));
             max(comm, &mut least);
@@ -65,22 +65,35 @@ pub fn check(
     Ok(())
 }
 
-/// By body: whether some node is prescribed along x, y, z, and whether a load acts; 1 or 0, of this rank.
-fn supports(model: &Model, conditions: &Conditions) -> Vec<f64> {
-    let mut found = vec![0.0f64; 4 * model.bodies.len()];
+/// What acts on a body besides contacts, on all ranks.
+struct Support {
+    /// 1 along x, y, z where no node is prescribed, else 0.
+    free: Vec3,
+    /// Sum of the loads at the beginning and at the end of the step, N.
+    loads: [Vec3; 2],
+    /// A pressure acts.
+    pressed: bool,
+}
+
+/// What acts on each body. Collective.
+fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions) -> Vec<Support> {
+    let mut set = vec![0.0f64; 3 * model.bodies.len()];
+    let mut loads = vec![0.0f64; 6 * model.bodies.len()];
     for n in 0..model.part.owned {
-        let own = &mut found[4 * model.part.body[n] as usize..];
+        let b = model.part.body[n] as usize;
         for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_some()) {
-            own[d] = 1.0;
+            set[3 * b + d] = 1.0;
         }
         let load = conditions.loads[n];
-        if load.to != Vec3::zeros() || load.from != Vec3::zeros() {
-            own[3] = 1.0;
-        }
+        loads[6 * b..].iter_mut().zip(load.from.iter().chain(&load.to)).for_each(|(sum, f)| *sum += f);
     }
-    for set in conditions.pressures.keys() {
-        let body = model.bodies.iter().position(|b| b.name == body_of(set)).unwrap_or_default();
-        found[4 * body + 3] = 1.0;
-    }
-    found
+    max(comm, &mut set);
+    sum(comm, &mut loads);
+    let pressed = |b: usize| conditions.pressures.keys().any(|set| body_of(set) == model.bodies[b].name);
+    let one = |b: usize| Support {
+        free: Vec3::from_column_slice(&set[3 * b..3 * b + 3]).map(|set| 1.0 - set),
+        loads: [0, 3].map(|k| Vec3::from_column_slice(&loads[6 * b + k..6 * b + k + 3])),
+        pressed: pressed(b),
+    };
+    (0..model.bodies.len()).map(one).collect()
 }
