@@ -165,7 +165,7 @@ impl Model {
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         model.warnings = found.lines().map(str::to_string).collect();
-        model.warnings.extend(guidance::warnings(comm, scene, &model.part, &model.set_index));
+        model.warnings.extend(guidance::warnings(comm, scene, &model.part, &model.set_index)?);
         Ok(model)
     }
 

@@ -237,6 +237,48 @@ fn bodies_that_begin_apart() {
     refused(&sideways, &["tool `plate` can move along x", "only where it can meet a body"]);
 }
 
+#[test]
+fn a_slave_far_coarser_than_its_master() {
+    let on = |elements: &str, young: &str, how: &str| {
+        Bench::new(&format!(
+            r#"
+[body.low]
+material = "soft"
+block = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [1, 1, 1] }}
+[body.high]
+material = "other"
+block = {{ box = {{ origin = [0.0, 0.0, 1.0], size = [2.0, 2.0, 1.0] }}, elements = [{elements}, 1] }}
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[material.other]
+model = "neo-hookean"
+young = {young}
+poisson = 0.3
+[contact.c]
+slave = "low.zmax"
+master = "high.zmin"
+{how}
+[[step]]
+increments = 1
+fix = [{{ set = "low.zmin" }}]
+move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
+"#
+        ))
+    };
+    refused(
+        &on("6, 6", "100.0", ""),
+        &[
+            "scene.toml:",
+            "contact `c`: the facets of `low.zmax`, 2.0000 long, are too coarse for those of its master `high.zmin`, 0.3333 long",
+        ],
+    );
+    warned(&on("4, 4", "100.0", ""), &["`low.zmax` has the coarser mesh"]);
+    accepted(&on("6, 6", "1e6", ""), "4 nodes that touch");
+    accepted(&on("6, 6", "100.0", "discretization = \"two-pass\""), "nodes that touch");
+}
+
 /// Two cubes of one deck with the groups `low` and `high`, which share the nodes between them or have their own.
 fn two_cubes(shared: bool, more: &str) -> Bench {
     let cube = |id: usize, at: usize, first: usize, second: usize| {
@@ -293,7 +335,7 @@ fn bodies_with_places_in_common() {
 }
 
 #[test]
-fn elements_that_lock() {
+fn elements_that_do_not_suit_their_material() {
     let element = |material: &str, element: &str| {
         block(&[
             ("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3", material),
@@ -310,6 +352,12 @@ fn elements_that_lock() {
         warned(&element(material, "element = \"hex8\""), &["body `block`: `hex8` is too stiff for a material", why]);
         accepted(&element(material, "element = \"hex8-eas\""), "body `block`: hex8-eas,");
     }
+    let auxetic = |nu: &str| format!("model = \"hooke\"\nyoung = 100.0\npoisson = {nu}");
+    let buckles =
+        ["scene.toml:", "body `block`: elements with enhanced strain buckle in a material with Poisson's ratio -0.95"];
+    refused(&element(&auxetic("-0.95"), "element = \"hex8-eas\""), &buckles);
+    accepted(&element(&auxetic("-0.89"), "element = \"hex8-eas\""), "body `block`: hex8-eas,");
+    accepted(&element(&auxetic("-0.95"), ""), "body `block`: hex8,");
     let tets = block(&[
         ("model = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3", rubber),
         (

@@ -240,6 +240,21 @@ impl<'p> LinearSolver<'p> {
         result
     }
 
+    /// What A, with null pivots replaced in its factors, does not give back of `z`: z - A⁺ A z, which is in the null space of
+    /// A. Rounding where A is regular; `None` where the solver fails. Collective.
+    pub fn null_part(&mut self, matrix: &Matrix, z: &Vector) -> Result<Option<Vector<'p>>, Error> {
+        let rows = matrix.local_rows();
+        let (mut b, mut y) = (Vector::zeros(self.petsc, rows)?, Vector::zeros(self.petsc, rows)?);
+        matrix.multiply(z, &mut b)?;
+        match self.solve(matrix, &b, &mut y) {
+            Ok(()) => {}
+            Err(LinearError::Failure(_)) => return Ok(None),
+            Err(LinearError::Error(error)) => return Err(error),
+        }
+        y.axpy(-1.0, z)?;
+        Ok(Some(y))
+    }
+
     /// Takes the factors of the matrix, up to date; after a failure none are left. Collective.
     fn factored(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
         let version = matrix.version();

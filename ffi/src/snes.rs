@@ -196,6 +196,11 @@ impl<'p> Snes<'p> {
         self.linear.statistics()
     }
 
+    /// As [`LinearSolver::null_part`], of the last J. Collective.
+    pub fn null_part(&mut self, z: &Vector) -> Result<Option<Vector<'p>>, Error> {
+        self.linear.null_part(&self.matrix, z)
+    }
+
     /// Iterates from `x`, and leaves the last iterate there.
     ///
     /// Errors: those of the problem's methods and PETSc's; a solver that had one can be used again. Collective.

@@ -103,6 +103,29 @@ fn a_redundant_constraint_is_counted() {
     });
 }
 
+/// Two constraints that are one leave the difference of their multipliers open, and nothing else.
+#[test]
+fn the_null_space_is_found() {
+    with_petsc("the_null_space_is_found", &[1, 2, 3], "", |petsc| {
+        let regular = saddle_point(10, 2);
+        let mut singular = regular.clone();
+        singular[11] = singular[10].clone();
+        (0..10).for_each(|i| singular[i][11] = singular[i][10]);
+        let z: Vec<f64> = (0..12).map(|i| (1.0 + i as f64).sin()).collect();
+        for kind in [Factorization::Ldlt, Factorization::Lu] {
+            let part = |dense: &[Vec<f64>]| {
+                let mut solver = LinearSolver::new(petsc, kind);
+                let part = solver.null_part(&matrix(petsc, dense), &vector(petsc, &z)).unwrap().unwrap();
+                let opens = vector(petsc, &[[0.0; 10].as_slice(), &[1.0, -1.0]].concat());
+                (part.norm2().unwrap(), part.dot(&opens).unwrap().abs() / 2f64.sqrt())
+            };
+            assert!(part(&regular).0 < 1e-12);
+            let (all, open) = part(&singular);
+            assert!(open > 0.1 && (all - open).abs() < 1e-12, "{all} {open}");
+        }
+    });
+}
+
 #[test]
 fn a_singular_matrix_is_a_failure() {
     with_petsc("a_singular_matrix_is_a_failure", &[1, 2, 3], "", |petsc| {

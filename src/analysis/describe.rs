@@ -126,12 +126,17 @@ pub fn failure(f: &Failure) -> String {
     text
 }
 
-/// Warns of equations that MUMPS replaced.
-pub fn null_pivots(step: &str, count: usize) -> String {
-    format!(
-        "  {step}: warning: {count} equations determine nothing (null pivots): a motion that nothing holds or drives, \
-         or redundant conditions"
-    )
+/// Warns of equations that MUMPS replaced: of what is `free`, if that is why.
+pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
+    match free {
+        Some(place) => format!(
+            "step `{step}`: {place} can move freely: no support, contact or stiffness holds it, and nothing drives it. No force \
+             depends on where it is"
+        ),
+        None => format!(
+            "step `{step}`: {count} conditions say what others say (null pivots): forces between them are shared"
+        ),
+    }
 }
 
 /// What `nagata check` prints: what will be modelled and what will not. Collective.

@@ -51,6 +51,11 @@ impl Increments {
         }
     }
 
+    /// After a jump, which was sought in a short increment for its own sake: the next is as long as it may be.
+    pub fn resume(&mut self) {
+        self.size = self.max;
+    }
+
     /// How many equal parts the increment to `end` may be taken in, of which none is shorter than the minimum.
     pub fn most_parts(&self, end: f64) -> usize {
         ((end - self.done) / self.min * (1.0 + 1e-9)).max(1.0) as usize

@@ -172,9 +172,9 @@ mod tests {
                     break;
                 }
             }
-            assert!(sizes.len() < 16 && sizes.iter().all(|size| *size >= min), "{sizes:?}");
+            assert!(sizes.len() < 18 && sizes.iter().all(|size| *size >= min), "{sizes:?}");
             let jumps = ways.iter().filter(|way| **way == Way::Jump).count();
-            assert!((1..=5).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
+            assert!((1..=6).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
             assert_eq!(ways.contains(&Way::Newton { settle: true }), frictional);
         }
     }

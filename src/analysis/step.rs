@@ -198,6 +198,9 @@ impl Analysis<'_> {
                     }
                     let busy = self.is_busy();
                     increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
+                    if found.way == Way::Jump {
+                        increments.resume();
+                    }
                     let write = since_written + 1 >= self.scene.output.every || increments.next().is_none();
                     let span = (size, start + end * step.duration);
                     if let Err(error) = self.accept(&mut frame, *converged, found, span, write) {
@@ -208,7 +211,10 @@ impl Analysis<'_> {
                     plain = None;
                     let null_pivots = snes.linear_statistics().null_pivots;
                     if null_pivots > 0 && !std::mem::replace(&mut warned, true) {
-                        self.log.line(&describe::null_pivots(&step.name.value, null_pivots));
+                        let free = self.free_motion(&frame, &mut snes)?;
+                        let warning = describe::null_pivots(&step.name.value, null_pivots, free.as_deref());
+                        self.log.line(&format!("  warning: {warning}"));
+                        self.summary.warnings.push(warning);
                     }
                 }
                 Attempt::Failed(failed) if failed.extrapolated => frame.past.clear(),
@@ -237,6 +243,26 @@ impl Analysis<'_> {
         }
         self.state.conditions = frame.conditions;
         Ok(())
+    }
+
+    /// A motion that costs nothing, where MUMPS has found null pivots: its equation in words. `None` where only multipliers
+    /// are left open. Collective.
+    fn free_motion(&self, frame: &Frame, snes: &mut Snes) -> Result<Option<String>> {
+        // Over what is sought, far above rounding.
+        const SOME: f64 = 1e-4;
+        let first = frame.dofs.first;
+        let is_force: Vec<bool> = frame.dofs.forces();
+        let sought: Vec<f64> = (is_force.iter().enumerate())
+            .map(|(k, force)| (1.0 + (first + k as i64) as f64).sin() * if *force { self.model.stiffness } else { 1.0 })
+            .collect();
+        let Some(open) = snes.null_part(&Vector::from_slice(self.petsc, &sought)?)? else { return Ok(None) };
+        let open = open.array()?;
+        let moves = open.iter().zip(&is_force).map(|(open, force)| if *force { 0.0 } else { open.abs() }).enumerate();
+        let (worst, size) = moves.fold((0, 0.0), |worst, at| if at.1 > worst.1 { at } else { worst });
+        let mut largest = [size];
+        max(self.comm, &mut largest);
+        let here = largest[0] > SOME && size == largest[0];
+        Ok(first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, worst))))
     }
 
     /// Writes the fields of the last converged increment, unless they are written. Collective.

@@ -7,6 +7,7 @@
 
 use super::Discretization;
 use crate::Vec3;
+use crate::error::{Error, Result};
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::partition::{Part, PartFacet};
@@ -16,6 +17,10 @@ use std::collections::BTreeMap;
 
 /// Ratio from which stiffness or facet sizes are clearly unlike.
 const CLEARLY: f64 = 1.2;
+/// Ratio of facet sizes from which a coarse slave keeps out next to nothing of its master, unless that is so much stiffer:
+/// forces of two blocks on each other are then 5 to 30 % off.
+const HOPELESS: f64 = 5.0;
+const RIGID: f64 = 10.0;
 /// Bulges from which a surface is round, and up to which it is flat; that of half a sphere is about 1.
 const ROUND: f64 = 0.05;
 const FLAT: f64 = 0.01;
@@ -56,9 +61,22 @@ fn advice(slave: &Side, master: &Side) -> Option<String> {
     ))
 }
 
+/// Whether so few nodes of the slave are on the master that nodes of the master go through between them.
+fn is_hopeless(slave: &Side, master: &Side) -> bool {
+    slave.facet_size > HOPELESS * master.facet_size && master.young < RIGID * slave.young
+}
+
 /// Warnings for the contacts of a scene with one pass between bodies. `sets` has the place of each set in the part's.
 /// Collective.
-pub fn warnings(comm: &SimpleCommunicator, scene: &Scene, part: &Part, sets: &BTreeMap<String, usize>) -> Vec<String> {
+///
+/// # Errors
+/// A slave that is far too coarse, on all ranks.
+pub fn warnings(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    part: &Part,
+    sets: &BTreeMap<String, usize>,
+) -> Result<Vec<String>> {
     let mut warnings = Vec::new();
     let one_pass =
         |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
@@ -73,9 +91,18 @@ pub fn warnings(comm: &SimpleCommunicator, scene: &Scene, part: &Part, sets: &BT
             Side { name: names[k].clone(), young: young(scene, names[k]), facet_size, bulge }
         };
         let (slave, master) = (side(0), side(1));
+        if is_hopeless(&slave, &master) {
+            let what = format!(
+                "contact `{}`: the facets of `{}`, {:.4} long, are too coarse for those of its master `{}`, {:.4} long: nodes of \
+                 the master would go through between the slave's, which alone are kept out",
+                contact.name.value, slave.name, slave.facet_size, master.name, master.facet_size
+            );
+            let help = "exchange slave and master, use discretization = \"two-pass\", or refine the slave";
+            return Err(Error::input(&contact.slave.at, what, help));
+        }
         warnings.extend(advice(&slave, &master).map(|told| format!("contact `{}`: {told}", contact.name.value)));
     }
-    warnings
+    Ok(warnings)
 }
 
 /// Facet size and bulge of the facets whose centres meet the other side; of all, where none does. Collective.
@@ -120,7 +147,7 @@ fn young(scene: &Scene, set: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Side, advice};
+    use super::{Side, advice, is_hopeless};
 
     #[test]
     fn stiffness_counts_before_meshes_and_meshes_before_bulges() {
@@ -137,5 +164,14 @@ mod tests {
             assert_eq!(advice(slave, master), None);
         }
         assert!(advice(&even, &stiff_and_fine).is_none() && told(&stiff_and_fine, &coarse).contains("stiffer"));
+    }
+
+    #[test]
+    fn a_slave_far_coarser_than_its_master_is_refused_unless_that_is_rigid_beside_it() {
+        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0 };
+        let coarse = Side { facet_size: 6.0, ..even.clone() };
+        let rigid = Side { young: 2000.0, ..even.clone() };
+        assert!(is_hopeless(&coarse, &even) && !is_hopeless(&even, &coarse) && !is_hopeless(&coarse, &rigid));
+        assert!(!is_hopeless(&Side { facet_size: 4.0, ..even.clone() }, &even));
     }
 }

@@ -139,6 +139,17 @@ impl DofMap {
         (equation != NONE && (0..self.count as i64).contains(&k)).then_some(k as usize)
     }
 
+    /// Of each local equation whether its unknown is a force, not a displacement.
+    pub fn forces(&self) -> Vec<bool> {
+        let mut forces = vec![false; self.count];
+        for equation in self.multiplier.iter().flatten().flatten() {
+            if let Some(k) = self.local(*equation) {
+                forces[k] = true;
+            }
+        }
+        forces
+    }
+
     /// The node and component, or else the slave or tool, of a local equation, for messages.
     pub fn describe(&self, model: &Model, equation: usize) -> String {
         let wanted = self.first + equation as i64;

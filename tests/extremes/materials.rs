@@ -25,8 +25,11 @@ fn poisson_in_a_bar() -> Vec<Case> {
                 .set(format!("material.m.poisson={nu}"))
                 .oracle(value("p.fz", bar_force(10.0, 4.0, 0.8), 1e-4, "closed form"))
                 .oracle(balance(&["p", "b.zmin"], 1e-4));
-            let ordinary = nu.len() <= 6;
-            let case = if ordinary { case.must_run() } else { case };
+            let case = match (nu, element) {
+                ("-0.99", "hex8-eas") => case.must_be_refused(&["enhanced strain buckle"]),
+                _ if nu.len() <= 6 => case.must_run(),
+                _ => case,
+            };
             cases.push(if ["hex8-fbar", "hex8-sri"].contains(&element) || nu == "-0.99" { case } else { case.slow() });
         }
     }
@@ -51,7 +54,11 @@ fn poisson_under_a_sphere() -> Vec<Case> {
             let case = case
                 .oracle(same("cap.fx", reference, tolerance, source))
                 .oracle(balance(&["cap", "block.bottom"], 1e-4));
-            let case = if nu.len() <= 7 { case.must_run() } else { case };
+            let case = match (nu, element) {
+                ("-0.99", "hex8-eas") => case.must_be_refused(&["enhanced strain buckle"]),
+                _ if nu.len() <= 7 => case.must_run(),
+                _ => case,
+            };
             cases.push(if element == "hex8-fbar" { case } else { case.slow() });
         }
     }

@@ -218,7 +218,8 @@ impl Newton<'_> {
         let pairs = 0..self.model.pairs.len();
         if group < bodies {
             let body = self.own_rounding(group);
-            return pairs.filter(|p| touches(p, group)).map(of_pair).fold(body, f64::max);
+            let acts = |p: &usize| groups[bodies + p].acts > 0.0;
+            return pairs.filter(|p| touches(p, group) && acts(p)).map(of_pair).fold(body, f64::max);
         }
         if group < bodies + self.model.pairs.len() {
             return of_pair(group - bodies);

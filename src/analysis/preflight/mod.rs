@@ -8,7 +8,7 @@
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
 //! - `support`: what holds every body and every force-driven tool, in each step
 //! - `pressed`: bodies that nothing presses against what touches them
-//! - `locking`: elements that are too stiff for their material
+//! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
 //! What is wrong with the meshes alone is found where they are read: [`crate::model`].
@@ -40,7 +40,7 @@ use mpi::topology::SimpleCommunicator;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Vec<String>> {
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
-    locking::check(comm, scene, model);
+    locking::check(comm, scene, model)?;
     turns(scene, model);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
