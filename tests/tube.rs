@@ -36,7 +36,8 @@ fn a_tube_folds_until_the_fold_meets_itself() {
 
     for contact in ["inner", "outer", "inner-on-plane", "outer-on-plane"] {
         let deepest = history.column(&format!("{contact}.max_penetration")).iter().copied().fold(0.0, f64::max);
-        assert_small(&format!("{contact}: penetration over the thickness"), deepest, 1e-6);
+        // What is left of the slack of self-contact once it has been taken back.
+        assert_small(&format!("{contact}: penetration over the thickness"), deepest, 2e-6);
     }
     check_energy(&history, touch);
     check_circles(&run, touch);
