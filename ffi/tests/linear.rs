@@ -119,9 +119,9 @@ fn the_null_space_is_found() {
                 let opens = vector(petsc, &[[0.0; 10].as_slice(), &[1.0, -1.0]].concat());
                 (part.norm2().unwrap(), part.dot(&opens).unwrap().abs() / 2f64.sqrt())
             };
-            assert!(part(&regular).0 < 1e-12);
+            assert!(part(&regular).0 < 1e-9);
             let (all, open) = part(&singular);
-            assert!(open > 0.1 && (all - open).abs() < 1e-12, "{all} {open}");
+            assert!(open > 0.1 && (all - open).abs() < 1e-9, "{all} {open}");
         }
     });
 }
