@@ -12,9 +12,12 @@ pub fn set_default(name: &str, value: &str) {
     }
 }
 
-/// Keeps HDF5 from closing its files when the process exits: after a write that failed it does so twice and crashes. Files
-/// must be closed before.
+/// Keeps HDF5 from closing its files when the process exits, or when MPI ends: after a write that failed it does so twice and
+/// crashes. Files must be closed before. Call it before MPI is initialized: HDF5 ties its end to that of an MPI it finds.
 pub fn leave_hdf5_at_exit() {
-    // SAFETY: no arguments, and no HDF5 call before it.
-    unsafe { hdf5_sys::h5::H5dont_atexit() };
+    // SAFETY: no arguments, and no HDF5 call before them.
+    unsafe {
+        hdf5_sys::h5::H5dont_atexit();
+        hdf5_sys::h5::H5open();
+    }
 }
