@@ -136,6 +136,8 @@ fn replace(path: &Path, text: &str) -> Result<()> {
 
 /// The error of a file that became unwritable during the run.
 fn cannot_write(path: &Path, error: impl std::fmt::Display) -> Error {
+    // HDF5 breaks the line after a time.
+    let error = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
     Error::System(format!("cannot write {}: {error}", path.display()))
 }
 
