@@ -174,6 +174,14 @@ impl Model {
         &self.part.sets[self.set_index[name]]
     }
 
+    /// The master of a pair in words.
+    pub fn master_name(&self, pair: &Pair) -> String {
+        match pair.master {
+            Master::Tool(t) => format!("the tool `{}`", self.tools[t].name),
+            Master::Surface(k) => format!("`{}`", self.surfaces[k].name),
+        }
+    }
+
     /// Volume of all bodies. Collective.
     fn volume(&self, comm: &SimpleCommunicator) -> f64 {
         let mut volume = [0.0];

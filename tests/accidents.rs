@@ -3,31 +3,14 @@
 
 mod common;
 
-use common::jobs::{children, shown_times, wait_for};
+use common::jobs::{BLOCK_UNDER_PLATE, children, shown_times, wait_for};
 use common::{Bench, History, Run, assert_small, mpirun, nagata};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A block under a plate that comes down in a thousand increments, with fields seldom.
-const SCENE: &str = r#"[body.block]
-material = "rubber"
-block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2], faces = { top = "zmax", bottom = "zmin" } }
-
-[material.rubber]
-model = "neo-hookean"
-young = 100.0
-poisson = 0.3
-
-[tool.plate]
-plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }
-
-[contact.top]
-slave = "block.top"
-master = "plate"
-friction = 0.2
-
-[[step]]
+/// Pressed in very many increments, with fields seldom.
+const STEP: &str = r#"[[step]]
 name = "press"
 increments = 100000
 fix = [{ set = "block.bottom" }]
@@ -36,6 +19,11 @@ move = [{ target = "plate", by = [0.0, 0.0, -0.5] }]
 [output]
 every = 100000
 "#;
+
+/// The block, its plate and the step.
+fn scene() -> String {
+    format!("{BLOCK_UNDER_PLATE}{STEP}")
+}
 
 /// A run under way.
 struct Job {
@@ -102,7 +90,7 @@ fn ended_in_order(bench: &Bench, signal: &str, (code, said): (i32, String)) {
 
 #[test]
 fn a_second_run_is_refused_and_the_first_goes_on() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let job = Job::start(&bench, 2, 3, &[]);
     let rows = rows_in(&bench.path("out"));
     let second = nagata(&bench.path(""), 2, &["run", "scene.toml", "--out", "out"], bench.path("out"));
@@ -120,7 +108,7 @@ fn a_second_run_is_refused_and_the_first_goes_on() {
 /// One rank's word is enough; the next run takes the folder over.
 #[test]
 fn a_signal_to_one_rank_ends_all_in_order() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     for (ranks, victim, signal) in [(2, 1, "TERM"), (1, 0, "INT")] {
         let job = Job::start(&bench, ranks, 3, &[]);
         send(signal, job.ranks[victim]);
@@ -139,7 +127,7 @@ fn a_signal_to_one_rank_ends_all_in_order() {
 /// The scene that a run has saved, run into its own folder.
 #[test]
 fn nothing_is_deleted_for_a_run_that_is_refused() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let first = bench.solve(2, &["--set", "step.press.increments=2"]);
     let all = || {
         let mut files: Vec<_> = std::fs::read_dir(&first.out).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -160,7 +148,7 @@ fn nothing_is_deleted_for_a_run_that_is_refused() {
 #[test]
 fn a_full_disk_ends_all_ranks() {
     for room in [0, 20_000] {
-        let bench = Bench::new(SCENE);
+        let bench = Bench::new(&scene());
         let job = Job::start(&bench, 2, 3, &["--set", "output.every=1"]);
         let fields = bench.path("out/fields.h5");
         let size = std::fs::metadata(&fields).unwrap().len();
@@ -180,7 +168,7 @@ fn a_full_disk_ends_all_ranks() {
 /// MPI would take what stands before a colon for a kind of file system.
 #[test]
 fn a_folder_may_have_a_colon() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let out = bench.path("12:30:00/a b");
     let arguments = ["run", "scene.toml", "--out", "12:30:00/a b", "--set", "step.press.increments=1"];
     let run = nagata(&bench.path(""), 2, &arguments, out.clone());
@@ -191,7 +179,7 @@ fn a_folder_may_have_a_colon() {
 /// MUMPS's own limit stands for that of the machine. Smaller increments take as much memory.
 #[test]
 fn want_of_memory_ends_a_run_at_once() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let larger = ["--set", "body.block.block.elements=[10, 10, 10]", "--set", "step.press.increments=2"];
     for (ranks, options) in [(2, "-mat_mumps_icntl_23"), (1, "-mat_mumps_icntl_23")] {
         let run = bench.run(ranks, &[&larger[..], &["--", options, "1"]].concat());
@@ -210,7 +198,7 @@ fn want_of_memory_ends_a_run_at_once() {
 
 #[test]
 fn quiet_hides_no_warning() {
-    let bench = Bench::new(&SCENE.replace("point = [0.0, 0.0, 2.0]", "point = [0.0, 0.0, 1.8]"));
+    let bench = Bench::new(&scene().replace("point = [0.0, 0.0, 2.0]", "point = [0.0, 0.0, 1.8]"));
     let warning = "warning: contact `top`: 9 nodes start inside the tool `plate`";
     let loud = bench.solve(2, &["--set", "step.press.increments=10"]);
     assert!(loud.stdout.contains(warning) && loud.stderr.is_empty(), "{}\n{}", loud.stdout, loud.stderr);
@@ -228,7 +216,7 @@ fn a_tool_that_runs_away_is_named() {
         let force = format!(r#"force = [{{ target = "plate", total = {total}, directions = "{directions}" }}]"#);
         format!("[[step]]\nincrements = 4\n{fix}\n{force}\n")
     };
-    let head = &SCENE[..SCENE.find("[[step]]").unwrap()];
+    let head = BLOCK_UNDER_PLATE;
     for (ranks, steps, friction, converged, pull) in [
         (2, step("[0, 0, 20]", "z"), "0.2", 0, "(0.000e0, 0.000e0, 5.000e0): it pulls away from all 9 slave nodes"),
         (1, step("[0, 0, -8]", "z") + &step("[0, 0, 8]", "z"), "0.2", 6, "it pulls away from all 9 slave nodes"),
@@ -289,7 +277,7 @@ fn regular_systems_are_not_singular() {
 #[test]
 #[ignore = "some minutes"]
 fn fifty_kills_and_signals() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let out = bench.path("out");
     let mut seed = 13u64;
     let mut random = |below: u64| {

@@ -2,35 +2,23 @@
 
 mod common;
 
-use common::jobs::{children, shown_times, wait_for};
+use common::jobs::{BLOCK_UNDER_PLATE, children, shown_times, wait_for};
 use common::{Bench, History, Run, mpirun};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A block under a plate that comes down.
-const SCENE: &str = r#"[body.block]
-material = "rubber"
-block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2], faces = { top = "zmax", bottom = "zmin" } }
-
-[material.rubber]
-model = "neo-hookean"
-young = 100.0
-poisson = 0.3
-
-[tool.plate]
-plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }
-
-[contact.top]
-slave = "block.top"
-master = "plate"
-friction = 0.2
-
-[[step]]
+/// Pressed flat and beyond.
+const STEP: &str = r#"[[step]]
 name = "press"
 increment = { initial = 0.1, min = 0.1 }
 fix = [{ set = "block.bottom" }]
 move = [{ target = "plate", by = [0.0, 0.0, -2.5] }]
 "#;
+
+/// The block, its plate and the step.
+fn scene() -> String {
+    format!("{BLOCK_UNDER_PLATE}{STEP}")
+}
 
 /// What is said of a run that did not converge: once on the terminal, and in the log.
 #[track_caller]
@@ -46,7 +34,7 @@ fn failure(run: &Run) -> String {
 
 #[test]
 fn a_crushed_block_keeps_what_converged() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let run = bench.run(2, &["--set", "output.every=100"]);
     let text = failure(&run);
     for words in [
@@ -74,7 +62,7 @@ fn a_crushed_block_keeps_what_converged() {
 
 #[test]
 fn without_iterations_nothing_converges_and_contact_is_blamed() {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let run = bench.run(2, &["--set", "solver.max_iterations=1", "--quiet"]);
     assert_eq!(run.stdout, "");
     let text = failure(&run);
@@ -94,7 +82,7 @@ fn without_iterations_nothing_converges_and_contact_is_blamed() {
 /// What only touches is held by that; pulled off it has nothing, along the contact's normal or askew to it.
 #[test]
 fn a_body_that_is_pulled_off_is_refused() {
-    let start = &SCENE[..SCENE.find("[[step]]").unwrap()];
+    let start = BLOCK_UNDER_PLATE;
     for total in ["0.0, 0.0, -1.0", "1.0, 0.0, -0.1"] {
         let pull = format!("[[step]]\nincrements = 1\nforce = [{{ target = \"block.top\", total = [{total}] }}]\n");
         let run = Bench::new(&format!("{start}{pull}")).run(2, &[]);
@@ -107,8 +95,7 @@ fn a_body_that_is_pulled_off_is_refused() {
 #[test]
 fn a_body_that_touches_is_held() {
     let push = "[[step]]\nincrements = 1\nforce = [{ target = \"block.bottom\", total = [1.0, 0.0, 10.0] }]\n";
-    let scene = format!("{}{push}", &SCENE[..SCENE.find("[[step]]").unwrap()])
-        .replace("[0.0, 0.0, 2.0]", "[0.0, 0.0, 2.000001]");
+    let scene = format!("{}{push}", BLOCK_UNDER_PLATE).replace("[0.0, 0.0, 2.0]", "[0.0, 0.0, 2.000001]");
     let run = Bench::new(&scene).solve(2, &[]);
     let history = run.history();
     assert!((history.last("plate.fz") + 10.0).abs() < 1e-8 && (history.last("plate.fx") + 1.0).abs() < 1e-8);
@@ -116,7 +103,7 @@ fn a_body_that_touches_is_held() {
 
 /// Kills a rank once the history has `rows` rows; returns how many there are in the end.
 fn kill_one(victim: usize, rows: usize) -> usize {
-    let bench = Bench::new(SCENE);
+    let bench = Bench::new(&scene());
     let out = bench.path("out");
     let mut job = mpirun(2)
         .args(["run", "scene.toml", "--out", "out", "--set", "step.press.increment={ initial = 1e-4 }"])

@@ -6,7 +6,7 @@ use super::preflight::rigid::{RigidMotions, Side, sides};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
-use crate::contact::{Slave, Status, Trial};
+use crate::contact::{Slave, Status, TOUCHING, Trial};
 
 /// What contacts hold besides their normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,9 +15,6 @@ enum Friction {
     /// A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns against that.
     AsItIs,
 }
-
-/// Gap over the facet size that is none, as in [`crate::contact::touching`].
-const TOUCHING: f64 = 1e-4;
 
 /// Share of a velocity that is normal to the contacts, below which friction is what holds it: that of a wedge of 30 degrees.
 /// Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.

@@ -43,16 +43,19 @@ impl Analysis<'_> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
     pub(super) fn jump(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
         let before = self.before(frame);
+        let attempt = self.drag_along(frame, snes, x, end);
+        if !matches!(attempt, Ok(Attempt::Converged(_))) {
+            self.restore(frame, before);
+        }
+        attempt
+    }
+
+    /// Follows the motion, and makes its steps the state. Collective.
+    fn drag_along(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
         let (mut drag, mut weakest, mut way) = (FIRST, FIRST, String::new());
         for step in 1.. {
             frame.past.clear();
-            let attempt = match self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness) {
-                Ok(attempt) => attempt,
-                Err(error) => {
-                    self.restore(frame, before);
-                    return Err(error);
-                }
-            };
+            let attempt = self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness)?;
             let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
@@ -63,15 +66,11 @@ impl Analysis<'_> {
                     return Ok(Attempt::Converged(converged));
                 }
                 Attempt::Converged(converged) => {
-                    if let Err(error) = self.commit(frame, &converged) {
-                        self.restore(frame, before);
-                        return Err(error);
-                    }
+                    self.commit(frame, &converged)?;
                     weakest = drag;
                     drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
                 }
                 failed if drag > STRONGEST || weakest < USELESS || step >= STEPS => {
-                    self.restore(frame, before);
                     self.log.record(&format!("    drag over stiffness (! failed):{way}"));
                     return Ok(failed);
                 }

@@ -156,7 +156,7 @@ fn survey(comm: &SimpleCommunicator, model: &mut Model, conditions: &Conditions,
 }
 
 /// Gap over the size of a slave facet that is none.
-const TOUCHING: f64 = 1e-9;
+const NO_GAP: f64 = 1e-9;
 
 /// Force of the scene while nothing acts yet, over the largest nodal stiffness times the element size: far below any force
 /// of interest, well above rounding.
@@ -190,7 +190,7 @@ impl Analysis<'_> {
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.
-                let touches = projection.is_some_and(|p| p.gap <= TOUCHING * pair.facet_size);
+                let touches = projection.is_some_and(|p| p.gap <= NO_GAP * pair.facet_size);
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }

@@ -11,7 +11,7 @@ use crate::interrupt;
 use crate::model::Model;
 use crate::output::log;
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, max, sum};
+use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern, assembly};
@@ -259,10 +259,8 @@ impl Analysis<'_> {
         let open = open.array()?;
         let moves = open.iter().zip(&is_force).map(|(open, force)| if *force { 0.0 } else { open.abs() }).enumerate();
         let (worst, size) = moves.fold((0, 0.0), |worst, at| if at.1 > worst.1 { at } else { worst });
-        let mut largest = [size];
-        max(self.comm, &mut largest);
-        let here = largest[0] > SOME && size == largest[0];
-        Ok(first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, worst))))
+        let moves = Some((worst, size)).filter(|(_, size)| *size > SOME);
+        Ok(word_of_largest(self.comm, moves, |worst| frame.dofs.describe(&self.model, worst)).map(|(word, _)| word))
     }
 
     /// Writes the fields of the last converged increment, unless they are written. Collective.
@@ -501,18 +499,16 @@ impl Analysis<'_> {
 
     /// Names the worst equation of all ranks, and what to try. Collective.
     fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> String {
-        let (equation, residual) = failed.worst.unwrap_or_default();
-        let mut largest = [residual];
-        max(self.comm, &mut largest);
-        let here = largest[0] == residual && frame.dofs.count > 0 && failed.worst.is_some();
-        let place = first_word(self.comm, here.then(|| frame.dofs.describe(&self.model, equation)));
+        let worst = failed.worst.filter(|_| frame.dofs.count > 0);
+        let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
+        let (place, residual) = told.unzip();
         describe::failure(&describe::Failure {
             step: &frame.step.name.value,
             time: self.state.time,
             reason: &failed.reason,
             cause: failed.cause,
             place: place.as_deref(),
-            residual: largest[0],
+            residual: residual.unwrap_or(0.0),
             changes: failed.changes.last().copied().unwrap_or(0),
             size,
         })

@@ -12,7 +12,7 @@ use crate::contact::watch::{self, Allowance, Finding, Ground, Seen, Start};
 use crate::contact::{Master, Pair, Sight};
 use crate::model::Model;
 use crate::output::phases::Phase;
-use crate::parallel::{first_word, max, sum};
+use crate::parallel::{max, sum, word_of_largest};
 use crate::partition::parcels::bounds;
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
@@ -89,39 +89,28 @@ impl Analysis<'_> {
     fn finding(&mut self, converged: &Converged) -> Option<String> {
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits };
         let travels = look_out(self.comm, &mut self.model, &motion);
-        let mut worst = [0.0];
-        let mut told = None;
+        let mut told: Option<(usize, usize, Finding)> = None;
         for (p, travel) in travels.into_iter().enumerate() {
             let sights = judge_pair(self.comm, &self.model, p, travel, &motion);
             for (s, (sight, finding)) in sights.into_iter().enumerate() {
                 self.model.pairs[p].slaves[s].sighted = sight;
-                if let Some(finding) = finding.filter(|finding| finding.size() > worst[0]) {
-                    (worst[0], told) = (finding.size(), Some((p, s, finding)));
-                }
+                let worst = told.map_or(0.0, |(_, _, worst)| worst.size());
+                told = finding.filter(|finding| finding.size() > worst).map(|finding| (p, s, finding)).or(told);
             }
         }
-        let here = worst[0];
-        max(self.comm, &mut worst);
-        let told = told.filter(|_| here == worst[0]);
-        first_word(self.comm, told.map(|(p, s, finding)| self.word(p, s, finding)))
+        let told = told.map(|told| (told, told.2.size()));
+        word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding)).map(|(word, _)| word)
     }
 
     fn word(&self, p: usize, s: usize, finding: Finding) -> String {
         let pair = &self.model.pairs[p];
         let node = node_name(&self.model, pair.slaves[s].node);
-        let master = self.master_name(pair);
+        let master = self.model.master_name(pair);
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
         };
         format!("node {node} {did} (contact `{}`)", pair.name)
-    }
-
-    fn master_name(&self, pair: &Pair) -> String {
-        match pair.master {
-            Master::Tool(t) => format!("the tool `{}`", self.model.tools[t].name),
-            Master::Surface(k) => format!("`{}`", self.model.surfaces[k].name),
-        }
     }
 
     /// Notes which contacts touch in an increment that was accepted. Collective.
@@ -161,7 +150,7 @@ impl Analysis<'_> {
             .collect();
         sum(self.comm, &mut inside);
         for (p, pair) in self.model.pairs.iter().enumerate() {
-            let (name, master) = (&pair.name, self.master_name(pair));
+            let (name, master) = (&pair.name, self.model.master_name(pair));
             if inside[p] > 0.0 {
                 warnings
                     .push(format!("contact `{name}`: {} nodes that began inside {master} are still there", inside[p]));

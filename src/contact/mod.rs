@@ -149,12 +149,14 @@ impl Pair {
     }
 }
 
-/// The projection of a slave node in the first iteration of a step: a gap that is but rounding, against the size of
-/// the slave facets, is closed. Bodies that are meshed to touch are as far apart as the mesh file rounds, and one that
-/// only a force drives would have no support. Further iterations see the gap as it is.
+/// Gap over the size of a slave facet that is but rounding: bodies that are meshed to touch are as far apart as the mesh file
+/// rounds.
+pub const TOUCHING: f64 = 1e-4;
+
+/// The projection of a slave node in the first iteration of a step: a gap that is but rounding is closed. A body that only a
+/// force drives would have no support otherwise. Further iterations see the gap as it is.
 pub fn touching(projection: Projection, facet_size: f64) -> Projection {
-    const ROUNDING: f64 = 1e-4;
-    let closed = projection.gap < ROUNDING * facet_size;
+    let closed = projection.gap < TOUCHING * facet_size;
     Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
 }
 

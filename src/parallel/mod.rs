@@ -43,6 +43,20 @@ pub fn first_word(comm: &impl Communicator, word: Option<String>) -> Option<Stri
     Some(String::from_utf8_lossy(&text).into_owned())
 }
 
+/// What the rank with the largest value says of it, of several the lowest, and that value; `None` when none has any.
+///
+/// Collective.
+pub fn word_of_largest<T>(
+    comm: &SimpleCommunicator,
+    mine: Option<(T, f64)>,
+    word: impl FnOnce(T) -> String,
+) -> Option<(String, f64)> {
+    let mut largest = [mine.as_ref().map_or(f64::NEG_INFINITY, |(_, value)| *value)];
+    max(comm, &mut largest);
+    let mine = mine.filter(|(_, value)| *value == largest[0]);
+    first_word(comm, mine.map(|(what, _)| word(what))).map(|word| (word, largest[0]))
+}
+
 /// Numbers what the ranks own: `(offset, total)`, where this rank's `owned` things are `offset .. offset + owned`.
 ///
 /// Collective.

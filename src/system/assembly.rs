@@ -209,8 +209,7 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
     let mut scratch = Scratch::default();
     for (e, solid) in model.part.solids.iter().enumerate() {
         if scratch.evaluate(model, e, &u, true).is_err() {
-            let body = &model.bodies[solid.body as usize].name;
-            let what = format!("element {} of body `{body}` is inverted", solid.id);
+            let what = format!("{} is inverted", element_name(model, solid));
             return Err(Error::input_anywhere(what, "number its nodes the other way round, or mend the mesh there"));
         }
         let nodes = carrying(model, solid);
@@ -262,9 +261,12 @@ pub fn energies(model: &Model, u: &[Vec3], body: usize) -> Result<[f64; 2]> {
 
 /// What is said of an element that has no stress in a state that has converged.
 fn lost(model: &Model, e: usize) -> Error {
-    let solid = &model.part.solids[e];
-    let body = &model.bodies[solid.body as usize].name;
-    Error::Diverged(format!("element {} of body `{body}` has turned inside out in the converged state", solid.id))
+    let name = element_name(model, &model.part.solids[e]);
+    Error::Diverged(format!("{name} has turned inside out in the converged state"))
+}
+
+fn element_name(model: &Model, solid: &PartSolid) -> String {
+    format!("element {} of body `{}`", solid.id, model.bodies[solid.body as usize].name)
 }
 
 /// Largest principal logarithmic strain between two states of displacements, of what this rank counts; infinite where an

@@ -4,6 +4,26 @@ use std::path::Path;
 use std::process::Child;
 use std::time::{Duration, Instant};
 
+/// A block under a plate that touches it, to which steps are added.
+pub const BLOCK_UNDER_PLATE: &str = r#"[body.block]
+material = "rubber"
+block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2], faces = { top = "zmax", bottom = "zmin" } }
+
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+
+[tool.plate]
+plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }
+
+[contact.top]
+slave = "block.top"
+master = "plate"
+friction = 0.2
+
+"#;
+
 /// The times in `fields.xdmf`, whose tags must close and whose data must stand in `fields.h5` in the size it promises.
 pub fn shown_times(folder: &Path) -> Vec<f64> {
     let text = std::fs::read_to_string(folder.join("fields.xdmf")).unwrap();

@@ -8,8 +8,8 @@
 //!
 //! A tool whose nearest faces all stand across the slave's normals is not judged.
 
-use super::master_of;
 use super::sight::Sight;
+use crate::contact::TOUCHING;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -18,8 +18,6 @@ use mpi::topology::SimpleCommunicator;
 
 /// Cosine between the normals from which both sides look the same way.
 const SAME: f64 = 0.5;
-/// Distance over the facet size that is none: as in [`crate::contact::touching`].
-const TOUCHING: f64 = 1e-4;
 
 /// Refuses contacts whose master looks away. Collective.
 pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model, sights: &[Vec<Sight>]) -> Result<()> {
@@ -45,7 +43,7 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
         }
         max(comm, &mut least);
         let [facing, behind, away] = least.map(|l| -l);
-        let master = master_of(contact);
+        let master = model.master_name(pair);
         if behind.is_finite() && behind < facing - TOUCHING * pair.facet_size {
             let what = format!(
                 "contact `{}`: {master} looks away from `{}` where they are nearest, {behind:.3e} apart, so that it would \

@@ -2,8 +2,9 @@
 //!
 //! A node that begins farther inside than the reach of its contact is never found there, and has no force.
 
+use super::super::NO_GAP;
 use super::sight::Sight;
-use super::{master_of, worst};
+use super::worst;
 use crate::contact::Pair;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -13,8 +14,6 @@ use mpi::topology::SimpleCommunicator;
 
 /// Depth over the size of a slave facet from which a node was hardly meant to start there.
 const DEEP: f64 = 0.1;
-/// Gap over the size of a slave facet that is none.
-const TOUCHING: f64 = 1e-9;
 
 /// A line about each contact; warns of nodes that begin deep inside. Collective.
 ///
@@ -32,7 +31,7 @@ pub fn check(
         let depths = || sights.iter().enumerate().filter_map(|(s, x)| Some((pair.slaves[s].node, -x.contact?.gap)));
         let count = |more: f64| depths().filter(|(_, depth)| *depth > more * pair.facet_size).count() as f64;
         let mut counts =
-            [count(TOUCHING), count(DEEP), gaps().filter(|g| g.abs() <= TOUCHING * pair.facet_size).count() as f64];
+            [count(NO_GAP), count(DEEP), gaps().filter(|g| g.abs() <= NO_GAP * pair.facet_size).count() as f64];
         let mut ends =
             [gaps().map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max), depths().map(|(_, d)| d).fold(0.0, f64::max)];
         sum(comm, &mut counts);
@@ -45,7 +44,7 @@ pub fn check(
                 "contact `{}`: node {node} begins {depth:.3e} inside {}, out of its reach of {:.3e}, where no force \
                  would act on it",
                 pair.name,
-                master_of(contact),
+                model.master_name(pair),
                 pair.reach
             );
             return Err(Error::input(&contact.name.at, what, advice(pair, contact)));
@@ -54,7 +53,7 @@ pub fn check(
             warnings.push(format!(
                 "contact `{}`: {deep} nodes start inside {}, up to {depth:.3e} deep; {}",
                 pair.name,
-                master_of(contact),
+                model.master_name(pair),
                 advice(pair, contact)
             ));
         }

@@ -28,7 +28,7 @@ use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{agree, first_word, max};
-use crate::scene::{Contact, Scene, Step};
+use crate::scene::{Scene, Step};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 
@@ -98,12 +98,4 @@ fn worst(comm: &SimpleCommunicator, model: &Model, nodes: &[(u32, f64)]) -> Opti
     max(comm, &mut lowest);
     let best = best.filter(|n| -order(*n).1 == lowest[0]);
     first_word(comm, best.map(|n| node_name(model, n)))
-}
-
-/// The master of a contact in words.
-fn master_of(contact: &Contact) -> String {
-    match contact.surface {
-        None => format!("the tool `{}`", contact.master.value),
-        Some(_) => format!("`{}`", contact.master.value),
-    }
 }

@@ -16,14 +16,12 @@ use super::super::conditions::Conditions;
 use super::rigid::{Free, RigidMotions, Side, sides};
 use super::sight::Sight;
 use crate::Vec3;
+use crate::contact::TOUCHING;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
-
-/// Gap over the facet size that is none, as in [`crate::contact::touching`].
-const TOUCHING: f64 = 1e-4;
 
 /// Refuses what nothing holds. Collective.
 pub fn check(
