@@ -3,7 +3,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use nagata::Vec3;
 use nagata::contact::deformable::{Contact, Element, Method, Origin, Site, Tangent};
-use nagata::contact::{Guide, Law, Multiplier, element};
+use nagata::contact::{Compliance, Guide, Law, Multiplier, element};
 use nagata::mesh::{Facet, Mesh};
 use nagata::scene::Smoothing;
 use nagata::surface::{MovingPatch, PatchSet, Transfer};
@@ -30,7 +30,14 @@ fn dome() -> Mesh {
 fn contact(c: &mut Criterion) {
     let mesh = dome();
     let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
-    let law = Law { friction: 0.3, normal: 40.0, tangential: 40.0, penalty: 40.0, rough: false };
+    let law = Law {
+        friction: 0.3,
+        normal: 40.0,
+        tangential: 40.0,
+        penalty: 40.0,
+        rough: false,
+        compliance: Compliance::default(),
+    };
     let augmented = Multiplier::Augmented(Vec3::new(1.0, 2.0, -8.0));
     let x = Vec3::new(0.21, -0.13, -0.03);
     for smoothing in [Smoothing::Nagata, Smoothing::Facet] {
@@ -48,7 +55,7 @@ fn contact(c: &mut Criterion) {
         let name = |what: &str| format!("{smoothing:?}, {} nodes: {what}", patch.nodes.len());
         c.bench_function(&name("shape"), |b| b.iter(|| patch.shape(black_box(&positions))));
         for transfer in [Transfer::Variational, Transfer::Bilinear] {
-            let method = Method { law, transfer, tangent: Tangent::Exact, slack: 0.0, rest: Vec3::zeros() };
+            let method = Method { law, transfer, tangent: Tangent::Exact };
             c.bench_function(&name(&format!("{transfer:?} residual")), |b| {
                 b.iter(|| e.residual(&method, black_box(&augmented), Some(&contact), &Guide::default()))
             });

@@ -5,9 +5,7 @@ mod shared;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{
-    Avoided, BodySurface, Master, Pair, SLACK, Slave, Tool, follow_all, guidance, mates, self_contact,
-};
+use crate::contact::{Avoided, BodySurface, Master, Pair, Slave, Tool, follow_all, guidance, mates, self_contact};
 use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
@@ -161,7 +159,7 @@ impl Model {
             model.pairs.push(pair);
         }
         model.join_passes();
-        model.give_slack();
+        model.tell_repeats();
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         model.warnings = found.lines().map(str::to_string).collect();
@@ -266,10 +264,10 @@ impl Model {
         }
     }
 
-    /// Lets the constraints of self-contact give way.
-    fn give_slack(&mut self) {
+    /// Tells slave nodes that others of their surface may make the same constraint.
+    fn tell_repeats(&mut self) {
         let own = self.pairs.iter_mut().filter(|pair| pair.is_self() && pair.width() > 0);
-        own.flat_map(|pair| &mut pair.slaves).for_each(|slave| slave.slack = SLACK);
+        own.flat_map(|pair| &mut pair.slaves).for_each(|slave| slave.repeats = true);
     }
 
     /// Lets the two passes of a contact know of each other.

@@ -170,11 +170,11 @@ fn frictionless_contact_has_no_memory() {
 }
 
 /// Both sides and the ends of the strip may meet: the same as the inside alone, since no node takes the far side of its own
-/// leg for something that it has penetrated.
+/// leg for something that it has penetrated. Half rolled: further on, facets without friction stand on each other tip to
+/// tip, and rounding decides to which side they slide off.
 #[test]
 fn the_far_side_of_a_sheet_attracts_nothing() {
-    // With friction the slack of the constraints leaves as much as it may.
-    for (smoothing, friction, tolerance) in [("facet", 0.2, 2e-3), ("nagata", 0.0, 1e-6), ("facet", 0.0, 1e-6)] {
+    for (smoothing, friction) in [("facet", 0.2), ("nagata", 0.0), ("facet", 0.0)] {
         let rub = format!("contact.inside.friction={friction}");
         let smooth = format!("contact.inside.smoothing={smoothing}");
         let common = ["--steps", "2", "--set", &rub, "--set", &smooth];
@@ -183,10 +183,11 @@ fn the_far_side_of_a_sheet_attracts_nothing() {
         let measured = skin().solve(1, &common).history();
         let given = skin().solve(1, &[common.as_slice(), &["--set", "contact.inside.thickness=2"]].concat()).history();
         for (what, found) in [("measured", measured), ("given", given)] {
-            assert_eq!(found.last("inside.active"), inside.last("inside.active"));
-            let names = ["strip.lip-top", "strip.leg-top"];
-            let difference = found.row_difference(found.len() - 1, &inside, inside.len() - 1, &names);
-            assert_small(&format!("{smoothing}, thickness {what}"), difference, tolerance);
+            let [now, then] = [&found, &inside].map(|h| h.column("time").iter().position(|t| *t > 1.5 - 1e-9).unwrap());
+            assert!(found.column("inside.active")[now] > 8.0);
+            assert_eq!(found.column("inside.active")[now], inside.column("inside.active")[then]);
+            let difference = found.row_difference(now, &inside, then, &["strip.lip-top", "strip.leg-top"]);
+            assert_small(&format!("{smoothing}, thickness {what}"), difference, 1e-6);
         }
     }
 }

@@ -108,10 +108,13 @@ pub fn failure(f: &Failure) -> String {
             "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
              or take `augmented-lagrangian`"
         }
+        Cause::Contradiction => {
+            "\n  help: take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`"
+        }
         Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
-        Cause::Singular | Cause::Rounding | Cause::Iteration => "",
+        Cause::Singular | Cause::Degenerate | Cause::Rounding | Cause::Iteration => "",
     };
-    let Some(place) = f.place.filter(|_| matches!(f.cause, Cause::Iteration | Cause::Singular)) else { return text };
+    let Some(place) = f.place.filter(|_| f.cause == Cause::Singular || f.cause.is_of_iteration()) else { return text };
     let _ = write!(text, "\n  worst: {place}, residual {:.1e} of the largest force", f.residual);
     if f.changes > 0 {
         let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
@@ -220,6 +223,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
 pub fn remedy(step: &str, reason: &str, size: f64, remedy: Remedy) -> String {
     let next = match remedy {
         Remedy::Cut => "in a shorter one",
+        Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Settle => "with contacts that stick until they settle",
         Remedy::Jump => "as a jump",
     };

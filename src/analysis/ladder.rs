@@ -1,12 +1,15 @@
 //! What is tried, in which order, when an increment does not converge.
 //!
 //! 1. Newton's method from the extrapolation of the last increments, where there is one, then from the converged state.
-//! 2. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
+//! 2. Where the matrix is singular and multipliers are unknowns: with constraints that give way until they are tightened, for
+//!    several may make the same condition. Once that has helped, it is the way of the step. In self-contact, where they give
+//!    way always, by more, and wherever an increment has failed: nodes that almost meet send each other to and fro.
+//! 3. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
 //!    balance, for a few iterations at most, and slips only then; with the automatic penalty, too, where another one is
 //!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
 //!    leaves the body without stiffness and behind; so there every increment settles first, and one that does not is what is
 //!    tried by turns.
-//! 3. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
+//! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
 //! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run.
@@ -30,14 +33,25 @@ pub enum Cause {
     Iteration,
     /// The matrix was singular from the start: a shorter increment does not help.
     Singular,
+    /// It became singular on the way.
+    Degenerate,
     /// Newton's method converged, but not the rounds around it.
     Rounds,
+    /// Constraints that gave way cannot be tightened.
+    Contradiction,
     /// Rounding leaves too much of the forces.
     Rounding,
     /// It converged to what cannot be, a node in or behind a master: only shorter increments help.
     Watch,
     /// It converged, but nothing holds something any more.
     Loose,
+}
+
+impl Cause {
+    /// Newton's method has failed, not what judges its result.
+    pub fn is_of_iteration(self) -> bool {
+        matches!(self, Self::Iteration | Self::Degenerate)
+    }
 }
 
 /// How an increment was found, after how many failures.
@@ -51,8 +65,30 @@ pub struct Found {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remedy {
     Cut,
+    Yield,
     Settle,
     Jump,
+}
+
+/// When constraints of multipliers give way more than they do anyway.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Yields {
+    /// There are no multipliers that are unknowns.
+    Never,
+    /// From where the matrix was singular on, if that helps.
+    OnceSingular,
+    /// In self-contact, in each increment that has failed.
+    Anew,
+}
+
+impl Yields {
+    fn after(self, cause: Cause) -> bool {
+        match self {
+            Self::Never => false,
+            Self::OnceSingular => matches!(cause, Cause::Singular | Cause::Degenerate),
+            Self::Anew => cause == Cause::Singular || cause.is_of_iteration(),
+        }
+    }
 }
 
 /// The state of the tries at an increment.
@@ -60,6 +96,9 @@ pub enum Remedy {
 pub struct Ladder {
     /// Some contact has friction, or a penalty that is not the automatic one.
     can_settle: bool,
+    pub can_yield: Yields,
+    /// Constraints give way until they are tightened; `None` when it did not help in this increment.
+    yields: Option<bool>,
     /// Jumps that may fail.
     most_jumps: usize,
     /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
@@ -88,7 +127,17 @@ impl Ladder {
     pub fn new(can_settle: bool, has_memory: bool) -> Self {
         let most_jumps = if has_memory { LONGER } else { usize::MAX };
         let way = Way::Newton { settle: false };
-        Self { can_settle, most_jumps, settles: false, way, failures: 0, jumps: 0, jumped: 0 }
+        Self {
+            can_settle,
+            can_yield: Yields::Never,
+            yields: Some(false),
+            most_jumps,
+            settles: false,
+            way,
+            failures: 0,
+            jumps: 0,
+            jumped: 0,
+        }
     }
 
     /// How to seek the increment now.
@@ -104,6 +153,11 @@ impl Ladder {
         self.way == Way::Newton { settle: true }
     }
 
+    /// Whether constraints of multipliers give way until they are tightened.
+    pub fn yields(&self) -> bool {
+        self.yields == Some(true)
+    }
+
     /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
     /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
     pub fn is_strict(&self) -> bool {
@@ -113,6 +167,7 @@ impl Ladder {
     /// The increment has converged. Says how it was found.
     pub fn succeed(&mut self) -> Found {
         let found = Found { way: self.way(), failures: self.failures };
+        self.yields = Some(self.yields() && self.can_yield == Yields::OnceSingular);
         self.jumped = if self.way == Way::Jump { self.jumped + JUMP } else { self.jumped.saturating_sub(1) };
         (self.way, self.failures) = (Way::Newton { settle: false }, 0);
         found
@@ -127,6 +182,14 @@ impl Ladder {
             return (!shortest).then_some(Remedy::Cut);
         }
         let singular = matches!(cause, Cause::Singular | Cause::Rounding);
+        if self.can_yield.after(cause) && self.yields == Some(false) {
+            self.yields = Some(true);
+            self.failures += 1;
+            return Some(Remedy::Yield);
+        }
+        if matches!(cause, Cause::Singular | Cause::Degenerate) {
+            self.yields = None;
+        }
         let Way::Newton { .. } = self.way else {
             self.jumps += 1;
             return (self.jumps < self.most_jumps && increments.lengthen(end)).then_some(Remedy::Jump);
@@ -177,6 +240,22 @@ mod tests {
             assert!((1..=6).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
             assert_eq!(ways.contains(&Way::Newton { settle: true }), frictional);
         }
+    }
+
+    #[test]
+    fn constraints_of_a_singular_matrix_give_way_once() {
+        let mut increments =
+            Increments::new(&Increment { initial: 0.5, min: 0.5, max: 0.5, limits: Limits::default() }, 1.0);
+        for cause in [Cause::Singular, Cause::Degenerate] {
+            let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true) };
+            assert_eq!((ladder.fail(&mut increments, 0.5, cause), ladder.yields()), (Some(Remedy::Yield), true));
+            ladder.succeed();
+            assert!(ladder.yields());
+            assert!(ladder.fail(&mut increments, 0.5, cause) != Some(Remedy::Yield) && !ladder.yields());
+        }
+        let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true) };
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }
 
     #[test]

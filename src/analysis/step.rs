@@ -2,10 +2,10 @@
 
 use super::conditions::Conditions;
 use super::increments::Increments;
-use super::ladder::{Cause, Found, Ladder, Remedy, Way};
+use super::ladder::{Cause, Found, Ladder, Remedy, Way, Yields};
 use super::newton::{Newton, Round, Share, Start};
 use super::{Analysis, describe, ending, results};
-use crate::contact::{Master, Pose, Status, follow_all, watch_all};
+use crate::contact::{Manner, Master, Pair, Pose, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::model::Model;
@@ -225,10 +225,12 @@ impl Analysis<'_> {
                         self.keep(since_written)?;
                         return Err(Error::Diverged(told));
                     }
-                    let is_remedy = frame.ladder.is_remedy() || frame.ladder.way() == Way::Jump;
+                    let is_remedy =
+                        frame.ladder.is_remedy() || frame.ladder.yields() || frame.ladder.way() == Way::Jump;
+                    frame.ladder.can_yield = self.yields();
                     let Some(remedy) = frame.ladder.fail(&mut increments, end, failed.cause) else {
                         self.keep(since_written)?;
-                        let told = plain.filter(|_| is_remedy && failed.cause == Cause::Iteration).unwrap_or(failed);
+                        let told = plain.filter(|_| is_remedy && failed.cause.is_of_iteration()).unwrap_or(failed);
                         let size = (told.end - increments.done) * step.duration;
                         return Err(Error::Diverged(self.tell_failure(&frame, &told, size)));
                     };
@@ -243,6 +245,16 @@ impl Analysis<'_> {
         }
         self.state.conditions = frame.conditions;
         Ok(())
+    }
+
+    /// When constraints may give way, or more than they do anyway. Collective.
+    fn yields(&self) -> Yields {
+        let mut unknown = self.model.pairs.iter().filter(|pair| pair.width() > 0).peekable();
+        if unknown.peek().is_none() {
+            return Yields::Never;
+        }
+        let meets = |pair: &Pair| pair.is_self() && pair.slaves.iter().any(|s| s.trial.status != Status::Gap);
+        if any(self.comm, unknown.any(meets)) { Yields::Anew } else { Yields::OnceSingular }
     }
 
     /// A motion that costs nothing, where MUMPS has found null pivots: its equation in words. `None` where only multipliers
@@ -300,6 +312,12 @@ impl Analysis<'_> {
         let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
         let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
         let extrapolated = trial.is_some();
+        let manner = Manner {
+            settles: frame.ladder.way() == Way::Newton { settle: true },
+            ahead: extrapolated,
+            automatic: frame.ladder.is_remedy() || frame.ladder.yields(),
+            yields: frame.ladder.yields(),
+        };
         let start = Start {
             start_poses: &frame.poses,
             committed: &self.state.u,
@@ -308,9 +326,7 @@ impl Analysis<'_> {
             share,
             tolerance: self.scene.solver.tolerance,
             strict: frame.ladder.is_strict(),
-            settle: frame.ladder.way() == Way::Newton { settle: true },
-            ahead: extrapolated,
-            automatic: frame.ladder.is_remedy(),
+            manner,
             max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
             seen: &self.state.seen,
             floors: &self.state.floors,
@@ -340,18 +356,19 @@ impl Analysis<'_> {
             }
             if outcome.reason != Reason::Converged {
                 let reason = told(&outcome.reason, max_iterations);
-                let singular = is_singular(&outcome.reason) && newton.trace.len() <= 1;
-                let cause = if singular { Cause::Singular } else { Cause::Iteration };
+                let cause = cause(&outcome.reason, newton.trace.len() <= 1);
                 break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
             if newton.widen_search() {
                 continue;
             }
-            match newton.end_round() {
+            let round = match newton.end_round() {
+                Round::Done => newton.tighten(&x.array()?),
+                other => other,
+            };
+            match round {
                 Round::Again => {}
-                // Constraints that gave way are tightened once.
-                Round::Done if newton.tighten(&x.array()?) => {}
                 Round::Done => {
                     break match newton.unresolved(true) {
                         None => Attempt::Converged(Box::new(converged(&newton, &x.array()?))),
@@ -360,6 +377,9 @@ impl Analysis<'_> {
                 }
                 Round::Failed(reason) => {
                     break Attempt::Failed(failed(&newton, Cause::Rounds, reason, extrapolated));
+                }
+                Round::Contradicts(reason) => {
+                    break Attempt::Failed(failed(&newton, Cause::Contradiction, reason, extrapolated));
                 }
             }
         };
@@ -530,7 +550,7 @@ fn converged(newton: &Newton, x: &[f64]) -> Converged {
         trace: newton.trace.clone(),
         changes: newton.changes.clone(),
         calmed: newton.calmed.clone(),
-        rounds: newton.rounds.count,
+        rounds: newton.rounds.count + newton.rounds.tightened,
     }
 }
 
@@ -544,14 +564,17 @@ fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> 
     Failed { end: newton.s, cause, reason, extrapolated, worst: Some(newton.worst), trace, changes }
 }
 
-/// Whether there are equations that determine nothing: MUMPS found them, or what it solved is no solution.
-fn is_singular(reason: &Reason) -> bool {
-    let Reason::Linear(failure) = reason else { return false };
-    match failure {
-        LinearFailure::Singular(..) => true,
-        LinearFailure::Inaccurate { relative_residual, null_pivots } => *null_pivots > 0 || *relative_residual > 1e-2,
-        _ => false,
-    }
+/// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what
+/// it solved is no solution.
+fn cause(reason: &Reason, at_once: bool) -> Cause {
+    let singular = match reason {
+        Reason::Linear(LinearFailure::Singular(..)) => true,
+        Reason::Linear(LinearFailure::Inaccurate { relative_residual, null_pivots }) => {
+            *null_pivots > 0 || *relative_residual > 1e-2
+        }
+        _ => return Cause::Iteration,
+    };
+    if singular && at_once { Cause::Singular } else { Cause::Degenerate }
 }
 
 /// Why an increment failed, in the user's terms.

@@ -70,9 +70,16 @@ fn by_position(by: &Slopes, p: &Projection) -> Mat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Status;
+    use crate::contact::{Compliance, Status};
 
-    const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0, rough: false };
+    const LAW: Law = Law {
+        friction: 0.3,
+        normal: 40.0,
+        tangential: 25.0,
+        penalty: 100.0,
+        rough: false,
+        compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
+    };
 
     /// Projection onto a sphere of radius 3 about the origin, solid or hollow, or onto the plane z = 2.9.
     #[derive(Clone, Copy, Debug)]
@@ -169,13 +176,15 @@ mod tests {
 
     #[test]
     fn the_tangent_is_the_derivative_of_the_residual() {
+        let compliance = Compliance { slack: 0.3, rest: Vec3::new(-3.0, 1.0, 2.0) };
+        let yielding = Law { compliance, ..LAW };
         for master in [Master::Sphere, Master::Bore, Master::Plane] {
             for (status, x, lambda, origin) in states(master) {
-                for multiplier in kinds(lambda) {
-                    let e = element(LAW, &multiplier, Some(&master.project(x)), origin, &Guide::default());
+                for (multiplier, law) in kinds(lambda).into_iter().flat_map(|m| [(m, LAW), (m, yielding)]) {
+                    let e = element(law, &multiplier, Some(&master.project(x)), origin, &Guide::default());
                     let expected = if let Multiplier::Force(_, set) = multiplier { set } else { status };
                     assert_eq!((e.response.status, e.response.asked), (expected, status), "{master:?}");
-                    let error = errors(LAW, master, x, &multiplier, origin, &Guide::default());
+                    let error = errors(law, master, x, &multiplier, origin, &Guide::default());
                     assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
                 }
             }

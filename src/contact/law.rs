@@ -76,6 +76,18 @@ pub struct Law {
     pub penalty: f64,
     /// What touches sticks, however large the force, unless it is drawn.
     pub rough: bool,
+    /// By how much the constraint of a multiplier that is an unknown gives way.
+    pub compliance: Compliance,
+}
+
+/// By how much the constraint of a multiplier gives way: where several nodes or masters make the same condition, only this
+/// shares the force out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Compliance {
+    /// Over 1/ε: the constraint gives way by this times λ/ε.
+    pub slack: f64,
+    /// The multiplier in contact at which it has not given way, N.
+    pub rest: Vec3,
 }
 
 /// Directions in which neither a slave node nor its master can give way.
@@ -165,11 +177,11 @@ struct Section {
 }
 
 impl Response {
-    /// Lets the constraint of an unknown multiplier give way by `slack` of it, in contact from where it was at `rest`.
-    pub fn give_way(mut self, slack: f64, multiplier: &Vec3, rest: &Vec3) -> Self {
-        let from = if self.status == Status::Gap { Vec3::zeros() } else { *rest };
-        self.constraint -= (multiplier - from) * slack;
-        self.constraint_by.multiplier -= Mat3::from_diagonal_element(slack);
+    /// Lets the constraint of an unknown multiplier give way.
+    fn give_way(mut self, lambda: &Vec3, compliance: &Compliance) -> Self {
+        let rest = if self.status == Status::Gap { Vec3::zeros() } else { compliance.rest };
+        self.constraint -= (lambda - rest) * compliance.slack;
+        self.constraint_by.multiplier -= Mat3::from_diagonal_element(compliance.slack);
         self
     }
 }
@@ -199,13 +211,16 @@ impl Section {
 /// The response of a slave node; without a `place` it is in the gap.
 pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: &Guide) -> Response {
     let response = match *multiplier {
-        Multiplier::Augmented(lambda) => augmented(law, &lambda, &Vec3::zeros(), place, guide, None),
+        Multiplier::Augmented(lambda) => {
+            augmented(law, &lambda, &Vec3::zeros(), place, guide, None).give_way(&lambda, &law.compliance)
+        }
         Multiplier::Force(lambda, set) => {
             let with = |set| augmented(law, &lambda, &Vec3::zeros(), place, guide, set);
             let free = with(None);
             let fixed = if free.status == set { free } else { with(Some(set)) };
             let violation = (free.constraint - fixed.constraint).norm();
-            Response { asked: free.status, violation, ..pure(law, &lambda, place, guide, fixed) }
+            let response = pure(law, &lambda, place, guide, fixed).give_way(&lambda, &law.compliance);
+            Response { asked: free.status, violation, ..response }
         }
         Multiplier::Held { gap, tangential, force } => {
             let share = law.normal / law.penalty;

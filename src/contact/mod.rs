@@ -26,7 +26,7 @@ pub mod stiffness;
 pub mod watch;
 
 pub use body_surface::{BodySurface, follow_all};
-pub use law::{Guide, Law, Multiplier, Response, Status};
+pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
 pub use mates::Mate;
 pub use pose::Pose;
 pub use search::{Tool, watch_all};
@@ -160,11 +160,28 @@ pub fn touching(projection: Projection, facet_size: f64) -> Projection {
     Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
 }
 
-/// Compliance of the constraints of self-contact, where slave nodes that meet each other make the same one twice, over that of
-/// the automatic penalty. Much less does not keep apart nodes that almost meet; more leaves an error when it is taken back,
-/// in the forces about a tenth of it. A strip that closes onto itself, faceted, in 32 ways (with friction and without, in
-/// 10 to 40 increments): with 1e-4 half of them fail, with 3e-4 five, with 1e-3 and 3e-3 none.
+/// Compliance of constraints that give way, over that of the automatic penalty: always in self-contact, where slave nodes that
+/// meet each other make the same condition twice. More leaves an error when it is tightened there, in the forces about a
+/// third of it; much less does not keep apart nodes that almost meet.
 pub const SLACK: f64 = 1e-3;
+
+/// That of self-contact where Newton's method has failed. A strip that closes onto itself in 54 ways (faceted and smoothed,
+/// mu = 0, 0.2 and 1, in 10 to 40 increments): with [`SLACK`] alone 7 fail, with 3e-3 after it none, with 1e-2 one, with 3e-2
+/// none and with the fewest cuts.
+pub const WIDE_SLACK: f64 = 3e-2;
+
+/// In which way an increment is sought.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Manner {
+    /// What touches sticks until all is nearly in balance.
+    pub settles: bool,
+    /// It begins from an extrapolation, in which what slips slips on.
+    pub ahead: bool,
+    /// With automatic penalties, whatever is given.
+    pub automatic: bool,
+    /// The constraints of multipliers give way until they are tightened, by [`SLACK`], in self-contact by [`WIDE_SLACK`].
+    pub yields: bool,
+}
 
 /// A slave node and its history.
 #[derive(Clone, Debug)]
@@ -174,8 +191,8 @@ pub struct Slave {
     pub law: Law,
     /// The one node of the master that it meets, in contact from node to node.
     pub mate: Option<Mate>,
-    /// By how much of its multiplier its constraint gives way, 0 where no other makes the same.
-    pub slack: f64,
+    /// Another slave node may make the same constraint, for its surface meets itself.
+    pub repeats: bool,
     /// The automatic augmentation, force per length.
     pub automatic: f64,
     /// Penalties in the law at the start of an increment.
@@ -263,8 +280,6 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
-    /// In self-contact the multiplier at which the constraint does not give way, N.
-    pub rest: Vec3,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -314,7 +329,8 @@ impl Slave {
     /// multipliers are held, else the penalty itself.
     pub fn new(node: u32, friction: f64, penalty: f64, automatic: f64, held: bool) -> Self {
         let augmentation = if held { automatic.min(penalty) } else { penalty };
-        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false };
+        let compliance = Compliance::default();
+        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false, compliance };
         let (committed, trial, accepted) = (History::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
         let (sight, sighted) = (Sight::default(), Sight::default());
@@ -322,7 +338,7 @@ impl Slave {
             node,
             law,
             mate: None,
-            slack: 0.0,
+            repeats: false,
             automatic,
             augmentation,
             held,
@@ -335,15 +351,20 @@ impl Slave {
         }
     }
 
-    /// Begins an increment from the last converged one; `rough`, with contacts that stick until they are in balance, but for
-    /// those that slip on in a state that was extrapolated `ahead`; and with
-    /// the `automatic` penalty in the place of one that is given.
-    pub fn begin(&mut self, rough: bool, ahead: bool, automatic: bool) {
+    /// Begins an increment from the last converged one.
+    pub fn begin(&mut self, manner: &Manner) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         self.trial = Trial { status, yields, ..Trial::default() };
-        let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
+        let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
-        self.law.rough = rough && !(ahead && status == Status::Slip);
+        self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
+        let slack = match (self.repeats, manner.yields) {
+            (true, true) => WIDE_SLACK,
+            (true, false) | (false, true) => SLACK,
+            (false, false) => 0.0,
+        };
+        let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
+        self.law.compliance = Compliance { slack, rest };
         self.held = self.committed.held;
         self.local.force = self.committed.multiplier;
         self.local.by.clear();

@@ -85,7 +85,7 @@ fn node_on_two_tools() -> Vec<Case> {
     let mut cases = Vec::new();
     for friction in [0.0, 0.3, 5.0] {
         for method in METHODS {
-            let tolerance = if method == "penalty" { 0.1 } else { 1e-4 };
+            let tolerance = if method == "penalty" { 0.1 } else { 1e-6 };
             let case = Case::text(format!("friction {friction}, {method}"), beside_a_wall(friction, method));
             let uzawa = Case::text("uzawa", beside_a_wall(friction, "uzawa"));
             let case = match method {

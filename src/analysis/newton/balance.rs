@@ -286,6 +286,6 @@ fn violation(pair: &Pair, slave: &Slave) -> f64 {
     let share = (slave.automatic / slave.law.normal).min(1.0);
     let gap = trial.projection.map_or(0.0, |p| p.gap.abs());
     let slip = if trial.status == Status::Stick { trial.slip.norm() } else { 0.0 };
-    let open = if slave.slack > 0.0 { 0.0 } else { slave.automatic * gap.max(slip) };
+    let open = if slave.law.compliance.slack > 0.0 { 0.0 } else { slave.automatic * gap.max(slip) };
     (trial.local * share).max(open)
 }

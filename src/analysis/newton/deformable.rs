@@ -219,24 +219,6 @@ impl Newton<'_> {
         pattern.foreign.deliver(self.comm, &foreign, &mut self.values);
     }
 
-    /// After convergence: in self-contact the constraints of nodes that touch have given way by their slack. Lets them do
-    /// so about the multipliers `x` of this iterate instead, once in an increment; says whether there are any. Collective.
-    pub fn tighten(&mut self, x: &[f64]) -> bool {
-        let multipliers = self.multipliers(x);
-        let mut touching = false;
-        for (pair, multipliers) in self.model.pairs.iter_mut().zip(multipliers).filter(|(p, _)| p.width() > 0) {
-            for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers).filter(|(s, _)| s.slack > 0.0) {
-                touching |= slave.trial.status != Status::Gap;
-                slave.trial.rest = multiplier;
-            }
-        }
-        let tighten = !std::mem::replace(&mut self.tightened, true) && any(self.comm, touching);
-        if tighten {
-            self.judge_again();
-        }
-        tighten
-    }
-
     /// After convergence, as [`Newton::widen_search`]: widens the search of pairs whose nodes came farther than it reaches.
     /// What one surface moves against the other is bounded by the boxes of their motions. Collective.
     pub(super) fn widen_deformable_search(&mut self) -> bool {
@@ -316,8 +298,7 @@ fn meet(
         SlipOrigin::Beside(_) => true,
     });
     let carried = from_last.map_or(Vec3::zeros(), |_| slave.held.carried);
-    let (transfer, slack) = (surface.given.transfer, slave.slack);
-    let method = Method { law: slave.law, transfer, tangent, slack, rest: slave.trial.rest };
+    let method = Method { law: slave.law, transfer: surface.given.transfer, tangent };
     Meeting { method, multiplier, carried, contact, guide }
 }
 

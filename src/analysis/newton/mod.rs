@@ -18,7 +18,7 @@ mod trial;
 use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::element::Element;
-use crate::contact::{Pair, Pose, Slave};
+use crate::contact::{Manner, Pair, Pose, Slave};
 use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::{Phase, Phases};
@@ -83,8 +83,6 @@ pub struct Newton<'a> {
     pub rebuilds: usize,
     /// A signal ended the iteration; the same on all ranks.
     pub interrupted: bool,
-    /// The constraints of self-contact give way about the multipliers of a converged iterate.
-    tightened: bool,
     /// What touches sticks until all is nearly in balance.
     pub(super) settling: bool,
     /// Outer iterations of this increment.
@@ -126,12 +124,7 @@ pub struct Start<'a> {
     /// Largest force of each group of [`Balance`] in converged increments, and the forces that count while there are none.
     pub seen: &'a [f64],
     pub floors: &'a [f64],
-    /// What touches sticks until all is nearly in balance.
-    pub settle: bool,
-    /// It begins from an extrapolation.
-    pub ahead: bool,
-    /// With automatic penalties, whatever is given.
-    pub automatic: bool,
+    pub manner: Manner,
     /// Each residual must be below the last where plastic flow shortens steps.
     pub strict: bool,
     /// Told the number of each iteration.
@@ -154,7 +147,7 @@ impl<'a> Newton<'a> {
         let tools = model.tools.len();
         let owned = model.part.owned;
         for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.begin(start.settle, start.ahead, start.automatic);
+            slave.begin(&start.manner);
         }
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
@@ -189,8 +182,7 @@ impl<'a> Newton<'a> {
             calmed: Vec::new(),
             rebuilds: 0,
             interrupted: false,
-            tightened: false,
-            settling: start.settle,
+            settling: start.manner.settles,
             rounds: Rounds::default(),
             elements,
             meetings,

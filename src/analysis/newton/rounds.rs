@@ -5,11 +5,16 @@
 //! Under an active set that is not the last one the iteration need not converge far: a residual of 1e-3 is enough to change
 //! the set, and measured to take four fifths of the iterations.
 //!
+//! Where several slave nodes or masters make the same condition, only constraints that give way share the force out. When
+//! they have converged, they give way about the multipliers of then, and so on (the proximal method of multipliers): it
+//! ends where the conditions hold as if none had given way, with the least multipliers that bear the load. Self-contact,
+//! which gives way always, does so once: further rounds only change what faceted folds make of each other.
+//!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.
 
 use super::Newton;
-use crate::contact::{Pair, Slave, Status};
+use crate::contact::{Compliance, Pair, Slave, Status};
 use crate::parallel::{first_word, max};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
@@ -21,12 +26,16 @@ pub enum Round {
     Again,
     /// Why it cannot become the solution.
     Failed(String),
+    /// Where conditions contradict each other.
+    Contradicts(String),
 }
 
 /// Rounds so far.
 #[derive(Clone, Debug, Default)]
 pub struct Rounds {
     pub count: usize,
+    /// How often the constraints that give way were tightened.
+    pub tightened: usize,
     /// The active sets of this rank that were tried.
     sets: Vec<Vec<Status>>,
     /// One node at a time changes its status.
@@ -40,6 +49,10 @@ const LOOSE: f64 = 1e-3;
 
 /// Most rounds of an increment.
 const MOST: usize = 60;
+
+/// Most rounds in which the same constraints are tightened. Each leaves [`crate::contact::SLACK`] of the error, where it leads
+/// anywhere.
+const MOST_TIGHTER: usize = 40;
 
 /// Uzawa's automatic tolerance over that of Newton's method: penetration and slip of sticking nodes, times the largest
 /// nodal stiffness, over the largest force.
@@ -79,6 +92,7 @@ impl Newton<'_> {
         self.rounds.settled = !is_wrong;
         let worst = if is_open { open } else { wrong };
         let here = worst.1.filter(|_| worst.0 == if is_open { largest[0] } else { largest[1] });
+        let here = here.map(|at| self.lacks(at));
         if self.rounds.count > MOST {
             return Round::Failed(self.told(here, &format!("{MOST} rounds of contact forces do not settle")));
         }
@@ -87,6 +101,40 @@ impl Newton<'_> {
         }
         if is_wrong && !self.change_set(tolerance, largest[1]) {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
+        }
+        self.again()
+    }
+
+    /// After convergence: lets constraints that gave way do so about the multipliers at `x` instead, and says whether that is
+    /// all. Collective.
+    pub fn tighten(&mut self, x: &[f64]) -> Round {
+        let multipliers = self.multipliers(x);
+        let (tolerance, bodies) = (self.tolerance_now(), self.model.bodies.len());
+        let (mut repeats, mut left, mut worst) = (false, 0.0, None);
+        let pairs = self.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
+        for (p, (pair, multipliers)) in pairs {
+            let limit = self.balance.limit(bodies + p, tolerance);
+            for (s, (slave, multiplier)) in pair.slaves.iter_mut().zip(multipliers).enumerate() {
+                let Compliance { slack, rest } = &mut slave.law.compliance;
+                let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
+                if slave.trial.status == Status::Gap {
+                    continue;
+                }
+                repeats |= slave.repeats;
+                if !slave.repeats && given / limit > left {
+                    (left, worst) = (given / limit, Some((p, s, given / slave.law.normal)));
+                }
+            }
+        }
+        let mut most = [left, f64::from(repeats && self.rounds.tightened == 0)];
+        max(self.comm, &mut most);
+        if most[0] <= 1.0 && most[1] == 0.0 {
+            return Round::Done;
+        }
+        self.rounds.tightened += 1;
+        if self.rounds.tightened > MOST_TIGHTER {
+            let worst = worst.filter(|_| left == most[0]).map(|(p, s, way)| (p, s, format!("off by {way:.1e}")));
+            return Round::Contradicts(self.told(worst, "conditions of contacts contradict each other"));
         }
         self.again()
     }
@@ -139,20 +187,27 @@ impl Newton<'_> {
         }
     }
 
-    /// A reason with the worst node, by its pair and place in it. Collective.
-    fn told(&self, worst: Option<(usize, usize)>, reason: &str) -> String {
-        let word = worst.map(|(p, s)| {
+    /// A reason with the worst node, by its pair and place in it, and what it lacks. Collective.
+    fn told(&self, worst: Option<(usize, usize, String)>, reason: &str) -> String {
+        let word = worst.map(|(p, s, lacks)| {
             let (pair, slave) = (&self.model.pairs[p], &self.model.pairs[p].slaves[s]);
-            let (is, violation) = (slave.trial.status.name(pair.friction), slave.trial.violation);
-            let lacks = match pair.method {
-                Enforcement::Lagrange => {
-                    format!("{is}, should be {}, force {violation:.1e}", slave.trial.asked.name(pair.friction))
-                }
-                _ => format!("{is}, penetration or slip {violation:.1e}"),
-            };
-            format!("{reason}: node {}, contact `{}`, {lacks}", node_name(self.model, slave.node), pair.name)
+            let (node, is) = (node_name(self.model, slave.node), slave.trial.status.name(pair.friction));
+            format!("{reason}: node {node}, contact `{}`, {is}, {lacks}", pair.name)
         });
         first_word(self.comm, word).unwrap_or_else(|| reason.into())
+    }
+
+    /// What the worst node of an active set, or of Uzawa's method, lacks.
+    fn lacks(&self, (p, s): (usize, usize)) -> (usize, usize, String) {
+        let (pair, trial) = (&self.model.pairs[p], &self.model.pairs[p].slaves[s].trial);
+        let violation = trial.violation;
+        let lacks = match pair.method {
+            Enforcement::Lagrange => {
+                format!("should be {}, force {violation:.1e}", trial.asked.name(pair.friction))
+            }
+            _ => format!("penetration or slip {violation:.1e}"),
+        };
+        (p, s, lacks)
     }
 
     /// Whether the active set of all ranks is one that was there. Collective.

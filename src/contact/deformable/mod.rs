@@ -69,11 +69,6 @@ pub struct Method {
     pub law: Law,
     pub transfer: Transfer,
     pub tangent: Tangent,
-    /// Compliance of the constraint over 1/ε: it gives way by this times λ/ε. Where two slave nodes meet and each is on a
-    /// patch of the other, they make the same condition, and only their compliance shares the force out.
-    pub slack: f64,
-    /// The multiplier at which it has not given way.
-    pub rest: Vec3,
 }
 
 /// The element, with buffers to be reused from one slave node to the next. In the gap it has no master nodes.
@@ -147,12 +142,7 @@ impl Element {
         };
         let response = law::respond(method.law, &multiplier, place.as_ref(), guide);
         self.spread(method.transfer, &response, contact);
-        match multiplier {
-            Multiplier::Augmented(lambda) | Multiplier::Force(lambda, _) => {
-                response.give_way(method.slack, &lambda, &method.rest)
-            }
-            Multiplier::Held { .. } => response,
-        }
+        response
     }
 
     /// The response and the tangent. Fills all.

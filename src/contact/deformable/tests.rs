@@ -1,5 +1,5 @@
 use super::*;
-use crate::contact::element;
+use crate::contact::{Compliance, element};
 use crate::mesh::Mesh;
 use crate::scene::Smoothing;
 use crate::surface::projection::{descend, on_edge, on_surface};
@@ -7,7 +7,14 @@ use crate::surface::test_meshes::{grid, strip};
 use crate::surface::{Patch, Polygon};
 use nalgebra::{DMatrix, DVector, Rotation3};
 
-const LAW: Law = Law { friction: 0.3, normal: 40.0, tangential: 25.0, penalty: 100.0, rough: false };
+const LAW: Law = Law {
+    friction: 0.3,
+    normal: 40.0,
+    tangential: 25.0,
+    penalty: 100.0,
+    rough: false,
+    compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
+};
 /// Parameters of the slip origin.
 const ORIGIN: [f64; 2] = [0.55, 0.31];
 const TRANSFERS: [Transfer; 3] = [Transfer::Variational, Transfer::Patch, Transfer::Bilinear];
@@ -126,7 +133,7 @@ impl Pair {
 
     fn method(&self, transfer: Transfer, tangent: Tangent) -> Method {
         let law = Law { friction: self.friction, ..LAW };
-        Method { law, transfer, tangent, slack: 0.0, rest: Vec3::zeros() }
+        Method { law, transfer, tangent }
     }
 
     /// The element, and its residual: slave, multiplier, nodes of the current patch.
@@ -517,7 +524,7 @@ fn plane_strain_holds_the_direction_across() {
 #[test]
 fn without_a_contact_the_multiplier_goes_to_zero() {
     let (transfer, tangent) = (Transfer::Variational, Tangent::Exact);
-    let method = Method { law: LAW, transfer, tangent, slack: 0.0, rest: Vec3::zeros() };
+    let method = Method { law: LAW, transfer, tangent };
     let (mut e, lambda) = (Element::default(), Vec3::new(1.0, 2.0, 3.0));
     let residual = e.tangent(&method, &Multiplier::Augmented(lambda), None, &Guide::default());
     assert_eq!((residual.status, residual.force, residual.constraint), (Status::Gap, Vec3::zeros(), -lambda));
