@@ -82,6 +82,8 @@ pub struct Failure<'a> {
     pub time: f64,
     pub reason: &'a str,
     pub cause: Cause,
+    /// What makes the matrix ill-conditioned.
+    pub conditioning: Option<&'a str>,
     /// The worst equation, in words.
     pub place: Option<&'a str>,
     pub residual: f64,
@@ -92,6 +94,10 @@ pub struct Failure<'a> {
 /// Says where and how far from equilibrium, and what to try.
 pub fn failure(f: &Failure) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {}", f.step, f.time, f.reason);
+    if let Some(reason) = f.conditioning {
+        let _ = write!(text, "; the matrix is ill-conditioned: {reason}");
+        return text;
+    }
     match f.cause {
         Cause::Singular => text += ": something can move freely",
         Cause::Rounding => return text,

@@ -52,6 +52,11 @@ impl Cause {
     pub fn is_of_iteration(self) -> bool {
         matches!(self, Self::Iteration | Self::Degenerate)
     }
+
+    /// The failure of a remedy says less than that of Newton's method without it.
+    pub fn is_of_remedy(self) -> bool {
+        self.is_of_iteration() || self == Self::Contradiction
+    }
 }
 
 /// How an increment was found, after how many failures.

@@ -10,12 +10,14 @@
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged
 //! - `ending`: what ends a run at once
+//! - `conditioning`: what makes a matrix ill-conditioned
 //! - `runaway`: tools that nothing can hold
 //! - [`describe`]: what is said
 //!
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
 //! again from it, shorter, until it would be shorter than the scene's minimum.
 
+mod conditioning;
 mod conditions;
 pub mod describe;
 mod ending;
@@ -112,7 +114,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     begins.iter().for_each(|line| log.line(line));
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = phases.time(Phase::Output, || Results::create(comm, &folder, scene, &model))?;
-    let floors = Balance::floors(&model, FORCE_FLOOR, scene.solver.force_floor);
+    let floors = Balance::floors(comm, &model, FORCE_FLOOR, scene.solver.force_floor);
     let state = State {
         u: vec![Vec3::zeros(); model.part.points.len()],
         tool_forces: vec![Vec3::zeros(); model.tools.len()],

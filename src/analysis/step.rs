@@ -4,7 +4,7 @@ use super::conditions::Conditions;
 use super::increments::Increments;
 use super::ladder::{Cause, Found, Ladder, Remedy, Way, Yields};
 use super::newton::{Newton, Round, Share, Start};
-use super::{Analysis, describe, ending, results};
+use super::{Analysis, conditioning, describe, ending, results};
 use crate::contact::{Manner, Master, Pair, Pose, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -230,7 +230,7 @@ impl Analysis<'_> {
                     frame.ladder.can_yield = self.yields();
                     let Some(remedy) = frame.ladder.fail(&mut increments, end, failed.cause) else {
                         self.keep(since_written)?;
-                        let told = plain.filter(|_| is_remedy && failed.cause.is_of_iteration()).unwrap_or(failed);
+                        let told = plain.filter(|_| is_remedy && failed.cause.is_of_remedy()).unwrap_or(failed);
                         let size = (told.end - increments.done) * step.duration;
                         return Err(Error::Diverged(self.tell_failure(&frame, &told, size)));
                     };
@@ -522,11 +522,14 @@ impl Analysis<'_> {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
         let (place, residual) = told.unzip();
+        let linear = matches!(failed.cause, Cause::Singular | Cause::Degenerate | Cause::Contradiction);
+        let conditioning = linear.then(|| conditioning::reason(self.comm, &self.model)).flatten();
         describe::failure(&describe::Failure {
             step: &frame.step.name.value,
             time: self.state.time,
             reason: &failed.reason,
             cause: failed.cause,
+            conditioning: conditioning.as_deref(),
             place: place.as_deref(),
             residual: residual.unwrap_or(0.0),
             changes: failed.changes.last().copied().unwrap_or(0),

@@ -15,6 +15,7 @@ use crate::contact::{Master, Pair, Slave, Status};
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::system::DofMap;
+use mpi::topology::SimpleCommunicator;
 
 /// What rounding leaves of a sum of some ten products of three factors.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
@@ -60,12 +61,16 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// The floors of all groups, N: `share` of the stiffness times the size of an element, or what is given.
-    pub fn floors(model: &Model, share: f64, given: Option<f64>) -> Vec<f64> {
+    /// The floors of all groups, N: `share` of the stiffness times the size of an element, or what is given. That of a contact
+    /// is its augmentation: a thin sheet is much stiffer across than what it rests on feels. Collective.
+    pub fn floors(comm: &SimpleCommunicator, model: &Model, share: f64, given: Option<f64>) -> Vec<f64> {
         let of_body = |b: usize| given.unwrap_or(share * model.bodies[b].stiffness * model.size);
         let largest = (0..model.bodies.len()).map(of_body).fold(0.0, f64::max);
         let bodies = (0..model.bodies.len()).map(of_body);
-        let pairs = model.pairs.iter().map(|pair| of_body(pair.body));
+        let largest_of = |pair: &Pair| pair.slaves.iter().map(|slave| slave.automatic).fold(0.0, f64::max);
+        let mut augmentations: Vec<f64> = model.pairs.iter().map(largest_of).collect();
+        max(comm, &mut augmentations);
+        let pairs = augmentations.into_iter().map(|a| given.unwrap_or(share * a * model.size));
         bodies.chain(pairs).chain(model.tools.iter().map(|_| largest)).collect()
     }
 

@@ -18,7 +18,7 @@ mod trial;
 use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::element::Element;
-use crate::contact::{Manner, Pair, Pose, Slave};
+use crate::contact::{Manner, Pair, Pose, Slave, Status};
 use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::{Phase, Phases};
@@ -394,12 +394,18 @@ impl Problem for Newton<'_> {
         let iteration = iterate.iteration;
         (self.watcher)(iteration);
         let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
-        let mut changes = [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished())];
+        let touching = trials().any(|t| t.status != Status::Gap);
+        let mut changes =
+            [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished()), f64::from(touching)];
         sum(self.comm, &mut changes);
         let residual = self.balance.relative();
         self.trace.push(residual);
         self.changes.push(changes[0] as usize);
-        let small = self.balance.holds(self.tolerance_now());
+        // What a motion begins with may be small against all forces and yet be its whole effect, as on a thin sheet, of which
+        // the forces round to more than its contact feels of the first gap.
+        let driven = self.moves || self.model.tools.iter().any(|tool| tool.trial != tool.committed);
+        let begins = self.trace.len() == 1 && driven && changes[2] > 0.0 && residual > 0.0;
+        let small = self.balance.holds(self.tolerance_now()) && !begins;
         if !residual.is_finite() {
             return Ok(Verdict::Diverged);
         }

@@ -1,0 +1,50 @@
+//! What makes a matrix ill-conditioned, where a factorization has failed: a body that is too thin for its elements, or nearly
+//! incompressible, or bodies of very unlike stiffness. Double precision leaves little of a solution then, and it looks as if
+//! something could move freely.
+
+use crate::model::Model;
+use crate::parallel::max;
+use mpi::topology::SimpleCommunicator;
+
+/// Stiffest over softest response, from which it is told: condition numbers beyond 1e8 leave less than half of the digits.
+const MUCH: f64 = 1e8;
+
+/// The worst reason, in words; `None` where there is none. Collective.
+pub fn reason(comm: &SimpleCommunicator, model: &Model) -> Option<String> {
+    let name = |b: usize| &model.bodies[b].name;
+    let aspects = aspects(comm, model).into_iter().enumerate();
+    // An element bends with the square of its length over its thickness.
+    let thin = aspects.map(|(b, aspect)| {
+        (aspect * aspect, format!("the elements of body `{}` are {aspect:.1e} times as long as thick", name(b)))
+    });
+    let stiff = model.bodies.iter().map(|body| {
+        let (lambda, mu) = body.material.initial_moduli();
+        let ratio = lambda / mu + 2.0 / 3.0;
+        let text = format!("body `{}` resists volume change {ratio:.1e} times as much as shear", body.name);
+        (ratio, format!("{text}: lower its `poisson`"))
+    });
+    let by_stiffness = |a: &usize, b: &usize| model.bodies[*a].stiffness.total_cmp(&model.bodies[*b].stiffness);
+    let bodies = 0..model.bodies.len();
+    let apart = bodies.clone().max_by(by_stiffness).zip(bodies.min_by(by_stiffness)).map(|(most, least)| {
+        let ratio = model.bodies[most].stiffness / model.bodies[least].stiffness;
+        (ratio, format!("body `{}` is {ratio:.1e} times as stiff as body `{}`", name(most), name(least)))
+    });
+    let all = thin.chain(stiff).chain(apart).filter(|(ratio, _)| *ratio > MUCH);
+    all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)
+}
+
+/// The longest over the shortest distance of two nodes of an element, for each body. Collective.
+fn aspects(comm: &SimpleCommunicator, model: &Model) -> Vec<f64> {
+    let mut aspects = vec![1.0f64; model.bodies.len()];
+    for solid in &model.part.solids {
+        let place = |n: u32| model.part.points[n as usize];
+        let nodes = solid.nodes();
+        let pairs = nodes.iter().enumerate().flat_map(|(i, &a)| nodes[..i].iter().map(move |&b| (a, b)));
+        let span = |(low, high): (f64, f64), d: f64| (low.min(d), high.max(d));
+        let (low, high) = pairs.map(|(a, b)| (place(a) - place(b)).norm()).fold((f64::INFINITY, 0.0), span);
+        let aspect = &mut aspects[solid.body as usize];
+        *aspect = aspect.max(high / low);
+    }
+    max(comm, &mut aspects);
+    aspects
+}
