@@ -233,7 +233,9 @@ impl Model {
             .into_iter()
             .map(|n| {
                 let stiffness = stiffness[n as usize].min(softest);
-                let given = contact.penalty.unwrap_or(penalty_share(contact.method) * stiffness);
+                // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
+                let given = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
+                let given = given.unwrap_or(penalty_share(contact.method) * stiffness);
                 let held = contact.method.holds_multipliers();
                 Slave::new(n, contact.friction, given, AUGMENTATION * stiffness, held)
             })

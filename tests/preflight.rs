@@ -126,6 +126,18 @@ fn tools_that_look_away() {
     refused(&tool(&sphere(", hollow = true")), &away);
     let bore = "sphere = { center = [1.0, 1.0, -2.0], radius = 3.4, hollow = true }";
     accepted(&tool(bore), "begins with a gap of ");
+    // Beside the block, where the faces that are near stand across its own; and all around it.
+    for (corner, size, flip) in [([2.5, 0.0, 0.5], [1.0, 2.0, 1.0], false), ([-1.0; 3], [4.0; 3], true)] {
+        let with = |flip: bool| {
+            let bench = block(&[(PLATE, &format!("mesh = \"box.msh\"\nsmoothing = \"facet\"\nflip = {flip}"))]);
+            let place = |x: [f64; 3]| std::array::from_fn(|d| corner[d] + size[d] * x[d]);
+            bench.write("box.msh", &msh::block([2, 2, 2], false, place));
+            bench
+        };
+        let (code, text) = verdict(&with(flip), 1);
+        assert!(code == 0 && text.contains("begins with a gap of "), "{text}");
+        refused(&with(!flip), &["contact `top`: all of `block.top` is behind the tool `plate`, a closed surface"]);
+    }
 }
 
 /// All faces of the block are slave, and the tool is above it, or around it.

@@ -11,7 +11,7 @@ use crate::parallel::{agree, any, first_word, max};
 use crate::partition::parcels::{self, bounds, collect, hull, strayed};
 use crate::partition::{Bounds, Parcel};
 use crate::scene::{self, Description, Smoothing};
-use crate::surface::{FaceSet, Parametric, Patch, PatchSet, Projection, SewnFace, Tessellation};
+use crate::surface::{Edge, FaceSet, Parametric, Patch, PatchSet, Projection, SewnFace, Tessellation};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -123,6 +123,16 @@ impl Surface {
             Share::Nothing => {}
         }
         self.seen = None;
+    }
+
+    /// Whether it has no end, so that what is behind it is inside. Not asked of what has closed forms. Collective.
+    pub fn is_closed(&self, comm: &SimpleCommunicator) -> bool {
+        let is_open = match &self.share {
+            Share::Patches(all) => all.iter().any(|p| p.edges[..p.count as usize].contains(&Edge::Boundary)),
+            Share::Faces(all) => all.iter().flat_map(|face| &face.rims).any(|rim| rim.edge == Edge::Boundary),
+            Share::Nothing => matches!(self.near, Shape::Analytic(_)),
+        };
+        !any(comm, is_open)
     }
 
     /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.

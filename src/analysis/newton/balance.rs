@@ -38,14 +38,15 @@ struct Group {
     force: f64,
     element: f64,
     residual: f64,
-    /// Largest displacement or coordinate, and penalty.
+    /// Largest displacement or coordinate; penalty; and by what penalty gaps count in the residual.
     far: f64,
     penalty: f64,
+    measure: f64,
     /// A contact or a load acts on it.
     acts: f64,
 }
 
-const FIELDS: usize = 6;
+const FIELDS: usize = 7;
 
 /// Forces and residuals of an iterate, by bodies, then contacts, then tools.
 #[derive(Clone, Debug, Default)]
@@ -184,7 +185,9 @@ impl Newton<'_> {
                 self.balance.residual(group, violation(pair, slave));
                 let own = &mut self.balance.groups[group];
                 let penalty = if pair.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
-                (own.far, own.penalty) = (own.far.max(x.amax()), own.penalty.max(penalty));
+                let measure = if pair.method.holds_multipliers() { penalty } else { penalty.min(slave.automatic) };
+                own.far = own.far.max(x.amax());
+                (own.penalty, own.measure) = (own.penalty.max(penalty), own.measure.max(measure));
             }
         }
         self.share();
@@ -198,13 +201,15 @@ impl Newton<'_> {
         let groups = &mut self.balance.groups;
         let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
         let one = |g: &Group| {
-            [g.force, g.element, if g.residual.is_nan() { f64::INFINITY } else { g.residual }, g.far, g.penalty, g.acts]
+            let residual = if g.residual.is_nan() { f64::INFINITY } else { g.residual };
+            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.acts]
         };
         let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
         max(self.comm, &mut flat);
         for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
             let residual = if broken { f64::INFINITY } else { all[2] };
-            *group = Group { force: all[0], element: all[1], residual, far: all[3], penalty: all[4], acts: all[5] };
+            let [force, element, _, far, penalty, measure, acts] = all.try_into().unwrap_or_default();
+            *group = Group { force, element, residual, far, penalty, measure, acts };
         }
     }
 
@@ -227,7 +232,7 @@ impl Newton<'_> {
             return pairs.filter(|p| touches(p, group) && acts(p)).map(of_pair).fold(body, f64::max);
         }
         if group < bodies + self.model.pairs.len() {
-            return of_pair(group - bodies);
+            return ROUNDING * groups[group].measure * groups[group].far;
         }
         let tool = Master::Tool(group - bodies - self.model.pairs.len());
         pairs

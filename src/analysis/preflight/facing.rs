@@ -6,10 +6,11 @@
 //! the wrong way: it is no matter whether it is closed, and how far away. Nodes farther in front that look the same way say
 //! nothing: the upper side of a sheet sees the lower wall of a channel.
 //!
-//! A tool whose nearest faces all stand across the slave's normals is not judged.
+//! A tool whose nearest faces all stand across the slave's normals is judged only where it is closed: what is behind such a
+//! one is inside it, and no slave is inside with all its nodes.
 
 use super::sight::Sight;
-use crate::contact::TOUCHING;
+use crate::contact::{Master, TOUCHING};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -42,6 +43,19 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
             least[kind] = f64::max(least[kind], -gap.abs());
         }
         max(comm, &mut least);
+        let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -TOUCHING * pair.facet_size);
+        if let Master::Tool(t) = pair.master
+            && model.tools[t].surface.is_closed(comm)
+            && !any(comm, sights.iter().any(in_front))
+        {
+            let what = format!(
+                "contact `{}`: all of `{}` is behind {}, a closed surface, and would pass through it without a force",
+                contact.name.value,
+                contact.slave.value,
+                model.master_name(pair)
+            );
+            return Err(Error::input(&contact.master.at, what, help(contact)));
+        }
         let [facing, behind, away] = least.map(|l| -l);
         let master = model.master_name(pair);
         if behind.is_finite() && behind < facing - TOUCHING * pair.facet_size {
