@@ -216,13 +216,12 @@ fn a_tool_that_runs_away_is_named() {
         let force = format!(r#"force = [{{ target = "plate", total = {total}, directions = "{directions}" }}]"#);
         format!("[[step]]\nincrements = 4\n{fix}\n{force}\n")
     };
-    let head = BLOCK_UNDER_PLATE;
     for (ranks, steps, friction, converged, pull) in [
         (2, step("[0, 0, 20]", "z"), "0.2", 0, "(0.000e0, 0.000e0, 5.000e0): it pulls away from all 9 slave nodes"),
         (1, step("[0, 0, -8]", "z") + &step("[0, 0, 8]", "z"), "0.2", 6, "it pulls away from all 9 slave nodes"),
     ] {
-        let run =
-            Bench::new(&format!("{head}{steps}")).run(ranks, &["--set", &format!("contact.top.friction={friction}")]);
+        let run = Bench::new(&format!("{BLOCK_UNDER_PLATE}{steps}"))
+            .run(ranks, &["--set", &format!("contact.top.friction={friction}")]);
         assert_eq!(run.code, 1, "{}\n{}", run.stdout, run.stderr);
         for words in ["nothing can hold the tool `plate` against its force ", pull, "help: check the sign of `total`"] {
             assert!(run.stderr.contains(words), "{words}\n{}", run.stderr);
@@ -232,7 +231,7 @@ fn a_tool_that_runs_away_is_named() {
         assert!(summary["increments"] == converged && iterations < 80, "{summary}");
     }
     let along = step("[0, 0, -8]", "z") + &step("[4, 0, 0]", "x");
-    let run = Bench::new(&format!("{head}{along}")).run(2, &["--set", "contact.top.friction=0.0"]);
+    let run = Bench::new(&format!("{BLOCK_UNDER_PLATE}{along}")).run(2, &["--set", "contact.top.friction=0.0"]);
     assert_eq!(run.code, 2, "{}\n{}", run.stdout, run.stderr);
     assert!(run.stderr.contains("step `step 2`: tool `plate` can move along x"), "{}", run.stderr);
 }

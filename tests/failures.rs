@@ -82,10 +82,9 @@ fn without_iterations_nothing_converges_and_contact_is_blamed() {
 /// What only touches is held by that; pulled off it has nothing, along the contact's normal or askew to it.
 #[test]
 fn a_body_that_is_pulled_off_is_refused() {
-    let start = BLOCK_UNDER_PLATE;
     for total in ["0.0, 0.0, -1.0", "1.0, 0.0, -0.1"] {
         let pull = format!("[[step]]\nincrements = 1\nforce = [{{ target = \"block.top\", total = [{total}] }}]\n");
-        let run = Bench::new(&format!("{start}{pull}")).run(2, &[]);
+        let run = Bench::new(&format!("{BLOCK_UNDER_PLATE}{pull}")).run(2, &[]);
         assert_eq!(run.code, 2, "{}", run.stdout);
         assert!(run.stderr.contains("nothing presses body `block` against what touches it"), "{}", run.stderr);
     }
@@ -95,7 +94,7 @@ fn a_body_that_is_pulled_off_is_refused() {
 #[test]
 fn a_body_that_touches_is_held() {
     let push = "[[step]]\nincrements = 1\nforce = [{ target = \"block.bottom\", total = [1.0, 0.0, 10.0] }]\n";
-    let scene = format!("{}{push}", BLOCK_UNDER_PLATE).replace("[0.0, 0.0, 2.0]", "[0.0, 0.0, 2.000001]");
+    let scene = format!("{BLOCK_UNDER_PLATE}{push}").replace("[0.0, 0.0, 2.0]", "[0.0, 0.0, 2.000001]");
     let run = Bench::new(&scene).solve(2, &[]);
     let history = run.history();
     assert!((history.last("plate.fz") + 10.0).abs() < 1e-8 && (history.last("plate.fx") + 1.0).abs() < 1e-8);

@@ -37,11 +37,7 @@ pub fn reason(comm: &SimpleCommunicator, model: &Model) -> Option<String> {
 fn aspects(comm: &SimpleCommunicator, model: &Model) -> Vec<f64> {
     let mut aspects = vec![1.0f64; model.bodies.len()];
     for solid in &model.part.solids {
-        let place = |n: u32| model.part.points[n as usize];
-        let nodes = solid.nodes();
-        let pairs = nodes.iter().enumerate().flat_map(|(i, &a)| nodes[..i].iter().map(move |&b| (a, b)));
-        let span = |(low, high): (f64, f64), d: f64| (low.min(d), high.max(d));
-        let (low, high) = pairs.map(|(a, b)| (place(a) - place(b)).norm()).fold((f64::INFINITY, 0.0), span);
+        let (low, high) = model.part.span(solid);
         let aspect = &mut aspects[solid.body as usize];
         *aspect = aspect.max(high / low);
     }

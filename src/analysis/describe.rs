@@ -120,7 +120,7 @@ pub fn failure(f: &Failure) -> String {
         Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
         Cause::Singular | Cause::Degenerate | Cause::Rounding | Cause::Iteration => "",
     };
-    let Some(place) = f.place.filter(|_| f.cause == Cause::Singular || f.cause.is_of_iteration()) else { return text };
+    let Some(place) = f.place.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) else { return text };
     let _ = write!(text, "\n  worst: {place}, residual {:.1e} of the largest force", f.residual);
     if f.changes > 0 {
         let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);

@@ -53,6 +53,11 @@ impl Cause {
         matches!(self, Self::Iteration | Self::Degenerate)
     }
 
+    /// The matrix determines nothing, or nearly so.
+    pub fn is_linear(self) -> bool {
+        matches!(self, Self::Singular | Self::Degenerate)
+    }
+
     /// The failure of a remedy says less than that of Newton's method without it.
     pub fn is_of_remedy(self) -> bool {
         self.is_of_iteration() || self == Self::Contradiction
@@ -90,8 +95,8 @@ impl Yields {
     fn after(self, cause: Cause) -> bool {
         match self {
             Self::Never => false,
-            Self::OnceSingular => matches!(cause, Cause::Singular | Cause::Degenerate),
-            Self::Anew => cause == Cause::Singular || cause.is_of_iteration(),
+            Self::OnceSingular => cause.is_linear(),
+            Self::Anew => cause.is_linear() || cause.is_of_iteration(),
         }
     }
 }
@@ -101,6 +106,7 @@ impl Yields {
 pub struct Ladder {
     /// Some contact has friction, or a penalty that is not the automatic one.
     can_settle: bool,
+    /// When constraints of multipliers give way more than they do anyway.
     pub can_yield: Yields,
     /// Constraints give way until they are tightened; `None` when it did not help in this increment.
     yields: Option<bool>,
@@ -192,7 +198,7 @@ impl Ladder {
             self.failures += 1;
             return Some(Remedy::Yield);
         }
-        if matches!(cause, Cause::Singular | Cause::Degenerate) {
+        if cause.is_linear() {
             self.yields = None;
         }
         let Way::Newton { .. } = self.way else {

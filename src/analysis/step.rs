@@ -522,7 +522,7 @@ impl Analysis<'_> {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
         let (place, residual) = told.unzip();
-        let linear = matches!(failed.cause, Cause::Singular | Cause::Degenerate | Cause::Contradiction);
+        let linear = failed.cause.is_linear() || failed.cause == Cause::Contradiction;
         let conditioning = linear.then(|| conditioning::reason(self.comm, &self.model)).flatten();
         describe::failure(&describe::Failure {
             step: &frame.step.name.value,

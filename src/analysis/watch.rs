@@ -273,7 +273,7 @@ fn judge_pair(
 /// How deep the law of contact lets a slave node be: what its force needs under a penalty, and what the tolerance leaves.
 fn explained(model: &Model, pair: &Pair, s: usize, residual: f64) -> f64 {
     let slave = &pair.slaves[s];
-    residual / slave.automatic.min(slave.law.normal)
+    residual / slave.measure()
         + match pair.method {
             Enforcement::Penalty => slave.trial.force.norm() / slave.law.penalty,
             Enforcement::Uzawa => pair.tolerance.unwrap_or(UZAWA * residual / model.stiffness),

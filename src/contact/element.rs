@@ -70,16 +70,8 @@ fn by_position(by: &Slopes, p: &Projection) -> Mat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::law::LAW;
     use crate::contact::{Compliance, Status};
-
-    const LAW: Law = Law {
-        friction: 0.3,
-        normal: 40.0,
-        tangential: 25.0,
-        penalty: 100.0,
-        rough: false,
-        compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
-    };
 
     /// Projection onto a sphere of radius 3 about the origin, solid or hollow, or onto the plane z = 2.9.
     #[derive(Clone, Copy, Debug)]

@@ -80,6 +80,17 @@ pub struct Law {
     pub compliance: Compliance,
 }
 
+/// For tests.
+#[cfg(test)]
+pub const LAW: Law = Law {
+    friction: 0.3,
+    normal: 40.0,
+    tangential: 25.0,
+    penalty: 100.0,
+    rough: false,
+    compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
+};
+
 /// By how much the constraint of a multiplier gives way: where several nodes or masters make the same condition, only this
 /// shares the force out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

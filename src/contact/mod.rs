@@ -351,6 +351,11 @@ impl Slave {
         }
     }
 
+    /// The penalty by which gaps count, where the multiplier is an unknown: none that is given makes them large.
+    pub fn measure(&self) -> f64 {
+        self.law.normal.min(self.automatic)
+    }
+
     /// Begins an increment from the last converged one.
     pub fn begin(&mut self, manner: &Manner) {
         let (status, yields) = (self.committed.status, self.accepted.yields);

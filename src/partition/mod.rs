@@ -46,6 +46,17 @@ impl PartSolid {
     }
 }
 
+impl Part {
+    /// The least and the largest distance of two nodes of an element, on the initial mesh.
+    pub fn span(&self, solid: &PartSolid) -> (f64, f64) {
+        let place = |n: u32| self.points[n as usize];
+        let nodes = solid.nodes();
+        let pairs = nodes.iter().enumerate().flat_map(|(i, &a)| nodes[..i].iter().map(move |&b| (a, b)));
+        let widen = |(low, high): (f64, f64), d: f64| (low.min(d), high.max(d));
+        pairs.map(|(a, b)| (place(a) - place(b)).norm()).fold((f64::INFINITY, 0.0), widen)
+    }
+}
+
 /// A facet of a set on a rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartFacet {

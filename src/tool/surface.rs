@@ -125,12 +125,12 @@ impl Surface {
         self.seen = None;
     }
 
-    /// Whether it has no end, so that what is behind it is inside. Not asked of what has closed forms. Collective.
+    /// Whether it has no end, so that what is behind it is inside; never known of closed forms. Collective.
     pub fn is_closed(&self, comm: &SimpleCommunicator) -> bool {
         let is_open = match &self.share {
             Share::Patches(all) => all.iter().any(|p| p.edges[..p.count as usize].contains(&Edge::Boundary)),
             Share::Faces(all) => all.iter().flat_map(|face| &face.rims).any(|rim| rim.edge == Edge::Boundary),
-            Share::Nothing => matches!(self.near, Shape::Analytic(_)),
+            Share::Nothing => true,
         };
         !any(comm, is_open)
     }

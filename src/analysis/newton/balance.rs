@@ -185,7 +185,7 @@ impl Newton<'_> {
                 self.balance.residual(group, violation(pair, slave));
                 let own = &mut self.balance.groups[group];
                 let penalty = if pair.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
-                let measure = if pair.method.holds_multipliers() { penalty } else { penalty.min(slave.automatic) };
+                let measure = if pair.method.holds_multipliers() { penalty } else { slave.measure() };
                 own.far = own.far.max(x.amax());
                 (own.penalty, own.measure) = (own.penalty.max(penalty), own.measure.max(measure));
             }
@@ -293,7 +293,7 @@ fn violation(pair: &Pair, slave: &Slave) -> f64 {
     if trial.status == Status::Gap || pair.method.holds_multipliers() {
         return trial.local;
     }
-    let share = (slave.automatic / slave.law.normal).min(1.0);
+    let share = slave.measure() / slave.law.normal;
     let gap = trial.projection.map_or(0.0, |p| p.gap.abs());
     let slip = if trial.status == Status::Stick { trial.slip.norm() } else { 0.0 };
     let open = if slave.law.compliance.slack > 0.0 { 0.0 } else { slave.automatic * gap.max(slip) };

@@ -395,16 +395,17 @@ impl Problem for Newton<'_> {
         (self.watcher)(iteration);
         let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
         let touching = trials().any(|t| t.status != Status::Gap);
-        let mut changes =
+        let mut counts =
             [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished()), f64::from(touching)];
-        sum(self.comm, &mut changes);
+        sum(self.comm, &mut counts);
+        let [changes, wishes, touching] = counts;
         let residual = self.balance.relative();
         self.trace.push(residual);
-        self.changes.push(changes[0] as usize);
+        self.changes.push(changes as usize);
         // What a motion begins with may be small against all forces and yet be its whole effect, as on a thin sheet, of which
         // the forces round to more than its contact feels of the first gap.
         let driven = self.moves || self.model.tools.iter().any(|tool| tool.trial != tool.committed);
-        let begins = self.trace.len() == 1 && driven && changes[2] > 0.0 && residual > 0.0;
+        let begins = self.trace.len() == 1 && driven && touching > 0.0 && residual > 0.0;
         let small = self.balance.holds(self.tolerance_now()) && !begins;
         if !residual.is_finite() {
             return Ok(Verdict::Diverged);
@@ -413,7 +414,7 @@ impl Problem for Newton<'_> {
         if settled && !(self.predicting && self.moves) {
             return Ok(Verdict::Converged);
         }
-        self.interrupted = changes[1] > 0.0;
+        self.interrupted = wishes > 0.0;
         if self.interrupted || iteration >= self.max_iterations {
             return Ok(Verdict::Diverged);
         }

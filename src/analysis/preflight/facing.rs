@@ -43,6 +43,7 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
             least[kind] = f64::max(least[kind], -gap.abs());
         }
         max(comm, &mut least);
+        let master = model.master_name(pair);
         let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -TOUCHING * pair.facet_size);
         if let Master::Tool(t) = pair.master
             && model.tools[t].surface.is_closed(comm)
@@ -50,14 +51,11 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
         {
             let what = format!(
                 "contact `{}`: all of `{}` is behind {}, a closed surface, and would pass through it without a force",
-                contact.name.value,
-                contact.slave.value,
-                model.master_name(pair)
+                contact.name.value, contact.slave.value, master
             );
             return Err(Error::input(&contact.master.at, what, help(contact)));
         }
         let [facing, behind, away] = least.map(|l| -l);
-        let master = model.master_name(pair);
         if behind.is_finite() && behind < facing - TOUCHING * pair.facet_size {
             let what = format!(
                 "contact `{}`: {master} looks away from `{}` where they are nearest, {behind:.3e} apart, so that it would \

@@ -35,13 +35,8 @@ pub fn offset(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Re
     // The shortest edges, as negative numbers.
     let mut edges = vec![f64::NEG_INFINITY; model.bodies.len()];
     for solid in &part.solids {
-        let nodes = solid.nodes();
         let edge = &mut edges[solid.body as usize];
-        for (i, a) in nodes.iter().enumerate() {
-            for b in &nodes[..i] {
-                *edge = edge.max(-(part.points[*a as usize] - part.points[*b as usize]).norm());
-            }
-        }
+        *edge = edge.max(-part.span(solid).0);
     }
     max(comm, &mut edges);
     for ((body, (low, high)), edge) in scene.bodies.iter().zip(boxes(comm, model)).zip(edges) {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::contact::{Compliance, element};
+use crate::contact::element;
+use crate::contact::law::LAW;
 use crate::mesh::Mesh;
 use crate::scene::Smoothing;
 use crate::surface::projection::{descend, on_edge, on_surface};
@@ -7,14 +8,6 @@ use crate::surface::test_meshes::{grid, strip};
 use crate::surface::{Patch, Polygon};
 use nalgebra::{DMatrix, DVector, Rotation3};
 
-const LAW: Law = Law {
-    friction: 0.3,
-    normal: 40.0,
-    tangential: 25.0,
-    penalty: 100.0,
-    rough: false,
-    compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
-};
 /// Parameters of the slip origin.
 const ORIGIN: [f64; 2] = [0.55, 0.31];
 const TRANSFERS: [Transfer; 3] = [Transfer::Variational, Transfer::Patch, Transfer::Bilinear];
