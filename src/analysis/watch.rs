@@ -20,8 +20,10 @@ use mpi::topology::SimpleCommunicator;
 use std::time::Instant;
 
 /// How far the watch looks, over the size of the slave facets and over how far a node has moved against the master: a way
-/// is seen from its end, with all that is as near to it as half its length.
+/// is seen from its end, with all that is as near to it as half its length. In self-contact, where no way is followed, what
+/// is within a facet is enough.
 const AROUND: f64 = 2.0;
+const AROUND_SELF: f64 = 1.0;
 const FARTHER: f64 = 1.5;
 
 /// What rounds of Uzawa's method may leave of a penetration, times the largest stiffness over the largest residual.
@@ -203,8 +205,8 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
         let mut longest = [nodes().map(way).fold(0.0, f64::max)];
         max(comm, &mut longest);
         let points: Vec<Vec3> = nodes().map(|n| tool.trial.inward(&after(n))).collect();
-        let facet_size = of_tool().map(|pair| pair.facet_size).fold(0.0, f64::max);
-        tool.surface.watch(comm, &points, reach(facet_size, longest[0]));
+        let reach = of_tool().map(|pair| reach(pair, longest[0])).fold(0.0, f64::max);
+        tool.surface.watch(comm, &points, reach);
         pairs.iter().zip(&mut travels).filter(|(p, _)| p.master == Master::Tool(t)).for_each(|(_, t)| *t = longest[0]);
     }
     for (pair, travel) in pairs.iter().zip(&mut travels) {
@@ -212,18 +214,19 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
         let slaves = bounds(pair.slaves.iter().map(|s| after(s.node) - before(s.node)));
         let masters = surfaces[k].travel(before, after);
         *travel = relative_travel(comm, slaves, masters);
-        surfaces[k].follow_pair(comm, pair, reach(pair.facet_size, *travel), after);
+        surfaces[k].follow_pair(comm, pair, reach(pair, *travel), after);
     }
     travels
 }
 
 /// How far to look around nodes that have gone so far.
-fn reach(facet_size: f64, travel: f64) -> f64 {
-    AROUND * facet_size + FARTHER * travel
+fn reach(pair: &Pair, travel: f64) -> f64 {
+    let around = if pair.is_self() { AROUND_SELF } else { AROUND };
+    around * pair.facet_size + FARTHER * travel
 }
 
 fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance {
-    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair.facet_size, travel) }
+    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel) }
 }
 
 /// Judges the slave nodes of a pair, of which none has gone farther than `travel`. Collective.

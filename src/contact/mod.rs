@@ -30,13 +30,12 @@ pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
 pub use mates::Mate;
 pub use pose::Pose;
 pub use search::{Tool, watch_all};
-pub use self_contact::Avoided;
+pub use self_contact::{Avoided, Outlook};
 pub use watch::Sight;
 
 use crate::partition::Gather;
 use crate::scene::Enforcement;
 pub use crate::scene::{Discretization, Tangent};
-use crate::surface::projection::Foot;
 use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
 
@@ -102,18 +101,20 @@ impl Pair {
         if let Some(mate) = &self.slaves[slave].mate {
             return mate.project(surface, position);
         }
-        let admitted = |patch: &Patch, foot: &Foot| {
-            let normal = foot.local.area_vector().normalize();
-            match (self.outward.get(slave), self.avoided.get(slave)) {
-                (Some(o), Some(avoided)) => avoided.allows(position, o, patch.id, &foot.local.point, &normal),
-                _ => true,
-            }
+        let outlook = match self.is_self() {
+            true => self.outlook(slave, position),
+            false => Outlook { x: position, outward: None, avoided: None },
         };
-        let found = surface.shapes().closest_of(position, self.reach, warm, &admitted)?;
+        let found = surface.shapes().closest_of(position, self.reach, warm, &outlook)?;
         let found = surface.shapes().beside_edge(position, &found).unwrap_or(found);
         let stays = surface.shapes().stays(position, warm, &found, surface.facet_size);
         Some(stays.unwrap_or(found))
             .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+    }
+
+    /// What slave node `slave` can meet from `x`: within a body only what looks at it.
+    pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
+        Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave) }
     }
 
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.

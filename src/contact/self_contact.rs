@@ -14,7 +14,8 @@
 use crate::Vec3;
 use crate::parallel::{Parcels, exchange};
 use crate::partition::owner;
-use crate::surface::{MovingPatch, Patch, PatchSet, Piece, Polygon};
+use crate::surface::projection::{Extent, Foot};
+use crate::surface::{Admission, MovingPatch, Patch, PatchSet, Piece, Polygon};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
@@ -85,6 +86,11 @@ impl Avoided {
         outward.dot(normal) < FACING && (x - point).dot(normal) > -self.deep && self.around.binary_search(&id).is_err()
     }
 
+    /// Whether it may be that [`Self::allows`] some point of a patch, by a margin of 30 degrees.
+    pub fn may_allow(&self, outward: &Vec3, id: u32, extent: &Extent) -> bool {
+        extent.may_face(outward) && self.around.binary_search(&id).is_err()
+    }
+
     /// Whether the node, which looks `outward`, may meet a patch before long.
     pub fn may_meet(&self, outward: &Vec3, patch: &Patch) -> bool {
         let normal = patch.local(patch.center()).area_vector();
@@ -111,6 +117,33 @@ impl Avoided {
         let least = self.across.iter().map(|across| across.thickness(&place)).fold(f64::INFINITY, f64::min);
         if least > 0.0 && least.is_finite() {
             self.deep = 0.5 * least;
+        }
+    }
+}
+
+/// What a node at `x` within a body can meet.
+pub struct Outlook<'a> {
+    pub x: &'a Vec3,
+    /// Its outward unit normal; one that has none meets everything.
+    pub outward: Option<&'a Vec3>,
+    /// In self-contact what it must not meet.
+    pub avoided: Option<&'a Avoided>,
+}
+
+impl Admission<Patch> for Outlook<'_> {
+    fn may_admit(&self, patch: &Patch, extent: &Extent) -> bool {
+        match (self.outward, self.avoided) {
+            (Some(outward), Some(avoided)) => avoided.may_allow(outward, patch.id, extent),
+            _ => true,
+        }
+    }
+
+    fn admits(&self, patch: &Patch, nearest: &Foot) -> bool {
+        let Some(outward) = self.outward else { return true };
+        let normal = nearest.local.area_vector().normalize();
+        match self.avoided {
+            Some(avoided) => avoided.allows(self.x, outward, patch.id, &nearest.local.point, &normal),
+            None => outward.dot(&normal) < 0.0,
         }
     }
 }

@@ -24,8 +24,7 @@
 use super::deformable::frame;
 use super::{BodySurface, Pair, Pose};
 use crate::Vec3;
-use crate::surface::projection::Foot;
-use crate::surface::{Parametric, Patch, Polygon, Projection};
+use crate::surface::{Parametric, Polygon, Projection};
 use crate::tool::Surface;
 
 /// Depth over the size of a slave facet from which a penetration is one. Contact is at nodes: between them a facet that
@@ -166,7 +165,7 @@ impl Ground<'_> {
     fn nearest(&self, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(surface) => surface.nearest(x, reach),
-            Self::Body(surface, pair, slave) => surface.shapes().nearest_of(x, reach, &admitted(pair, *slave, x)),
+            Self::Body(surface, pair, slave) => surface.shapes().nearest_of(x, reach, &pair.outlook(*slave, x)),
         }
     }
 
@@ -175,7 +174,7 @@ impl Ground<'_> {
         let reach = far * (1.0 + ROUNDED);
         let found = match self {
             Self::Tool(surface) => surface.closest(x, reach),
-            Self::Body(surface, pair, slave) => surface.shapes().closest_of(x, reach, None, &admitted(pair, *slave, x)),
+            Self::Body(surface, pair, slave) => surface.shapes().closest_of(x, reach, None, &pair.outlook(*slave, x)),
         };
         found.map(|p| -p.gap).filter(|depth| *depth > 0.0)
     }
@@ -194,18 +193,6 @@ impl Ground<'_> {
         match self {
             Self::Tool(surface) => surface.lingers(at.patch),
             Self::Body(surface, ..) => LINGERS * surface.facet_size,
-        }
-    }
-}
-
-/// Which patches a slave node at `x` can meet: within a body only those that look at it.
-fn admitted<'a>(pair: &'a Pair, slave: usize, x: &'a Vec3) -> impl Fn(&Patch, &Foot) -> bool + 'a {
-    move |patch, foot| {
-        let Some(outward) = pair.outward.get(slave) else { return true };
-        let normal = foot.local.area_vector().normalize();
-        match pair.avoided.get(slave) {
-            Some(avoided) => avoided.allows(x, outward, patch.id, &foot.local.point, &normal),
-            None => outward.dot(&normal) < 0.0,
         }
     }
 }

@@ -207,6 +207,8 @@ pub struct Extent {
     /// Least and greatest G11, G12 and G22.
     low: [f64; 3],
     high: [f64; 3],
+    /// Least and greatest components of the area vector, from the same samples with the same margin.
+    areas: [Vec3; 2],
 }
 
 impl Extent {
@@ -217,6 +219,7 @@ impl Extent {
         let (box_low, box_high) = piece.bounds();
         let radius = (center - box_low).sup(&(box_high - center)).norm();
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut areas = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         let (n, last) = (P::SAMPLES, (P::SAMPLES - 1) as f64);
         for k in 0..n * n {
             let local = piece.local(between(&corners, [(k % n) as f64 / last, (k / n) as f64 / last]));
@@ -227,10 +230,19 @@ impl Extent {
                 low[k] = low[k].min(g);
                 high[k] = high[k].max(g);
             }
+            let area = local.area_vector();
+            areas = [areas[0].inf(&area), areas[1].sup(&area)];
         }
         let margin: [f64; 3] = std::array::from_fn(|k| 0.25 * (high[k] - low[k]));
         let (low, high) = (std::array::from_fn(|k| low[k] - margin[k]), std::array::from_fn(|k| high[k] + margin[k]));
-        Self { center, radius, low, high }
+        let around = (areas[1] - areas[0]) * 0.25;
+        Self { center, radius, low, high, areas: [areas[0] - around, areas[1] + around] }
+    }
+
+    /// Whether some normal of the piece may be at more than 90 degrees to a direction.
+    pub fn may_face(&self, direction: &Vec3) -> bool {
+        let [low, high] = self.areas.map(|a| a.component_mul(direction));
+        low.inf(&high).sum() < 0.0
     }
 
     /// True when f is convex for this `x` all over `piece`, so that its distance has one minimum only.

@@ -38,7 +38,7 @@ mod search;
 mod tests;
 mod tree;
 
-pub use search::settle;
+pub use search::{Admission, settle};
 
 use super::patch::Patch;
 use super::piece::Piece;
@@ -138,15 +138,15 @@ impl<P: Piece> PieceSet<P> {
 
     /// The same when it is not further away than `reach`.
     pub fn nearest_within(&self, x: &Vec3, reach: f64) -> Option<Projection> {
-        self.nearest_of(x, reach, &|_, _| true)
+        self.nearest_of(x, reach, &|_: &P, _: &Foot| true)
     }
 
-    /// The same of the pieces that are `admitted` with their point nearest to `x`.
-    pub fn nearest_of(&self, x: &Vec3, reach: f64, admitted: &dyn Fn(&P, &Foot) -> bool) -> Option<Projection> {
+    /// The same of the pieces that are admitted with their point nearest to `x`.
+    pub fn nearest_of(&self, x: &Vec3, reach: f64, admission: &dyn Admission<P>) -> Option<Projection> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
-        let mut search = Search::new(self, x, reach, None, Question::Nearest, admitted);
+        let mut search = Search::new(self, x, reach, None, Question::Nearest, admission);
         search.run(None);
         search.answer()
     }
@@ -157,27 +157,27 @@ impl<P: Piece> PieceSet<P> {
     /// Depends on the pieces within reach only. `None` when there are none, or when `x` lies beyond an end of the
     /// surface.
     pub fn closest(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
-        self.closest_of(x, reach, warm, &|_, _| true)
+        self.closest_of(x, reach, warm, &|_: &P, _: &Foot| true)
     }
 
-    /// The same of the pieces that are `admitted` with their point nearest to `x`. The others still take away the edges that
+    /// The same of the pieces that are admitted with their point nearest to `x`. The others still take away the edges that
     /// they share with them: where one of them is closer than such an edge, `x` has no projection onto it.
     pub fn closest_of(
         &self,
         x: &Vec3,
         reach: f64,
         warm: Option<(u32, [f64; 2])>,
-        admitted: &dyn Fn(&P, &Foot) -> bool,
+        admission: &dyn Admission<P>,
     ) -> Option<Projection> {
         if !x.iter().all(|x| x.is_finite()) {
             return None;
         }
         let kept = warm.and_then(|(id, _)| self.index(id));
         let start = warm.map(|(_, xi)| xi);
-        let mut search = Search::new(self, x, reach, kept, Question::Contact, admitted);
+        let mut search = Search::new(self, x, reach, kept, Question::Contact, admission);
         search.run(start);
         if search.is_doubtful() {
-            search = Search::new(self, x, reach, kept, Question::WaryContact, admitted);
+            search = Search::new(self, x, reach, kept, Question::WaryContact, admission);
             search.run(start);
         }
         search.answer()

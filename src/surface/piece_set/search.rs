@@ -3,7 +3,7 @@
 use super::PieceSet;
 use super::tree::away;
 use crate::surface::piece::{EXTENSION, Edge, Piece};
-use crate::surface::projection::{Foot, Projection, descend};
+use crate::surface::projection::{Extent, Foot, Projection, descend};
 use crate::{Mat3, Vec3};
 
 /// Distances that differ by less, over the size of a piece, are equal.
@@ -26,6 +26,23 @@ pub enum Question {
     Contact,
     /// The same, asking the neighbours of every edge.
     WaryContact,
+}
+
+/// Which pieces count.
+pub trait Admission<P> {
+    /// Whether some point of the piece may be admitted: what says no is not looked at closely.
+    fn may_admit(&self, _: &P, _: &Extent) -> bool {
+        true
+    }
+
+    /// Whether the piece counts, with its point nearest to x.
+    fn admits(&self, piece: &P, nearest: &Foot) -> bool;
+}
+
+impl<P, F: Fn(&P, &Foot) -> bool> Admission<P> for F {
+    fn admits(&self, piece: &P, nearest: &Foot) -> bool {
+        self(piece, nearest)
+    }
 }
 
 /// A piece with a projection of x.
@@ -61,7 +78,7 @@ pub struct Search<'a, P> {
     x: &'a Vec3,
     kept: Option<usize>,
     question: Question,
-    admitted: &'a dyn Fn(&P, &Foot) -> bool,
+    admission: &'a dyn Admission<P>,
     /// Least distance of a piece with a projection, and of one without.
     best: f64,
     lost: f64,
@@ -77,10 +94,10 @@ impl<'a, P: Piece> Search<'a, P> {
         reach: f64,
         kept: Option<usize>,
         question: Question,
-        admitted: &'a dyn Fn(&P, &Foot) -> bool,
+        admission: &'a dyn Admission<P>,
     ) -> Self {
         let hits = [Hit::default(); HITS];
-        Self { set, x, kept, question, admitted, best: reach, lost: f64::INFINITY, hits, count: 0 }
+        Self { set, x, kept, question, admission, best: reach, lost: f64::INFINITY, hits, count: 0 }
     }
 
     /// Considers all pieces whose boxes are as close as the best piece: from the box around x when a last projection
@@ -119,14 +136,20 @@ impl<'a, P: Piece> Search<'a, P> {
     }
 
     fn consider(&mut self, index: usize, start: Option<[f64; 2]>) {
+        let (piece, extent) = (&self.set.pieces[index], &self.set.extents[index]);
+        if !self.admission.may_admit(piece, extent) {
+            // It may be this close: then the neighbours are asked.
+            self.lost = self.lost.min((self.x - extent.center).norm() - extent.radius);
+            return;
+        }
         let core = self.core(index, self.x, start);
         if core.distance > self.best + self.slack(index) + self.set.seam {
             return;
         }
         let settled = match self.question {
-            _ if !(self.admitted)(&self.set.pieces[index], &core) => None,
+            _ if !self.admission.admits(piece, &core) => None,
             Question::Nearest => Some((core, 0.0)),
-            _ => self.set.pieces[index].settle(self.x, core),
+            _ => piece.settle(self.x, core),
         };
         let Some((foot, overshoot)) = settled else {
             self.lost = self.lost.min(core.distance);

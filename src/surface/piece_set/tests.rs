@@ -394,12 +394,59 @@ fn pieces_that_are_not_admitted_hide_the_edges_that_they_share() {
     let top = cube.closest(&above, 10.0, None).unwrap();
     for warm in [None, Some((top.patch, top.xi))] {
         // Neither the neighbour beyond a smooth edge nor the sides beyond sharp ones.
-        assert_eq!(cube.closest_of(&above, 0.8, warm, &|p, _| p.id != top.patch), None);
-        assert_eq!(cube.closest_of(&above, 1.0, warm, &|_, foot| foot.local.area_vector().z < 0.5), None);
+        assert_eq!(cube.closest_of(&above, 0.8, warm, &|p: &Patch, _: &Foot| p.id != top.patch), None);
+        assert_eq!(
+            cube.closest_of(&above, 1.0, warm, &|_: &Patch, foot: &Foot| foot.local.area_vector().z < 0.5),
+            None
+        );
         // From inside, the next of the walls.
         let inside = Vec3::new(0.3, 0.4, 0.9);
-        let wall =
-            cube.closest_of(&inside, 1.0, warm, &|_, foot| foot.local.area_vector().normalize().z < 0.5).unwrap();
+        let wall = cube
+            .closest_of(&inside, 1.0, warm, &|_: &Patch, foot: &Foot| foot.local.area_vector().normalize().z < 0.5)
+            .unwrap();
         assert!((wall.gap + 0.6).abs() < 1e-15 && (wall.normal - Vec3::y()).norm() < 1e-15);
     }
+}
+
+/// What looks against a direction, by more than 120 degrees; what looks along it is told by its extent.
+struct Against(Vec3);
+
+impl Against {
+    fn faces(&self, _: &Patch, foot: &Foot) -> bool {
+        foot.local.area_vector().normalize().dot(&self.0) < -0.5
+    }
+}
+
+impl Admission<Patch> for Against {
+    fn may_admit(&self, _: &Patch, extent: &Extent) -> bool {
+        extent.may_face(&self.0)
+    }
+
+    fn admits(&self, piece: &Patch, foot: &Foot) -> bool {
+        self.faces(piece, foot)
+    }
+}
+
+#[test]
+fn pieces_that_are_passed_over_by_their_extent_change_nothing() {
+    let mut seed = 1u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
+    };
+    let sphere = PatchSet::new(sphere_patches(4, false, 6, Smoothing::Nagata));
+    let (mut met, mut passed) = (0, 0);
+    for surface in [sphere, cube(false), cube(true)] {
+        for _ in 0..400 {
+            let x = Vec3::new(random(), random(), random()) * 1.3;
+            let against = Against(Vec3::new(random(), random(), random()).normalize());
+            let plain = |patch: &Patch, foot: &Foot| against.faces(patch, foot);
+            let found = surface.closest_of(&x, 1.5, None, &against);
+            assert_eq!(found, surface.closest_of(&x, 1.5, None, &plain));
+            assert_eq!(surface.nearest_of(&x, 1.5, &against), surface.nearest_of(&x, 1.5, &plain));
+            met += usize::from(found.is_some());
+            passed += surface.extents.iter().filter(|e| !e.may_face(&against.0)).count();
+        }
+    }
+    assert!(met > 200 && passed > 5000, "{met} {passed}");
 }
