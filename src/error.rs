@@ -2,6 +2,7 @@
 //!
 //! The command line maps them to exit codes 2, 1, 3 and 4. Every message says what is wrong, where, and what would be right.
 
+use crate::failure::{Cause, Failure};
 use std::fmt;
 use std::sync::Arc;
 
@@ -31,7 +32,7 @@ pub enum Error {
         help: String,
     },
     /// The solution did not converge: exit code 1, results until then are kept.
-    Diverged(String),
+    Diverged(Box<Failure>),
     /// A library or system call failed: exit code 3.
     System(String),
     /// A signal ended the run: exit code 4, results until then are kept.
@@ -45,6 +46,11 @@ impl Error {
     /// Wrong input at a place.
     pub fn input(at: &Location, what: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Input { at: Some(at.clone()), what: what.into(), help: help.into() }
+    }
+
+    /// No convergence, in words.
+    pub fn diverged(cause: Cause, what: impl Into<String>) -> Self {
+        Self::Diverged(Box::new(Failure { cause, what: what.into(), ..Failure::default() }))
     }
 
     /// Wrong input without a place in a file.
@@ -89,7 +95,8 @@ impl fmt::Display for Error {
                 }
                 Ok(())
             }
-            Self::Diverged(what) | Self::System(what) | Self::Interrupted(what) => write!(f, "{what}"),
+            Self::Diverged(failure) => write!(f, "{failure}"),
+            Self::System(what) | Self::Interrupted(what) => write!(f, "{what}"),
         }
     }
 }

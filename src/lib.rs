@@ -2,6 +2,7 @@
 //!
 //! The way through the program; a module may use those listed before it, not those after.
 //!
+//! - [`failure`]: why an increment has no solution
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
@@ -26,6 +27,7 @@ pub mod cad;
 pub mod cli;
 pub mod contact;
 pub mod error;
+pub mod failure;
 pub mod interrupt;
 pub mod mesh;
 pub mod model;

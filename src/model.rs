@@ -172,6 +172,11 @@ impl Model {
         &self.part.sets[self.set_index[name]]
     }
 
+    /// The set that the scene calls so, if it refers to it.
+    pub fn find_set(&self, name: &str) -> Option<&PartSet> {
+        self.set_index.get(name).map(|k| &self.part.sets[*k])
+    }
+
     /// The master of a pair in words.
     pub fn master_name(&self, pair: &Pair) -> String {
         match pair.master {

@@ -7,6 +7,7 @@ mod common;
 use common::mpirun_of;
 use mpi::traits::*;
 use nagata::error::{Error, Location, Result};
+use nagata::failure::Cause;
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::History;
 use nagata::output::log::{Increment, Log};
@@ -183,7 +184,8 @@ fn agree_on_errors(comm: &impl Communicator) {
     assert_eq!(error.to_string(), "a.toml:2:7: wrong on 1\n  | x = 1\n  help: make it right");
     assert_eq!(error.exit_code(), 2);
     let last = comm.size() - 1;
-    let error = agree(comm, if rank == last { Err(Error::Diverged(String::new())) } else { Ok(rank) }).unwrap_err();
+    let error =
+        agree(comm, if rank == last { Err(Error::diverged(Cause::Iteration, "")) } else { Ok(rank) }).unwrap_err();
     assert_eq!((error.exit_code(), error.to_string().as_str()), (1, ""));
     assert_eq!(agree(comm, Ok(rank)).unwrap(), rank);
 }

@@ -136,6 +136,14 @@ impl Conditions {
         self.prescribed[3 * node as usize + d].map_or(f64::NAN, |(_, by)| by)
     }
 
+    /// What is left when the step ends at fraction `s`, before its end.
+    pub fn ended_at(mut self, s: f64) -> Self {
+        self.loads.iter_mut().for_each(|ramp| ramp.to = ramp.at(s));
+        self.tool_forces.iter_mut().for_each(|ramp| ramp.to = ramp.at(s));
+        self.pressures.values_mut().for_each(|ramp| ramp.to = ramp.at(s));
+        self
+    }
+
     /// Whether the tangent is symmetric: no friction, no follower pressure, no F-bar, and forces on deformable masters that
     /// have a potential.
     pub fn is_symmetric(&self, model: &Model) -> bool {

@@ -1,9 +1,10 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
-use super::ladder::{Cause, Remedy};
+use super::{Increment, Remedy, Retried};
 use crate::contact::{BodySurface, Discretization, Tool};
 use crate::error::Result;
+use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::Summary;
 use crate::parallel::{agree, sum};
@@ -76,25 +77,11 @@ pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
     format!("    residual/force (status changes): {}", steps.join(" "))
 }
 
-/// A failed increment at the smallest size.
-pub struct Failure<'a> {
-    pub step: &'a str,
-    pub time: f64,
-    pub reason: &'a str,
-    pub cause: Cause,
-    /// What makes the matrix ill-conditioned.
-    pub conditioning: Option<&'a str>,
-    /// The worst equation, in words.
-    pub place: Option<&'a str>,
-    pub residual: f64,
-    pub changes: usize,
-    pub size: f64,
-}
-
-/// Says where and how far from equilibrium, and what to try.
-pub fn failure(f: &Failure) -> String {
-    let mut text = format!("step `{}`, after time {:.6}: {}", f.step, f.time, f.reason);
-    if let Some(reason) = f.conditioning {
+/// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
+/// ill-conditioned, and the worst equation in words.
+pub fn failure(f: &Failure, reason: &str, conditioning: Option<&str>, worst: Option<&str>) -> String {
+    let mut text = format!("step `{}`, after time {:.6}: {reason}", f.step, f.time);
+    if let Some(reason) = conditioning {
         let _ = write!(text, "; the matrix is ill-conditioned: {reason}");
         return text;
     }
@@ -118,10 +105,10 @@ pub fn failure(f: &Failure) -> String {
             "\n  help: take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`"
         }
         Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
-        Cause::Singular | Cause::Degenerate | Cause::Rounding | Cause::Iteration => "",
+        _ => "",
     };
-    let Some(place) = f.place.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) else { return text };
-    let _ = write!(text, "\n  worst: {place}, residual {:.1e} of the largest force", f.residual);
+    let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) else { return text };
+    let _ = write!(text, "\n  worst: {worst}, residual {:.1e} of the largest force", f.residual);
     if f.changes > 0 {
         let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
     }
@@ -225,8 +212,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     Ok(text)
 }
 
-/// What is done about an increment of a size, in time, that failed.
-pub fn remedy(step: &str, reason: &str, size: f64, remedy: Remedy) -> String {
+/// What is done about an increment that failed.
+pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
     let next = match remedy {
         Remedy::Cut => "in a shorter one",
         Remedy::Yield => "with constraints that give way before they are tightened",
@@ -234,4 +221,16 @@ pub fn remedy(step: &str, reason: &str, size: f64, remedy: Remedy) -> String {
         Remedy::Jump => "as a jump",
     };
     format!("  {step}: {reason} with increment {size:.3e}; again {next}")
+}
+
+/// Contact in a converged increment, in a few words.
+pub fn note(increment: &Increment) -> String {
+    let mut note = format!("{} in contact, {} slip", increment.touching, increment.slipping);
+    if increment.rounds > 0 {
+        let _ = write!(note, ", {} outer", increment.rounds);
+    }
+    if increment.calmed > 0 {
+        let _ = write!(note, ", {} calmed", increment.calmed);
+    }
+    note
 }

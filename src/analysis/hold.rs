@@ -1,12 +1,12 @@
 //! What holds bodies and force-driven tools while a step runs: supports, contacts, friction.
 
-use super::Analysis;
-use super::ladder::Cause;
+use super::Simulation;
 use super::preflight::rigid::{RigidMotions, Side, sides};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Slave, Status, TOUCHING, Trial};
+use crate::failure::Cause;
 
 /// What contacts hold besides their normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +20,11 @@ enum Friction {
 /// Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.
 const STEEP: f64 = 0.5;
 
-impl Analysis<'_> {
+impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
     pub(super) fn hangs(&self, frame: &Frame) -> bool {
         let place = |n: usize| self.model.part.points[n] + self.state.u[n];
-        !supported(self.comm, &self.model, &frame.conditions, &frame.driven(), place).free(self.comm).is_empty()
+        !supported(self.comm, &self.model, frame.conditions(), &frame.driven(), place).free(self.comm).is_empty()
     }
 
     /// Whether friction alone holds something now. Collective.
@@ -36,7 +36,7 @@ impl Analysis<'_> {
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. Collective.
     fn held(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, friction: Friction) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
-        let mut motions = supported(self.comm, &self.model, &frame.conditions, &frame.driven(), place);
+        let mut motions = supported(self.comm, &self.model, frame.conditions(), &frame.driven(), place);
         for (pair, (body, side)) in self.model.pairs.iter().zip(sides(&self.model, self.scene)) {
             for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
                 let trial = of(slave);

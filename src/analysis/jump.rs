@@ -7,13 +7,12 @@
 //! against the motion.
 //! The end is an equilibrium without drag.
 
-use super::Analysis;
+use super::Simulation;
 use super::newton::Share;
+use super::state::Memory;
 use super::step::{Attempt, Frame};
-use crate::Vec3;
-use crate::contact::{Pair, Pose};
+use super::{Event, Observer};
 use crate::error::Result;
-use crate::solid::history::History;
 use petsc::{Snes, Vector};
 use std::fmt::Write;
 
@@ -28,41 +27,43 @@ const USELESS: f64 = 1e-9;
 const STRONGEST: f64 = 100.0;
 const STEPS: usize = 100;
 
-/// What a jump that fails leaves behind.
-struct Before {
-    pairs: Vec<Pair>,
-    history: History,
-    poses: Vec<Pose>,
-    u: Vec<Vec3>,
-    offsets: Vec<Vec3>,
-    tool_forces: Vec<Vec3>,
-    seen: Vec<f64>,
-}
-
-impl Analysis<'_> {
+impl Simulation<'_> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
-    pub(super) fn jump(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
-        let before = self.before(frame);
-        let attempt = self.drag_along(frame, snes, x, end);
+    pub(super) fn jump(
+        &mut self,
+        frame: &mut Frame,
+        (snes, x): (&mut Snes, &mut Vector),
+        end: f64,
+        observer: &mut Observer,
+    ) -> Result<Attempt> {
+        let (state, memory, offsets) = (self.state.clone(), Memory::of(&self.model), frame.progress.offsets.clone());
+        let attempt = self.drag_along(frame, (snes, x), end, observer);
         if !matches!(attempt, Ok(Attempt::Converged(_))) {
-            self.restore(frame, before);
+            self.state = state;
+            memory.give(&mut self.model);
+            frame.progress.offsets = offsets;
         }
         attempt
     }
 
     /// Follows the motion, and makes its steps the state. Collective.
-    fn drag_along(&mut self, frame: &mut Frame, snes: &mut Snes, x: &mut Vector, end: f64) -> Result<Attempt> {
+    fn drag_along(
+        &mut self,
+        frame: &mut Frame,
+        (snes, x): (&mut Snes, &mut Vector),
+        end: f64,
+        observer: &mut Observer,
+    ) -> Result<Attempt> {
         let (mut drag, mut weakest, mut way) = (FIRST, FIRST, String::new());
         for step in 1.. {
-            frame.past.clear();
-            let attempt = self.attempt(frame, snes, x, (end, Share::ALL), drag * self.model.stiffness)?;
+            frame.progress.past.clear();
+            let attempt = self.attempt(frame, (snes, x), (end, Share::ALL), drag * self.model.stiffness, observer)?;
             let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
                     self.summary.jumps += 1;
-                    let name = &frame.step.name.value;
-                    self.log.line(&format!("  {name}: no equilibrium near; went on to another in {step} steps"));
-                    self.log.record(&format!("    drag over stiffness (! failed):{way}"));
+                    observer(&Event::Jumped { step: frame.name(), steps: step })?;
+                    observer(&Event::Detail(&format!("    drag over stiffness (! failed):{way}")))?;
                     return Ok(Attempt::Converged(converged));
                 }
                 Attempt::Converged(converged) => {
@@ -71,7 +72,7 @@ impl Analysis<'_> {
                     drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
                 }
                 failed if drag > STRONGEST || weakest < USELESS || step >= STEPS => {
-                    self.log.record(&format!("    drag over stiffness (! failed):{way}"));
+                    observer(&Event::Detail(&format!("    drag over stiffness (! failed):{way}")))?;
                     return Ok(failed);
                 }
                 // Close to where equilibrium ends little drives the motion: less drag lets it go.
@@ -80,30 +81,5 @@ impl Analysis<'_> {
             }
         }
         unreachable!("a failed attempt after many ends the way")
-    }
-
-    fn before(&self, frame: &Frame) -> Before {
-        Before {
-            pairs: self.model.pairs.clone(),
-            history: self.model.history.clone(),
-            poses: self.model.tools.iter().map(|tool| tool.committed).collect(),
-            u: self.state.u.clone(),
-            offsets: frame.offsets.clone(),
-            tool_forces: self.state.tool_forces.clone(),
-            seen: self.state.seen.clone(),
-        }
-    }
-
-    fn restore(&mut self, frame: &mut Frame, before: Before) {
-        self.model.pairs = before.pairs;
-        self.model.history = before.history;
-        for (tool, pose) in self.model.tools.iter_mut().zip(before.poses) {
-            tool.committed = pose;
-        }
-        self.state.u = before.u;
-        self.state.tool_forces = before.tool_forces;
-        self.state.seen = before.seen;
-        frame.offsets = before.offsets;
-        self.model.turn_slaves(&self.state.u);
     }
 }

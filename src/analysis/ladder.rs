@@ -14,7 +14,9 @@
 //!
 //! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run.
 
+use super::event::Remedy;
 use super::increments::Increments;
+use crate::failure::Cause;
 
 /// How an increment is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,58 +28,11 @@ pub enum Way {
     Jump,
 }
 
-/// Why an increment failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cause {
-    /// Newton's method did not converge.
-    Iteration,
-    /// The matrix was singular from the start: a shorter increment does not help.
-    Singular,
-    /// It became singular on the way.
-    Degenerate,
-    /// Newton's method converged, but not the rounds around it.
-    Rounds,
-    /// Constraints that gave way cannot be tightened.
-    Contradiction,
-    /// Rounding leaves too much of the forces.
-    Rounding,
-    /// It converged to what cannot be, a node in or behind a master: only shorter increments help.
-    Watch,
-    /// It converged, but nothing holds something any more.
-    Loose,
-}
-
-impl Cause {
-    /// Newton's method has failed, not what judges its result.
-    pub fn is_of_iteration(self) -> bool {
-        matches!(self, Self::Iteration | Self::Degenerate)
-    }
-
-    /// The matrix determines nothing, or nearly so.
-    pub fn is_linear(self) -> bool {
-        matches!(self, Self::Singular | Self::Degenerate)
-    }
-
-    /// The failure of a remedy says less than that of Newton's method without it.
-    pub fn is_of_remedy(self) -> bool {
-        self.is_of_iteration() || self == Self::Contradiction
-    }
-}
-
 /// How an increment was found, after how many failures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Found {
     pub way: Way,
     pub failures: usize,
-}
-
-/// What to do about an increment that failed, for the log.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Remedy {
-    Cut,
-    Yield,
-    Settle,
-    Jump,
 }
 
 /// When constraints of multipliers give way more than they do anyway.

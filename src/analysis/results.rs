@@ -1,6 +1,6 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
-use super::ladder::{Found, Way};
+use super::{Increment, SetReading, Simulation, Way};
 use crate::Vec3;
 use crate::contact::{Master, Status};
 use crate::error::Result;
@@ -17,24 +17,6 @@ use crate::surface::Tessellation;
 use crate::system::assembly;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
-
-/// A row of the history: a converged increment.
-pub struct Row<'a> {
-    pub step: &'a str,
-    pub number: usize,
-    pub time: f64,
-    pub iterations: usize,
-    /// Displacements of all local nodes.
-    pub u: &'a [Vec3],
-    /// Reactions of the owned nodes: zero where they are free.
-    pub forces: &'a [Vec3],
-    /// Contact force on each tool.
-    pub tool_forces: &'a [Vec3],
-    pub found: Found,
-    /// Largest residual, and the largest that was let through, over the forces that they count against.
-    pub residual: f64,
-    pub limit: f64,
-}
 
 /// The nodes of this rank that a grid shows, and the cells that refer to them.
 struct Shown {
@@ -101,29 +83,20 @@ impl Results {
     ///
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
-    pub fn add_row(&mut self, comm: &SimpleCommunicator, model: &Model, at: &Row) -> Result<()> {
+    pub fn add_row(&mut self, simulation: &Simulation, increment: &Increment) -> Result<()> {
+        let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
         let mut row = Vec::new();
-        for (tool, force) in model.tools.iter().zip(at.tool_forces) {
+        for (tool, force) in model.tools.iter().zip(&state.tool_forces) {
             row.extend(tool.displacement().iter());
             row.extend((-force).iter());
         }
         for set in &self.watched {
-            let nodes = &model.set(set).nodes;
-            let mut sums = [0.0; 7];
-            for &n in nodes {
-                let n = n as usize;
-                for d in 0..3 {
-                    sums[d] += at.u[n][d];
-                    sums[3 + d] += at.forces[n][d];
-                }
-                sums[6] += 1.0;
+            if let Some(SetReading { displacement, reaction }) = simulation.set(set) {
+                row.extend(displacement.iter().chain(reaction.iter()));
             }
-            sum(comm, &mut sums);
-            row.extend(sums[..3].iter().map(|u| u / sums[6]));
-            row.extend(&sums[3..6]);
         }
         for (b, _) in plastic_bodies(model) {
-            let mut energies = agree(comm, assembly::energies(model, at.u, b))?;
+            let mut energies = agree(comm, assembly::energies(model, &state.u, b))?;
             sum(comm, &mut energies);
             row.extend(energies);
         }
@@ -132,7 +105,7 @@ impl Results {
             let mut most = [0.0f64; 2];
             let mut force = [0.0; 3];
             for pass in std::iter::once(pair).chain(pair.other.map(|other| &model.pairs[other])) {
-                let areas = slave_areas(model, pass.set, at.u);
+                let areas = slave_areas(model, pass.set, &state.u);
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
                 let sign = if pass.is_second { 1.0 } else { -1.0 };
                 for slave in &pass.slaves {
@@ -154,13 +127,14 @@ impl Results {
                 row.extend(force);
             }
         }
-        let how = match at.found.way {
+        let how = match increment.way {
             Way::Newton { settle: false } => 0.0,
             Way::Newton { settle: true } => 1.0,
             Way::Jump => 2.0,
         };
-        row.extend([at.residual, at.limit, at.found.failures as f64, how]);
-        self.history.row(comm, at.step, at.number, at.time, at.iterations, &row)
+        row.extend([increment.residual(), increment.limit, increment.failures as f64, how]);
+        let Increment { step, number, time, iterations, .. } = increment;
+        self.history.row(comm, step, *number, *time, *iterations, &row)
     }
 
     /// Writes the fields of the last converged increment, with displacements `u`. Collective.

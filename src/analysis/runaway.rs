@@ -9,21 +9,22 @@
 //!
 //! Where this holds for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought.
 
-use super::Analysis;
+use super::Simulation;
 use super::step::Frame;
 use crate::Vec3;
 use crate::contact::Master;
+use crate::failure::{Cause, Failure};
 use crate::parallel::sum;
 use std::fmt::Write;
 
 /// Rounding of the work of a unit force.
 const ROUNDING: f64 = 1e-12;
 
-impl Analysis<'_> {
+impl Simulation<'_> {
     /// What is wrong with a tool that nothing in reach can hold against its force at fraction `end` of the step, with its
     /// slave nodes as they were at the last converged increment; `None` when all can be held. Collective.
-    pub(super) fn runaway(&self, frame: &Frame, end: f64) -> Option<String> {
-        let conditions = &frame.conditions;
+    pub(super) fn runaway(&self, frame: &Frame, end: f64) -> Option<Failure> {
+        let conditions = frame.conditions();
         for (t, tool) in self.model.tools.iter().enumerate() {
             let (free, total) = (conditions.motions[t].free, conditions.tool_forces[t].at(end));
             let force = Vec3::from_fn(|d, _| if free[d] { total[d] } else { 0.0 });
@@ -40,7 +41,9 @@ impl Analysis<'_> {
             }
             sum(self.comm, &mut counts);
             if counts[1] == 0.0 {
-                return Some(tell(frame, self.state.time, &tool.name, &force, counts[0] as usize));
+                let what = tell(frame, self.state.time, &tool.name, &force, counts[0] as usize);
+                let (step, time) = (frame.name().to_string(), self.state.time);
+                return Some(Failure { cause: Cause::Runaway, step, time, what, ..Failure::default() });
             }
         }
         None
@@ -48,7 +51,7 @@ impl Analysis<'_> {
 }
 
 fn tell(frame: &Frame, time: f64, tool: &str, force: &Vec3, in_reach: usize) -> String {
-    let step = &frame.step.name.value;
+    let step = frame.name();
     let mut text =
         format!("step `{step}`, after time {time:.6}: nothing can hold the tool `{tool}` against its force ");
     let _ = write!(text, "({:.3e}, {:.3e}, {:.3e}): ", force.x, force.y, force.z);

@@ -2,14 +2,15 @@
 
 use super::conditions::Conditions;
 use super::increments::Increments;
-use super::ladder::{Cause, Found, Ladder, Remedy, Way, Yields};
+use super::ladder::{Ladder, Way, Yields};
 use super::newton::{Newton, Round, Share, Start};
-use super::{Analysis, conditioning, describe, ending, results};
-use crate::contact::{Manner, Master, Pair, Pose, Status, follow_all, watch_all};
+use super::state::Progress;
+use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, describe, ending};
+use crate::contact::{Manner, Master, Pair, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
+use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
 use crate::model::Model;
-use crate::output::log;
 use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::Step;
@@ -25,29 +26,44 @@ const ENOUGH_WITH_DRAG: usize = 7;
 /// How far to extrapolate, over the base.
 const FARTHEST: f64 = 2.0;
 
-/// What stays the same over a step.
-pub(super) struct Frame<'a> {
-    pub(super) step: &'a Step,
-    pub(super) conditions: Conditions,
+/// A step under way: what stays the same over it, and how far it is.
+pub(super) struct Frame {
+    pub(super) progress: Progress,
     dofs: DofMap,
     pattern: Pattern,
-    /// Poses of the tools at its start.
-    poses: Vec<Pose>,
-    /// Force-driven translations of the tools so far in it.
-    pub(super) offsets: Vec<Vec3>,
-    /// Unknowns at the last converged ends of increments of this step, at most three, with their fractions of the step.
-    pub(super) past: Vec<(f64, Vec<f64>)>,
-    pub(super) ladder: Ladder,
     /// Supports alone do not hold every body and force-driven tool.
     pub(super) hangs: bool,
+    /// Failed increments say more of Newton's method than of its remedies: the last such.
+    plain: Option<Failed>,
 }
 
-impl Frame<'_> {
+/// The equations of a step, and its solver.
+pub(super) struct Running<'a> {
+    pub(super) frame: Frame,
+    snes: Snes<'a>,
+    x: Vector<'a>,
+    /// Symbolic factorizations before it.
+    analyses: usize,
+    /// Null pivots have been told of.
+    warned: bool,
+}
+
+impl Frame {
     /// The free directions of each tool.
     pub(super) fn driven(&self) -> Vec<[bool; 3]> {
-        self.conditions.motions.iter().map(|motion| motion.free).collect()
+        self.progress.conditions.motions.iter().map(|motion| motion.free).collect()
     }
 
+    pub(super) fn conditions(&self) -> &Conditions {
+        &self.progress.conditions
+    }
+
+    pub(super) fn name(&self) -> &str {
+        &self.progress.step.name.value
+    }
+}
+
+impl Progress {
     /// Remembers the unknowns of a converged increment.
     fn remember(&mut self, end: f64, x: &[f64]) {
         self.past.push((end, x.to_vec()));
@@ -115,135 +131,139 @@ pub(super) struct Failed {
     changes: Vec<usize>,
 }
 
-impl Analysis<'_> {
-    /// Runs a step. Collective.
+impl<'a> Simulation<'a> {
+    /// Begins a step where the simulation is; one that is under way ends there, with the loads that it has. Collective.
     ///
     /// # Errors
-    /// No convergence at the smallest increment, or what ends a run at once; what has converged is kept and written.
-    pub(super) fn step(&mut self, step: &Step) -> Result<()> {
+    /// Conditions that contradict each other, or name what there is not.
+    pub fn begin(&mut self, step: &Step) -> Result<()> {
+        agree(self.comm, self.check_names(step))?;
+        if let Some(running) = self.running.take() {
+            let done = running.frame.progress.increments.done;
+            self.state.conditions = running.frame.progress.conditions.ended_at(done);
+        }
         let last = &self.state.conditions;
         let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, &self.state.u, last))?;
         conditions.hand_over(last, &self.state.tool_forces);
-        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
-        let pattern = self.pattern(&conditions, &dofs);
-        let poses = self.model.tools.iter().map(|t| t.committed).collect();
-        let offsets = vec![Vec3::zeros(); self.model.tools.len()];
         let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
         let contacts = &self.scene.contacts;
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
-        let mut frame = Frame {
-            step,
+        self.begun += 1;
+        let progress = Progress {
+            serial: self.begun,
+            step: step.clone(),
             conditions,
-            dofs,
-            pattern,
-            poses,
-            offsets,
-            past: Vec::new(),
+            start: self.state.time,
+            poses: self.model.tools.iter().map(|t| t.committed).collect(),
+            offsets: vec![Vec3::zeros(); self.model.tools.len()],
+            increments: Increments::new(&step.sizes(), step.duration),
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow()),
-            hangs: false,
+            past: Vec::new(),
         };
-        self.summary.dofs = frame.dofs.total;
-        self.summary.multipliers = frame.dofs.total_multipliers;
+        self.set_up(progress)
+    }
 
-        let symmetric = frame.conditions.is_symmetric(&self.model);
-        let values = vec![0.0; frame.pattern.columns.len()];
-        let mut matrix =
-            Matrix::from_csr(self.petsc, frame.dofs.count, &frame.pattern.offsets, &frame.pattern.columns, &values)?;
+    /// Makes the equations of a step. Collective.
+    pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
+        let conditions = &progress.conditions;
+        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
+        let pattern = self.pattern(conditions, &dofs);
+        self.summary.dofs = dofs.total;
+        self.summary.multipliers = dofs.total_multipliers;
+        let symmetric = conditions.is_symmetric(&self.model);
+        let values = vec![0.0; pattern.columns.len()];
+        let mut matrix = Matrix::from_csr(self.petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
         matrix.set_symmetric(symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
-        let mut snes = Snes::new(self.petsc, matrix, kind)?;
-        let mut x = Vector::zeros(self.petsc, frame.dofs.count)?;
-
-        let (start, analyses) = (self.state.time, self.summary.analyses);
-        let mut increments = Increments::new(&step.sizes(), step.duration);
-        let limits = step.increment.limits;
-        let mut since_written = 0;
-        let mut warned = false;
-        // The last failure of Newton's method itself, which says more than that of a remedy.
-        let mut plain: Option<Failed> = None;
+        let snes = Snes::new(self.petsc, matrix, kind)?;
+        let x = Vector::zeros(self.petsc, dofs.count)?;
+        let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        while let Some(end) = increments.next() {
-            frame.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(&frame);
-            let outcome = match frame.ladder.way() {
+        self.running = Some(Running { frame, snes, x, analyses: self.summary.analyses, warned: false });
+        Ok(())
+    }
+
+    /// Finds the next increment of the step that was begun, in as many attempts as it takes; `None` at the step's end. The
+    /// `observer` is told how it goes. Collective.
+    ///
+    /// # Errors
+    /// No convergence at the smallest increment, or what ends a run at once; the state is that of the last converged
+    /// increment. An error of the observer.
+    pub fn advance(&mut self, observer: &mut Observer) -> Result<Option<Increment>> {
+        let Some(mut running) = self.running.take() else { return Ok(None) };
+        let outcome = self.seek(&mut running, observer);
+        match &outcome {
+            Ok(None) => self.state.conditions = running.frame.progress.conditions,
+            _ => self.running = Some(running),
+        }
+        outcome
+    }
+
+    fn seek(&mut self, running: &mut Running<'a>, observer: &mut Observer) -> Result<Option<Increment>> {
+        let Running { frame, snes, x, .. } = running;
+        let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
+        let duration = frame.progress.step.duration;
+        while let Some(end) = frame.progress.increments.next() {
+            frame.progress.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(frame);
+            let increments = &frame.progress.increments;
+            let done = increments.done;
+            let outcome = match frame.progress.ladder.way() {
                 _ if any(self.comm, interrupt::wished()) => {
-                    Err(ending::by_signal(self.comm, (&step.name.value, self.state.time)))
+                    return Err(ending::by_signal(self.comm, (frame.name(), self.state.time)));
                 }
                 Way::Newton { .. } => {
-                    let share = Share { begin: increments.done, most: increments.most_parts(end), limits };
-                    self.attempt(&mut frame, &mut snes, &mut x, (end, share), 0.0)
+                    let limits = frame.progress.step.increment.limits;
+                    let share = Share { begin: done, most: increments.most_parts(end), limits };
+                    self.attempt(frame, (snes, x), (end, share), 0.0, observer)?
                 }
-                Way::Jump => self.jump(&mut frame, &mut snes, &mut x, end),
+                Way::Jump => self.jump(frame, (snes, x), end, observer)?,
             };
-            let outcome = match outcome {
-                Ok(outcome) => outcome,
-                Err(error) => {
-                    // The first error counts.
-                    let _ = self.keep(since_written);
-                    return Err(error);
-                }
-            };
-            self.summary.analyses = analyses + snes.linear_statistics().analyses;
+            self.summary.analyses = running.analyses + snes.linear_statistics().analyses;
             match outcome {
                 Attempt::Converged(converged) => {
-                    let is_remedy = frame.ladder.is_remedy();
-                    let found = frame.ladder.succeed();
-                    let end = converged.end;
-                    let iterations = converged.trace.len() - 1;
-                    let size = (end - increments.done) * step.duration;
-                    match is_remedy {
-                        true => frame.past.clear(),
-                        false => frame.remember(end, &x.array()?),
-                    }
-                    let busy = self.is_busy();
-                    increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
-                    if found.way == Way::Jump {
-                        increments.resume();
-                    }
-                    let write = since_written + 1 >= self.scene.output.every || increments.next().is_none();
-                    let span = (size, start + end * step.duration);
-                    if let Err(error) = self.accept(&mut frame, *converged, found, span, write) {
-                        let _ = self.keep(since_written);
-                        return Err(error);
-                    }
-                    since_written = if write { 0 } else { since_written + 1 };
-                    plain = None;
+                    let increment = self.accept(frame, *converged, x)?;
+                    observer(&Event::Increment(&increment))?;
                     let null_pivots = snes.linear_statistics().null_pivots;
-                    if null_pivots > 0 && !std::mem::replace(&mut warned, true) {
-                        let free = self.free_motion(&frame, &mut snes)?;
-                        let warning = describe::null_pivots(&step.name.value, null_pivots, free.as_deref());
-                        self.log.line(&format!("  warning: {warning}"));
-                        self.summary.warnings.push(warning);
+                    if null_pivots > 0 && !std::mem::replace(&mut running.warned, true) {
+                        let free = self.free_motion(frame, snes)?;
+                        let warning = describe::null_pivots(frame.name(), null_pivots, free.as_deref());
+                        self.warn(warning, observer)?;
                     }
+                    return Ok(Some(increment));
                 }
-                Attempt::Failed(failed) if failed.extrapolated => frame.past.clear(),
-                Attempt::Failed(failed) => {
-                    let end = failed.end;
-                    let size = (end - increments.done) * step.duration;
-                    if let Some(told) = self.runaway(&frame, end) {
-                        self.keep(since_written)?;
-                        return Err(Error::Diverged(told));
-                    }
-                    let is_remedy =
-                        frame.ladder.is_remedy() || frame.ladder.yields() || frame.ladder.way() == Way::Jump;
-                    frame.ladder.can_yield = self.yields();
-                    let Some(remedy) = frame.ladder.fail(&mut increments, end, failed.cause) else {
-                        self.keep(since_written)?;
-                        let told = plain.filter(|_| is_remedy && failed.cause.is_of_remedy()).unwrap_or(failed);
-                        let size = (told.end - increments.done) * step.duration;
-                        return Err(Error::Diverged(self.tell_failure(&frame, &told, size)));
-                    };
-                    self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
-                    self.log.line(&describe::remedy(&step.name.value, &failed.reason, size, remedy));
-                    self.log.record(&describe::trace(&failed.trace, &failed.changes));
-                    if !is_remedy {
-                        plain = Some(failed);
-                    }
-                }
+                Attempt::Failed(failed) if failed.extrapolated => frame.progress.past.clear(),
+                Attempt::Failed(failed) => self.retry(frame, failed, duration, observer)?,
             }
         }
-        self.state.conditions = frame.conditions;
+        Ok(None)
+    }
+
+    /// Decides what to do about an increment that failed.
+    fn retry(&mut self, frame: &mut Frame, failed: Failed, duration: f64, observer: &mut Observer) -> Result<()> {
+        let end = failed.end;
+        let done = frame.progress.increments.done;
+        let size = (end - done) * duration;
+        if let Some(told) = self.runaway(frame, end) {
+            return Err(Error::Diverged(Box::new(told)));
+        }
+        let can_yield = self.yields();
+        let Progress { increments, ladder, .. } = &mut frame.progress;
+        let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
+        ladder.can_yield = can_yield;
+        let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
+            let plain = frame.plain.take().filter(|_| is_remedy && failed.cause.is_of_remedy());
+            let told = plain.unwrap_or(failed);
+            let size = (told.end - done) * duration;
+            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
+        };
+        self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
+        observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
+        observer(&Event::Detail(&describe::trace(&failed.trace, &failed.changes)))?;
+        if !is_remedy {
+            frame.plain = Some(failed);
+        }
         Ok(())
     }
 
@@ -275,14 +295,6 @@ impl Analysis<'_> {
         Ok(word_of_largest(self.comm, moves, |worst| frame.dofs.describe(&self.model, worst)).map(|(word, _)| word))
     }
 
-    /// Writes the fields of the last converged increment, unless they are written. Collective.
-    fn keep(&mut self, since_written: usize) -> Result<()> {
-        if since_written == 0 {
-            return Ok(());
-        }
-        self.results.write_fields(self.comm, &self.model, self.state.time, &self.state.u)
-    }
-
     /// The pattern of a step. Collective.
     fn pattern(&mut self, conditions: &Conditions, dofs: &DofMap) -> Pattern {
         let begun = Instant::now();
@@ -298,39 +310,41 @@ impl Analysis<'_> {
     pub(super) fn attempt(
         &mut self,
         frame: &mut Frame,
-        snes: &mut Snes,
-        x: &mut Vector,
+        (snes, x): (&mut Snes, &mut Vector),
         (end, share): (f64, Share),
         drag: f64,
+        observer: &mut Observer,
     ) -> Result<Attempt> {
         self.watch_ahead(frame, end);
         let max_iterations = self.scene.solver.max_iterations;
-        let (log, number) = (&self.log, self.summary.increments + 1);
-        let watcher = |iteration| log.iteration(&frame.step.name.value, number, iteration);
+        let name = frame.progress.step.name.value.clone();
+        let increment = self.state.increments + 1;
+        let mut watcher = |number, residual, changes| {
+            observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes }))
+        };
         // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
         // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
         let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
-        let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
+        let trial = frame.progress.extrapolated(end).filter(|_| smooth || self.model.can_flow());
         let extrapolated = trial.is_some();
         let manner = Manner {
-            settles: frame.ladder.way() == Way::Newton { settle: true },
+            settles: frame.progress.ladder.way() == Way::Newton { settle: true },
             ahead: extrapolated,
-            automatic: frame.ladder.is_remedy() || frame.ladder.yields(),
-            yields: frame.ladder.yields(),
+            automatic: frame.progress.ladder.is_remedy() || frame.progress.ladder.yields(),
+            yields: frame.progress.ladder.yields(),
         };
         let start = Start {
-            start_poses: &frame.poses,
+            start_poses: &frame.progress.poses,
             committed: &self.state.u,
-            offsets: &frame.offsets,
+            offsets: &frame.progress.offsets,
             s: end,
             share,
             tolerance: self.scene.solver.tolerance,
-            strict: frame.ladder.is_strict(),
+            strict: frame.progress.ladder.is_strict(),
             manner,
             max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
             seen: &self.state.seen,
-            floors: &self.state.floors,
-            watcher: &watcher,
+            floors: &self.floors,
         };
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
         let mut newton = Newton::new(
@@ -338,9 +352,9 @@ impl Analysis<'_> {
             &mut self.model,
             &frame.dofs,
             &mut frame.pattern,
-            &frame.conditions,
-            self.phases,
-            &start,
+            &frame.progress.conditions,
+            &self.phases,
+            (&start, &mut watcher),
         );
         newton.set_drag(drag);
         match trial {
@@ -350,7 +364,10 @@ impl Analysis<'_> {
         let attempt = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
-            let at = (frame.step.name.value.as_str(), self.state.time);
+            if let Some(error) = newton.stopped.take() {
+                return Err(error);
+            }
+            let at = (name.as_str(), self.state.time);
             if let Some(error) = ending::at_once(self.comm, at, newton.interrupted, &outcome.reason) {
                 return Err(error);
             }
@@ -398,7 +415,8 @@ impl Analysis<'_> {
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
         let begun = Instant::now();
         let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
-        frame.conditions.place_tools(tools, &frame.poses, &frame.offsets, end);
+        let Progress { conditions, poses, offsets, .. } = &frame.progress;
+        conditions.place_tools(tools, poses, offsets, end);
         let place = |n: u32| part.points[n as usize] + self.state.u[n as usize];
         watch_all(self.comm, tools, pairs, place);
         follow_all(self.comm, surfaces, pairs, place);
@@ -430,56 +448,62 @@ impl Analysis<'_> {
                 }
             }
         }
-        frame.offsets.clone_from(&converged.offsets);
+        frame.progress.offsets.clone_from(&converged.offsets);
         self.state.u.clone_from(&converged.u);
         self.model.turn_slaves(&self.state.u);
         self.model.follow_sheets(self.comm, &self.state.u);
+        self.state.reactions.clone_from(&converged.forces);
         self.state.tool_forces.clone_from(&converged.tool_forces);
         self.state.seen.clone_from(&converged.seen);
         Ok(())
     }
 
-    /// Makes a converged increment of a size, to a time, the state, and reports it. Collective.
-    fn accept(
-        &mut self,
-        frame: &mut Frame,
-        converged: Converged,
-        found: Found,
-        (size, time): (f64, f64),
-        write: bool,
-    ) -> Result<()> {
+    /// Makes a converged increment the state, and says what it was. Collective.
+    fn accept(&mut self, frame: &mut Frame, converged: Converged, x: &Vector) -> Result<Increment> {
+        let busy = self.is_busy();
+        let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
+        let is_remedy = ladder.is_remedy();
+        let found = ladder.succeed();
+        let end = converged.end;
+        let iterations = converged.trace.len() - 1;
+        let size = (end - increments.done) * step.duration;
+        let time = *start + end * step.duration;
+        increments.accept(end, iterations.div_ceil(1 + converged.rounds), busy);
+        if found.way == Way::Jump {
+            increments.resume();
+        }
+        let ends_step = increments.next().is_none();
+        if is_remedy {
+            past.clear();
+        } else {
+            frame.progress.remember(end, &x.array()?);
+        }
         self.commit(frame, &converged)?;
+        frame.plain = None;
         self.state.time = time;
+        self.state.increments += 1;
         self.note_touches();
         self.summary.increments += 1;
-        let step = &frame.step.name.value;
-        let number = self.summary.increments;
-        let iterations = converged.trace.len() - 1;
-        let begun = Instant::now();
-        let row = results::Row {
-            step,
-            number,
+        let [touching, slipping, calmed] = self.count(converged.calmed.len());
+        let calmed_node = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n)));
+        Ok(Increment {
+            step: frame.name().to_string(),
+            number: self.state.increments,
             time,
+            size,
             iterations,
-            u: &self.state.u,
-            forces: &converged.forces,
-            tool_forces: &self.state.tool_forces,
-            found,
-            residual: converged.trace.last().copied().unwrap_or_default(),
+            rounds: converged.rounds,
+            residuals: converged.trace,
+            changes: converged.changes,
             limit: converged.limit,
-        };
-        self.results.add_row(self.comm, &self.model, &row)?;
-        if write {
-            self.results.write_fields(self.comm, &self.model, time, &self.state.u)?;
-        }
-        self.phases.add(Phase::Output, begun.elapsed());
-        let note = self.note(converged.calmed.len(), converged.rounds);
-        self.log.increment(&log::Increment { step, number, time, size, iterations, note: &note });
-        self.log.record(&describe::trace(&converged.trace, &converged.changes));
-        if let Some(name) = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n))) {
-            self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
-        }
-        Ok(())
+            way: found.way,
+            failures: found.failures,
+            touching,
+            slipping,
+            calmed,
+            calmed_node,
+            ends_step,
+        })
     }
 
     /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: a
@@ -499,42 +523,38 @@ impl Analysis<'_> {
         4.0 * counts[1] > counts[0] || counts[2] > 0.0
     }
 
-    /// Contact in a few words. Collective.
-    fn note(&self, calmed: usize, rounds: usize) -> String {
+    /// Slave nodes of all ranks that touch, slip, and were calmed. Collective.
+    fn count(&self, calmed: usize) -> [usize; 3] {
         let mut counts = [0.0, 0.0, calmed as f64];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             counts[0] += f64::from(slave.trial.status != Status::Gap);
             counts[1] += f64::from(slave.trial.status == Status::Slip && slave.law.friction > 0.0);
         }
         sum(self.comm, &mut counts);
-        let mut note = format!("{} in contact, {} slip", counts[0], counts[1]);
-        if rounds > 0 {
-            note += &format!(", {rounds} outer");
-        }
-        if counts[2] > 0.0 {
-            note += &format!(", {} calmed", counts[2]);
-        }
-        note
+        counts.map(|count| count as usize)
     }
 
     /// Names the worst equation of all ranks, and what to try. Collective.
-    fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> String {
+    fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> Failure {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
-        let (place, residual) = told.unzip();
+        let node = |equation| frame.dofs.place(&self.model, equation).map_or(String::new(), |place| place.to_line());
+        let place = word_of_largest(self.comm, worst, node).and_then(|(line, _)| Place::from_line(&line));
+        let (word, residual) = told.unzip();
         let linear = failed.cause.is_linear() || failed.cause == Cause::Contradiction;
         let conditioning = linear.then(|| conditioning::reason(self.comm, &self.model)).flatten();
-        describe::failure(&describe::Failure {
-            step: &frame.step.name.value,
-            time: self.state.time,
-            reason: &failed.reason,
+        let failure = Failure {
             cause: failed.cause,
-            conditioning: conditioning.as_deref(),
-            place: place.as_deref(),
+            step: frame.name().to_string(),
+            time: self.state.time,
+            size,
+            place,
             residual: residual.unwrap_or(0.0),
             changes: failed.changes.last().copied().unwrap_or(0),
-            size,
-        })
+            what: String::new(),
+        };
+        let what = describe::failure(&failure, &failed.reason, conditioning.as_deref(), word.as_deref());
+        Failure { what, ..failure }
     }
 }
 

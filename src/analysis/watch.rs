@@ -3,13 +3,13 @@
 //! What a node may do is in [`crate::contact::watch`]; here all nodes of all ranks are looked at, with a reach that follows
 //! from how far they and the masters have moved.
 
-use super::Analysis;
-use super::ladder::Cause;
+use super::Simulation;
 use super::newton::relative_travel;
 use super::step::{Attempt, Converged};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, Ground, Seen, Start};
 use crate::contact::{Master, Pair, Sight};
+use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
 use crate::parallel::{max, sum, word_of_largest};
@@ -31,7 +31,7 @@ const UZAWA: f64 = 100.0;
 
 /// What a contact did until now.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Touch {
+pub struct Touch {
     /// Time of the last increment in which a node touched, if there was one.
     until: Option<f64>,
     /// It touches now.
@@ -51,7 +51,7 @@ struct Motion<'a> {
     residuals: &'a [f64],
 }
 
-impl Analysis<'_> {
+impl Simulation<'_> {
     /// The first look, before anything moves. Collective.
     pub(super) fn begin_watch(&mut self) {
         let still = self.state.u.clone();
@@ -72,7 +72,7 @@ impl Analysis<'_> {
             let sights: Vec<Sight> = (0..pair.slaves.len()).map(first).collect();
             pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
         }
-        self.touches = vec![Touch::default(); self.model.pairs.len()];
+        self.state.touches = vec![Touch::default(); self.model.pairs.len()];
     }
 
     /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
@@ -130,7 +130,7 @@ impl Analysis<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z]);
         }
         sum(self.comm, &mut sums);
-        for ((touch, pair), sums) in self.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
+        for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
             touch.now = sums[0] > 0.0;
             if touch.now {
                 touch.until = Some(self.state.time);
@@ -143,9 +143,9 @@ impl Analysis<'_> {
         }
     }
 
-    /// At the end of a run: contacts that never touched, and those that no longer do, though nothing took the tool away.
-    /// Collective.
-    pub(super) fn warn_of_contacts(&mut self) {
+    /// What is to be said at the end: contacts that never touched, and those that no longer do, though nothing took the tool
+    /// away. Collective.
+    pub fn idle_contacts(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let mut inside: Vec<f64> = (self.model.pairs.iter())
             .map(|p| p.slaves.iter().filter(|s| s.sight.side == watch::Side::Inside).count() as f64)
@@ -157,8 +157,8 @@ impl Analysis<'_> {
                 warnings
                     .push(format!("contact `{name}`: {} nodes that began inside {master} are still there", inside[p]));
             }
-            let touch = &self.touches[p];
-            let other = pair.other.map(|other| self.touches[other]);
+            let touch = &self.state.touches[p];
+            let other = pair.other.map(|other| self.state.touches[other]);
             if pair.is_second || touch.now || other.is_some_and(|o| o.now) {
                 continue;
             }
@@ -171,10 +171,7 @@ impl Analysis<'_> {
                 }
             }
         }
-        for warning in warnings {
-            self.log.line(&format!("  warning: {warning}"));
-            self.summary.warnings.push(warning);
-        }
+        warnings
     }
 
     /// Whether the tool has moved away from where it touched, against its force.

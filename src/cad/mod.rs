@@ -68,6 +68,7 @@ fn together(first: &Error, others: &[Error], rest: bool) -> Error {
 
 fn what(error: &Error) -> &str {
     match error {
-        Error::Input { what, .. } | Error::Diverged(what) | Error::System(what) | Error::Interrupted(what) => what,
+        Error::Input { what, .. } | Error::System(what) | Error::Interrupted(what) => what,
+        Error::Diverged(failure) => &failure.what,
     }
 }

@@ -8,6 +8,7 @@ mod messages;
 pub use messages::{Parcels, Route, exchange, scatter, sent};
 
 use crate::error::{Error, Location, Result};
+use crate::failure::Cause;
 use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -111,7 +112,7 @@ fn encode(error: &Error) -> String {
             let at = at.as_ref().map(|at| json!([*at.file, at.line, at.column, *at.text]));
             json!({ "kind": "input", "at": at, "what": what, "help": help })
         }
-        Error::Diverged(what) => json!({ "kind": "diverged", "what": what }),
+        Error::Diverged(failure) => json!({ "kind": "diverged", "what": failure.what }),
         Error::System(what) => json!({ "kind": "system", "what": what }),
         Error::Interrupted(what) => json!({ "kind": "interrupted", "what": what }),
     };
@@ -133,7 +134,7 @@ fn decode(message: &[u8]) -> Error {
             });
             Error::Input { at, what, help: text(&value["help"]) }
         }
-        Some("diverged") => Error::Diverged(what),
+        Some("diverged") => Error::diverged(Cause::Element, what),
         Some("interrupted") => Error::Interrupted(what),
         _ => Error::System(what),
     }
@@ -152,7 +153,7 @@ mod tests {
             Error::input(&at, "friction is negative", "give 0 or more\nor leave it out"),
             Error::input(&override_at, "no such key", ""),
             Error::input_anywhere("cannot write", "use --out"),
-            Error::Diverged("increment 7: node 12".into()),
+            Error::diverged(Cause::Element, "increment 7: node 12"),
             Error::System("MUMPS: INFOG(1) = -9".into()),
             Error::Interrupted("SIGTERM".into()),
         ] {

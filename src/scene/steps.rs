@@ -51,12 +51,21 @@ fn step(item: &Item, number: usize, names: &Names) -> Result<Step> {
         moves: moves.iter().map(|(movement, _)| movement.clone()).collect(),
         forces: forces.iter().map(|(force, _)| force.clone()).collect(),
     };
-    check_repeats(&step)?;
-    check_fixed_moves(&step)?;
-    for (force, _) in forces.iter().filter(|(_, target)| *target == Target::Tool) {
-        check_free_directions(&step, force)?;
-    }
+    step.check(|name| forces.iter().any(|(force, target)| force.target.value == name && *target == Target::Tool))?;
     Ok(step)
+}
+
+impl Step {
+    /// Refuses conditions that contradict each other, where `is_tool` tells tools from sets.
+    ///
+    /// # Errors
+    /// What is moved or pushed twice, or moved where it is fixed or driven by a force.
+    pub fn check(&self, is_tool: impl Fn(&str) -> bool) -> Result<()> {
+        check_repeats(self)?;
+        check_fixed_moves(self)?;
+        let of_tools = self.forces.iter().filter(|force| is_tool(&force.target.value));
+        of_tools.map(|force| check_free_directions(self, force)).collect()
+    }
 }
 
 /// Increment sizes, `min <= initial <= max <= duration`; those not given follow from those that are.

@@ -4,6 +4,7 @@ use super::dofs::{DofMap, NONE};
 use super::pattern::Pattern;
 use crate::Vec3;
 use crate::error::{Error, Result};
+use crate::failure::Cause;
 use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::partition::{PartFacet, PartSolid};
@@ -262,7 +263,7 @@ pub fn energies(model: &Model, u: &[Vec3], body: usize) -> Result<[f64; 2]> {
 /// What is said of an element that has no stress in a state that has converged.
 fn lost(model: &Model, e: usize) -> Error {
     let name = element_name(model, &model.part.solids[e]);
-    Error::Diverged(format!("{name} has turned inside out in the converged state"))
+    Error::diverged(Cause::Element, format!("{name} has turned inside out in the converged state"))
 }
 
 fn element_name(model: &Model, solid: &PartSolid) -> String {

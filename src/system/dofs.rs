@@ -3,8 +3,8 @@
 //! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
-use crate::Vec3;
 use crate::contact::Master;
+use crate::failure::Place;
 use crate::model::Model;
 use crate::parallel::{number, starts};
 use mpi::topology::SimpleCommunicator;
@@ -150,6 +150,17 @@ impl DofMap {
         forces
     }
 
+    /// The node of a local equation; none for those of tools.
+    pub fn place(&self, model: &Model, equation: usize) -> Option<Place> {
+        let wanted = self.first + equation as i64;
+        let of_node = self.node.iter().take(model.part.owned).position(|equations| equations.contains(&wanted));
+        let slaves =
+            model.pairs.iter().zip(&self.multiplier).flat_map(|(pair, of_pair)| pair.slaves.iter().zip(of_pair));
+        let of_slave = || slaves.into_iter().find(|(_, equations)| equations.contains(&wanted));
+        let node = of_node.map(|n| n as u32).or_else(|| of_slave().map(|(slave, _)| slave.node))?;
+        Some(place_of(model, node))
+    }
+
     /// The node and component, or else the slave or tool, of a local equation, for messages.
     pub fn describe(&self, model: &Model, equation: usize) -> String {
         let wanted = self.first + equation as i64;
@@ -188,11 +199,15 @@ fn contact_status(model: &Model, node: u32) -> String {
 }
 
 /// A node as the user knows it.
-pub fn node_name(model: &Model, node: u32) -> String {
+pub fn place_of(model: &Model, node: u32) -> Place {
     let at = node as usize;
-    let x: Vec3 = model.part.points[at];
-    let body = &model.bodies[model.part.body[at] as usize].name;
-    format!("{} of body `{body}` at ({:.6}, {:.6}, {:.6})", model.part.id[at], x.x, x.y, x.z)
+    let body = model.bodies[model.part.body[at] as usize].name.clone();
+    Place { body, node: model.part.id[at], at: model.part.points[at].into() }
+}
+
+/// The same in words.
+pub fn node_name(model: &Model, node: u32) -> String {
+    place_of(model, node).to_string()
 }
 
 /// Components of a contact force that a slave node can have: none when neither it nor the tool can give way in any

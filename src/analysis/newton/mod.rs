@@ -19,6 +19,7 @@ use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::element::Element;
 use crate::contact::{Manner, Pair, Pose, Slave, Status};
+use crate::error::Error;
 use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::{Phase, Phases};
@@ -43,6 +44,10 @@ pub use trial::Share;
 /// them; contacts that open and close while all others stick may go to and fro for ever, and settle as soon as they may slip.
 const SETTLING: usize = 5;
 
+/// Told the number of each iterate, its residual over the forces that that counts against, and how many contact nodes changed
+/// their status.
+pub type Watcher<'a> = dyn FnMut(usize, f64, usize) -> crate::error::Result<()> + 'a;
+
 /// An increment from the last converged state to the fraction `s` of the step.
 pub struct Newton<'a> {
     pub comm: &'a SimpleCommunicator,
@@ -60,7 +65,7 @@ pub struct Newton<'a> {
     share: Share,
     pub tolerance: f64,
     pub max_iterations: usize,
-    watcher: &'a dyn Fn(usize),
+    watcher: &'a mut Watcher<'a>,
     /// Forces and residuals of this iterate. Those of other iterates do not count, for some are far from any equilibrium.
     pub(super) balance: Balance,
     /// Sum of the internal forces of this rank on each body.
@@ -83,6 +88,8 @@ pub struct Newton<'a> {
     pub rebuilds: usize,
     /// A signal ended the iteration; the same on all ranks.
     pub interrupted: bool,
+    /// Who was told of it ended the iteration; the same on all ranks.
+    pub stopped: Option<Error>,
     /// What touches sticks until all is nearly in balance.
     pub(super) settling: bool,
     /// Outer iterations of this increment.
@@ -127,8 +134,6 @@ pub struct Start<'a> {
     pub manner: Manner,
     /// Each residual must be below the last where plastic flow shortens steps.
     pub strict: bool,
-    /// Told the number of each iteration.
-    pub watcher: &'a dyn Fn(usize),
 }
 
 impl<'a> Newton<'a> {
@@ -139,7 +144,7 @@ impl<'a> Newton<'a> {
         pattern: &'a mut Pattern,
         conditions: &'a Conditions,
         phases: &'a Phases,
-        start: &Start<'a>,
+        (start, watcher): (&Start<'a>, &'a mut Watcher<'a>),
     ) -> Self {
         let elements = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
         let meetings = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
@@ -170,7 +175,7 @@ impl<'a> Newton<'a> {
             share: start.share,
             tolerance: start.tolerance,
             max_iterations: start.max_iterations,
-            watcher: start.watcher,
+            watcher,
             balance,
             internal,
             u: start.committed.to_vec(),
@@ -182,6 +187,7 @@ impl<'a> Newton<'a> {
             calmed: Vec::new(),
             rebuilds: 0,
             interrupted: false,
+            stopped: None,
             settling: start.manner.settles,
             rounds: Rounds::default(),
             elements,
@@ -392,7 +398,6 @@ impl Problem for Newton<'_> {
 
     fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
         let iteration = iterate.iteration;
-        (self.watcher)(iteration);
         let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
         let touching = trials().any(|t| t.status != Status::Gap);
         let mut counts =
@@ -402,6 +407,10 @@ impl Problem for Newton<'_> {
         let residual = self.balance.relative();
         self.trace.push(residual);
         self.changes.push(changes as usize);
+        if let Err(error) = (self.watcher)(iteration, residual, changes as usize) {
+            self.stopped = Some(error);
+            return Ok(Verdict::Diverged);
+        }
         // What a motion begins with may be small against all forces and yet be its whole effect, as on a thin sheet, of which
         // the forces round to more than its contact feels of the first gap.
         let driven = self.moves || self.model.tools.iter().any(|tool| tool.trial != tool.committed);

@@ -2,7 +2,7 @@
 //!
 //! A node that begins farther inside than the reach of its contact is never found there, and has no force.
 
-use super::super::NO_GAP;
+use super::super::simulation::NO_GAP;
 use super::sight::Sight;
 use super::worst;
 use crate::contact::Pair;

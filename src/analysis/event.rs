@@ -1,0 +1,97 @@
+//! What a simulation says while it goes on.
+
+use super::ladder::Way;
+use crate::error::Result;
+
+/// What has happened. All ranks are told the same, at once.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// An iterate of Newton's method has been judged.
+    Iteration(Iteration<'a>),
+    /// An increment has failed, and is tried again.
+    Retried(Retried<'a>),
+    /// The structure has jumped to another equilibrium, in so many steps.
+    Jumped { step: &'a str, steps: usize },
+    /// An increment has converged, and is the state.
+    Increment(&'a Increment),
+    /// Something the user should know.
+    Warning(&'a str),
+    /// What helps to understand how it went.
+    Detail(&'a str),
+}
+
+/// An iterate.
+#[derive(Clone, Copy, Debug)]
+pub struct Iteration<'a> {
+    pub step: &'a str,
+    /// Number of the increment that is sought, from 1.
+    pub increment: usize,
+    /// From 0, which is the start.
+    pub number: usize,
+    /// Largest residual over the forces that it counts against.
+    pub residual: f64,
+    /// Contact nodes that have changed their status.
+    pub changes: usize,
+}
+
+/// An increment that has failed.
+#[derive(Clone, Copy, Debug)]
+pub struct Retried<'a> {
+    pub step: &'a str,
+    /// Its size, in time.
+    pub size: f64,
+    pub reason: &'a str,
+    pub remedy: Remedy,
+}
+
+/// What is done about an increment that failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// A shorter one.
+    Cut,
+    /// Constraints give way before they are tightened.
+    Yield,
+    /// What touches sticks until it settles.
+    Settle,
+    /// A jump.
+    Jump,
+}
+
+/// A converged increment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Increment {
+    pub step: String,
+    /// From 1, over all steps.
+    pub number: usize,
+    /// Time at its end, and its size.
+    pub time: f64,
+    pub size: f64,
+    /// Newton iterations, and rounds around them.
+    pub iterations: usize,
+    pub rounds: usize,
+    /// Largest residual over the forces that it counts against at each iterate, and contact nodes that changed their status.
+    pub residuals: Vec<f64>,
+    pub changes: Vec<usize>,
+    /// Largest residual that was let through, over the forces that it counts against.
+    pub limit: f64,
+    /// How it was found, after how many failures.
+    pub way: Way,
+    pub failures: usize,
+    /// Slave nodes of all ranks that touch, slip, and had their friction penalty reduced; one of the last.
+    pub touching: usize,
+    pub slipping: usize,
+    pub calmed: usize,
+    pub calmed_node: Option<String>,
+    /// It is the last of its step.
+    pub ends_step: bool,
+}
+
+impl Increment {
+    /// Residual of the last iterate, over the forces that it counts against.
+    pub fn residual(&self) -> f64 {
+        self.residuals.last().copied().unwrap_or_default()
+    }
+}
+
+/// Who is told; an error ends the simulation, and must be the same on all ranks.
+pub type Observer<'o> = dyn FnMut(&Event) -> Result<()> + 'o;

@@ -1,0 +1,261 @@
+//! A simulation that can be driven: begin a step, advance by an increment, look, go back.
+
+use super::newton::balance::Balance;
+use super::state::{Checkpoint, Memory};
+use super::step::Running;
+use super::{Event, Observer, State, preflight};
+use crate::contact::{Master, Status, follow_all, watch_all};
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::output::phases::Phases;
+use crate::output::summary::Summary;
+use crate::parallel::sum;
+use crate::scene::{Enforcement, Scene, Step};
+use crate::{Mat3, Vec3};
+use mpi::topology::SimpleCommunicator;
+use petsc::Petsc;
+
+/// Gap over the size of a slave facet that is none.
+pub(super) const NO_GAP: f64 = 1e-9;
+
+/// Force of the scene while nothing acts yet, over the largest nodal stiffness times the element size: far below any force
+/// of interest, well above rounding.
+const FORCE_FLOOR: f64 = 1e-6;
+
+/// A simulation in progress. All ranks make the same calls at the same time; what they are given must be the same.
+pub struct Simulation<'a> {
+    pub(super) comm: &'a SimpleCommunicator,
+    pub(super) petsc: &'a Petsc<'a>,
+    pub(super) scene: &'a Scene,
+    pub(super) model: Model,
+    pub(super) state: State,
+    /// Forces that count while there are none.
+    pub(super) floors: Vec<f64>,
+    /// The step that is under way.
+    pub(super) running: Option<Running<'a>>,
+    /// Steps begun so far.
+    pub(super) begun: usize,
+    pub(super) phases: Phases,
+    pub(super) summary: Summary,
+    gaps: Vec<String>,
+}
+
+impl<'a> Simulation<'a> {
+    /// Reads the meshes of a scene, makes its model, and checks it. Collective.
+    ///
+    /// # Errors
+    /// Wrong input, with its place in the scene.
+    pub fn new(comm: &'a SimpleCommunicator, petsc: &'a Petsc<'a>, scene: &'a Scene) -> Result<Self> {
+        let phases = Phases::default();
+        let mut model = Model::new(comm, scene, &phases)?;
+        let gaps = preflight::check(comm, scene, &mut model)?;
+        let floors = Balance::floors(comm, &model, FORCE_FLOOR, scene.solver.force_floor);
+        let state = State::first(&model, floors.len());
+        let summary = Summary {
+            scene: scene.name.clone(),
+            elements: model.part.total_solids,
+            warnings: model.warnings.clone(),
+            ..Summary::default()
+        };
+        let mut simulation =
+            Self { comm, petsc, scene, model, state, floors, running: None, begun: 0, phases, summary, gaps };
+        simulation.look_around();
+        simulation.begin_watch();
+        Ok(simulation)
+    }
+
+    pub fn comm(&self) -> &'a SimpleCommunicator {
+        self.comm
+    }
+
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// What is modelled, with what nodes and points remember of the last converged increment.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The last converged increment.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// A line for every contact, with its gap in the beginning.
+    pub fn gaps(&self) -> &[String] {
+        &self.gaps
+    }
+
+    /// Seconds of this rank in each phase.
+    pub fn phases(&self) -> &Phases {
+        &self.phases
+    }
+
+    /// What it has cost so far.
+    pub fn summary(&self) -> Summary {
+        let search_fetches = self.model.surfaces.iter().map(|s| s.fetches).sum();
+        Summary { search_fetches, ..self.summary.clone() }
+    }
+
+    /// Adds a warning to the summary.
+    pub fn warned(&mut self, warning: String) {
+        self.summary.warnings.push(warning);
+    }
+
+    pub(super) fn warn(&mut self, warning: String, observer: &mut Observer) -> Result<()> {
+        observer(&Event::Warning(&warning))?;
+        self.warned(warning);
+        Ok(())
+    }
+
+    /// All that it goes on from, on this rank.
+    pub fn checkpoint(&self) -> Checkpoint {
+        Checkpoint {
+            state: self.state.clone(),
+            progress: self.running.as_ref().map(|running| running.frame.progress.clone()),
+            memory: Memory::of(&self.model),
+        }
+    }
+
+    /// Goes back to a checkpoint of this simulation, into the step that was under way then. Collective.
+    ///
+    /// # Errors
+    /// A failing library.
+    pub fn go_back(&mut self, to: &Checkpoint) -> Result<()> {
+        self.state.clone_from(&to.state);
+        to.memory.give(&mut self.model);
+        let same =
+            |running: &&mut Running| to.progress.as_ref().is_some_and(|p| p.serial == running.frame.progress.serial);
+        if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress) {
+            running.frame.progress.clone_from(progress);
+            return Ok(());
+        }
+        self.running = None;
+        to.progress.clone().map_or(Ok(()), |progress| self.set_up(progress))
+    }
+
+    /// Where a tool is, and what it bears; `None` where there is none of the name.
+    pub fn tool(&self, name: &str) -> Option<ToolReading> {
+        let t = self.model.tools.iter().position(|tool| tool.name == name)?;
+        Some(ToolReading { displacement: self.model.tools[t].displacement(), force: -self.state.tool_forces[t] })
+    }
+
+    /// Mean displacement of a set of nodes, and what its supports bear; `None` where there is none of the name. Collective.
+    pub fn set(&self, name: &str) -> Option<SetReading> {
+        let nodes = &self.model.find_set(name)?.nodes;
+        let mut sums = [0.0; 7];
+        for n in nodes.iter().map(|&n| n as usize) {
+            for d in 0..3 {
+                sums[d] += self.state.u[n][d];
+                sums[3 + d] += self.state.reactions[n][d];
+            }
+            sums[6] += 1.0;
+        }
+        sum(self.comm, &mut sums);
+        let displacement = Vec3::from_column_slice(&sums[..3]) / sums[6];
+        Some(SetReading { displacement, reaction: Vec3::from_column_slice(&sums[3..6]) })
+    }
+
+    /// What the slave nodes of a contact do that this rank owns, in one pass of two; none where there is none of the name.
+    pub fn contact(&self, name: &str) -> impl Iterator<Item = ContactReading> {
+        let pairs = self.model.pairs.iter().filter(move |pair| pair.name == name);
+        pairs.flat_map(|pair| &pair.slaves).map(|slave| {
+            let n = slave.node as usize;
+            let (at, now) = (self.model.part.points[n] + self.state.u[n], &slave.accepted);
+            ContactReading {
+                node: self.model.part.id[n],
+                at,
+                status: now.status,
+                gap: now.projection.map(|p| p.gap),
+                normal: now.projection.map(|p| p.normal),
+                force: now.on_node(),
+                slip: now.slip,
+            }
+        })
+    }
+
+    /// Refuses a step that names what there is not: steps of a scene never do.
+    pub(super) fn check_names(&self, step: &Step) -> Result<()> {
+        let is_tool = |name: &str| self.model.tools.iter().any(|tool| tool.name == name);
+        let is_set = |name: &str| self.model.find_set(name).is_some();
+        let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target));
+        let sets = step.fix.iter().map(|f| &f.set).chain(step.pressures.iter().map(|p| &p.set));
+        let bodies = step.body_forces.iter().map(|b| &b.body);
+        let unknown =
+            targets.filter(|t| !is_tool(&t.value) && !is_set(&t.value)).chain(sets.filter(|s| !is_set(&s.value)));
+        let is_body = |name: &str| self.model.bodies.iter().any(|body| body.name == name);
+        match unknown.chain(bodies.filter(|b| !is_body(&b.value))).next() {
+            None => step.check(is_tool),
+            Some(name) => {
+                let what = format!("step `{}`: the scene has no `{}`", step.name.value, name.value);
+                Err(Error::input(&name.at, what, "name a tool, or a set that the scene refers to"))
+            }
+        }
+    }
+
+    /// Projects every slave node where it stands: the first slip origins. Collective.
+    fn look_around(&mut self) {
+        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let place = |n: u32| part.points[n as usize];
+        watch_all(self.comm, tools, pairs, place);
+        follow_all(self.comm, surfaces, pairs, place);
+        for pair in pairs {
+            for s in 0..pair.slaves.len() {
+                let position = place(pair.slaves[s].node);
+                let projection = match pair.master {
+                    Master::Tool(t) => tools[t].project(&position, pair.reach, None),
+                    Master::Surface(k) => pair.project(&surfaces[k], s, &position, None),
+                };
+                let slave = &mut pair.slaves[s];
+                slave.trial.projection = projection;
+                // An active set begins with what touches; nothing else may hold a body.
+                let touches = projection.is_some_and(|p| p.gap <= NO_GAP * pair.facet_size);
+                if touches && pair.method == Enforcement::Lagrange {
+                    slave.trial.status = Status::Stick;
+                }
+                match pair.master {
+                    Master::Tool(t) => slave.commit(pair.method, Vec3::zeros(), &tools[t].committed, &position),
+                    Master::Surface(_) => {
+                        slave.commit_on_surface(pair.method, Vec3::zeros(), &Mat3::identity(), &position);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Where a tool is, and what it bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolReading {
+    /// Of its reference point since the beginning.
+    pub displacement: Vec3,
+    /// Force that it exerts on the bodies, N.
+    pub force: Vec3,
+}
+
+/// What a set of nodes does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SetReading {
+    /// Mean displacement of its nodes.
+    pub displacement: Vec3,
+    /// Sum of the forces that supports exert on its nodes.
+    pub reaction: Vec3,
+}
+
+/// What a slave node does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactReading {
+    /// Its number in the mesh file.
+    pub node: u64,
+    /// Where it is.
+    pub at: Vec3,
+    pub status: Status,
+    /// Distance to the master and the normal there, where it is in reach.
+    pub gap: Option<f64>,
+    pub normal: Option<Vec3>,
+    /// Contact force on the node.
+    pub force: Vec3,
+    /// Slip in the last increment.
+    pub slip: Vec3,
+}

@@ -1,0 +1,122 @@
+//! All that a simulation remembers: what an increment changes when it is accepted, what a jump that fails goes back to, and
+//! what a driver may keep to go back to.
+
+use super::conditions::Conditions;
+use super::increments::Increments;
+use super::ladder::Ladder;
+use super::watch::Touch;
+use crate::Vec3;
+use crate::contact::{Avoided, History, Pair, Pose, Sight, Trial};
+use crate::model::Model;
+use crate::scene::Step;
+use crate::solid;
+
+/// The state at the last converged increment, on this rank.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Time since the beginning, and increments until then.
+    pub time: f64,
+    pub increments: usize,
+    /// Displacements of all local nodes.
+    pub u: Vec<Vec3>,
+    /// Internal less external forces plus contact forces on the owned nodes, N: zero where free, the reaction where held.
+    pub reactions: Vec<Vec3>,
+    /// Contact force on each tool, N.
+    pub tool_forces: Vec<Vec3>,
+    /// Largest force of each body, contact and tool so far, as the balance of forces has them.
+    pub(super) seen: Vec<f64>,
+    /// What each pair did until now.
+    pub(super) touches: Vec<Touch>,
+    /// What the last step ended with.
+    pub(super) conditions: Conditions,
+}
+
+impl State {
+    /// That in the beginning, with forces of so many groups.
+    pub(super) fn first(model: &Model, groups: usize) -> Self {
+        Self {
+            time: 0.0,
+            increments: 0,
+            u: vec![Vec3::zeros(); model.part.points.len()],
+            reactions: vec![Vec3::zeros(); model.part.owned],
+            tool_forces: vec![Vec3::zeros(); model.tools.len()],
+            seen: vec![0.0; groups],
+            touches: vec![Touch::default(); model.pairs.len()],
+            conditions: Conditions::none(model),
+        }
+    }
+}
+
+/// All that the simulation goes on from: a state, how far its step is, and what the model remembers with it.
+#[derive(Clone, Debug)]
+pub struct Checkpoint {
+    pub state: State,
+    pub(super) progress: Option<Progress>,
+    pub(super) memory: Memory,
+}
+
+/// How far a step is.
+#[derive(Clone, Debug)]
+pub(super) struct Progress {
+    /// Tells it from other steps of the simulation.
+    pub serial: usize,
+    pub step: Step,
+    pub conditions: Conditions,
+    /// Time, and poses of the tools, at its start.
+    pub start: f64,
+    pub poses: Vec<Pose>,
+    /// Force-driven translations of the tools so far in it.
+    pub offsets: Vec<Vec3>,
+    pub increments: Increments,
+    pub ladder: Ladder,
+    /// Unknowns at the last converged ends of increments, at most three, with their fractions of the step.
+    pub past: Vec<(f64, Vec<f64>)>,
+}
+
+/// What points, nodes and tools remember.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Memory {
+    solids: solid::history::History,
+    poses: Vec<Pose>,
+    pairs: Vec<OfPair>,
+}
+
+/// What a contact pair remembers.
+#[derive(Clone, Debug)]
+struct OfPair {
+    /// Of the last converged increment; the iterate; what was seen.
+    slaves: Vec<(History, Trial, Trial, Sight)>,
+    outward: Vec<Vec3>,
+    avoided: Vec<Avoided>,
+}
+
+impl Memory {
+    /// What a model remembers.
+    pub fn of(model: &Model) -> Self {
+        let of_pair = |pair: &Pair| OfPair {
+            slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
+            outward: pair.outward.clone(),
+            avoided: pair.avoided.clone(),
+        };
+        Self {
+            solids: model.history.clone(),
+            poses: model.tools.iter().map(|tool| tool.committed).collect(),
+            pairs: model.pairs.iter().map(of_pair).collect(),
+        }
+    }
+
+    /// Makes a model remember this.
+    pub fn give(&self, model: &mut Model) {
+        model.history.clone_from(&self.solids);
+        for (tool, pose) in model.tools.iter_mut().zip(&self.poses) {
+            (tool.committed, tool.trial) = (*pose, *pose);
+        }
+        for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {
+            for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {
+                (slave.committed, slave.accepted, slave.trial, slave.sight) = (*committed, *accepted, *trial, *sight);
+            }
+            pair.outward.clone_from(&memory.outward);
+            pair.avoided.clone_from(&memory.avoided);
+        }
+    }
+}
