@@ -178,6 +178,14 @@ pub struct Located<T> {
     pub at: Location,
 }
 
+impl Located<String> {
+    /// What a program gives.
+    fn given(value: &str) -> Self {
+        let at = Location { file: "the program".into(), line: 0, column: 0, text: "".into() };
+        Self { value: value.to_string(), at }
+    }
+}
+
 /// A whole scene file with its overrides applied.
 #[derive(Clone, Debug)]
 pub struct Scene {
@@ -475,6 +483,57 @@ pub struct Step {
 }
 
 impl Step {
+    /// A step of a program, not of a scene file, in which nothing acts yet: of so many even increments over a time of 1.
+    ///
+    /// # Panics
+    /// Without increments.
+    pub fn new(name: &str, increments: usize) -> Self {
+        assert!(increments > 0, "a step has an increment or more");
+        let size = 1.0 / increments as f64;
+        Self {
+            name: Located::given(name),
+            duration: 1.0,
+            increment: Increment { initial: size, min: size / 1024.0, max: size, limits: Limits::default() },
+            fix: Vec::new(),
+            moves: Vec::new(),
+            forces: Vec::new(),
+            pressures: Vec::new(),
+            body_forces: Vec::new(),
+        }
+    }
+
+    /// Holds the nodes of a set in all directions.
+    pub fn fixing(mut self, set: &str) -> Self {
+        self.fix.push(Fix { set: Located::given(set), directions: [true; 3] });
+        self
+    }
+
+    /// Moves a tool, or the nodes of a set.
+    pub fn moving(mut self, target: &str, by: [f64; 3]) -> Self {
+        self.moves.push(Move { target: Located::given(target), by: by.into(), directions: [true; 3], rotate: None });
+        self
+    }
+
+    /// Turns a tool by degrees about an axis through a point.
+    pub fn turning(mut self, tool: &str, point: [f64; 3], axis: [f64; 3], angle: f64) -> Self {
+        let rotation = Rotation { point: point.into(), axis: Vec3::from(axis).normalize(), angle };
+        let by = Vec3::zeros();
+        self.moves.push(Move { target: Located::given(tool), by, directions: [true; 3], rotate: Some(rotation) });
+        self
+    }
+
+    /// Pushes a tool, which is free along the `directions`, or a set, where they do not count.
+    pub fn pushing(mut self, target: &str, total: [f64; 3], directions: [bool; 3]) -> Self {
+        self.forces.push(Force { target: Located::given(target), total: total.into(), directions });
+        self
+    }
+
+    /// Presses on faces.
+    pub fn pressing(mut self, set: &str, value: f64) -> Self {
+        self.pressures.push(Pressure { set: Located::given(set), value });
+        self
+    }
+
     /// Degrees that a tool may turn by in an increment. Slip is measured along the chord of the way of a point, which is 1.1 %
     /// shorter than its arc then, and normals turn by as much at once; a full turn would be no motion at all.
     pub const TURN: f64 = 30.0;
