@@ -33,7 +33,7 @@ fn assemble(criterion: &mut Criterion) {
     let dofs = DofMap::new(&world, &model, &held, &[]);
     let points = model.part.points.clone();
     let place = |n: u32| points[n as usize];
-    let pattern = Pattern::new(&world, &model, &dofs, place);
+    let pattern = Pattern::new(&world, &model, &dofs, place).unwrap();
     let u: Vec<Vec3> = model.part.points.iter().map(|x| 1e-3 * x.z * Vec3::new(x.x, x.z, -x.z)).collect();
     let mut forces = vec![Vec3::zeros(); u.len()];
     let mut values = vec![0.0; pattern.columns.len()];
@@ -53,7 +53,9 @@ fn assemble(criterion: &mut Criterion) {
             assembly::add_tangent(&mut model, &pattern, black_box(&u), &mut values);
         });
     });
-    group.bench_function("pattern", |b| b.iter(|| black_box(Pattern::new(&world, &model, &dofs, place)).columns.len()));
+    group.bench_function("pattern", |b| {
+        b.iter(|| black_box(Pattern::new(&world, &model, &dofs, place).unwrap()).columns.len())
+    });
     group.finish();
     assert_eq!(world.size(), 1);
 }

@@ -1,6 +1,7 @@
 //! nagata: implicit, parallel finite elements for large-sliding frictional contact on Nagata-smoothed surfaces.
 //!
-//! The way through the program; a module may use those listed before it, not those after.
+//! The way through the program; a module may use those listed before it, not those after. Only the kinds that [`scene`] names
+//! (smoothing, formulations, material models, methods) are at home further down, in leaves that use nothing.
 //!
 //! - [`failure`]: why an increment has no solution
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library

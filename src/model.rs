@@ -1,7 +1,9 @@
 //! From the scene and its meshes to what is modelled: parts, bodies, tools, contact pairs, each only as far as the scene
 //! asks for it.
 
+pub mod elements;
 mod shared;
+pub mod states;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
@@ -12,12 +14,11 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
-use crate::scene::{self, Discretization, Element, Enforcement, Located, Scene, body_of, did_you_mean};
+use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::MovingPatch;
-use crate::system::nodal_stiffness;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::BTreeMap;
@@ -27,7 +28,7 @@ use std::collections::BTreeMap;
 pub struct Body {
     pub name: String,
     pub material: Material,
-    pub element: Element,
+    pub element: Formulation,
     pub plane_strain: bool,
     /// Largest diagonal entry of its initial stiffness, force per length; over all ranks.
     pub stiffness: f64,
@@ -120,7 +121,7 @@ impl Model {
         let warnings = Vec::new();
         let remembers = |solid: &PartSolid| {
             let body: &Body = &bodies[solid.body as usize];
-            (body.points_with_memory(solid.shape), body.element == Element::Hex8Eas)
+            (body.points_with_memory(solid.shape), body.element == Formulation::Hex8Eas)
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {
@@ -144,7 +145,7 @@ impl Model {
             let size = model.longest_edge(comm, name);
             model.surfaces.push(BodySurface::new(comm, name, given, patches, &model.part.starts, size));
         }
-        let stiffness = agree(comm, nodal_stiffness(&model))?;
+        let stiffness = agree(comm, elements::nodal_stiffness(&model))?;
         let volume = model.volume(comm);
         model.size = (volume / model.part.total_solids as f64).cbrt();
         let mut largest = vec![0.0f64; model.bodies.len()];
@@ -158,7 +159,7 @@ impl Model {
             let pair = model.pair(comm, scene, contact, &avoided);
             model.pairs.push(pair);
         }
-        model.join_passes();
+        model.join_passes(&passes);
         model.tell_repeats();
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
@@ -278,10 +279,9 @@ impl Model {
     }
 
     /// Lets the two passes of a contact know of each other.
-    fn join_passes(&mut self) {
-        for second in 1..self.pairs.len() {
-            let first = second - 1;
-            if self.pairs[second].name == format!("{}.master", self.pairs[first].name) {
+    fn join_passes(&mut self, passes: &[scene::Contact]) {
+        for (second, pass) in passes.iter().enumerate() {
+            if let Some(first) = pass.second_of {
                 self.pairs[second].is_second = true;
                 self.pairs[second].other = Some(first);
                 self.pairs[first].other = Some(second);
@@ -616,18 +616,18 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
 
 /// The element of a body that asks for none: one that does not lock. Flow keeps the volume, too, and wants the balance of
 /// energy that `hex8-sri` has; its tangent is symmetric besides.
-fn default_element(scene: &Scene, body: &scene::Body, hexes: bool) -> Element {
+fn default_element(scene: &Scene, body: &scene::Body, hexes: bool) -> Formulation {
     let card = scene.materials.iter().find(|m| m.name.value == body.material.value);
     match card.map(|card| (&card.model, card.model.keeps_volume().is_some())) {
-        _ if !hexes => Element::Tet4,
-        Some((scene::MaterialModel::Plastic { .. }, _)) => Element::Hex8Sri,
-        Some((_, true)) => Element::Hex8Fbar,
-        _ => Element::Hex8,
+        _ if !hexes => Formulation::Tet4,
+        Some((scene::MaterialModel::Plastic { .. }, _)) => Formulation::Hex8Sri,
+        Some((_, true)) => Formulation::Hex8Fbar,
+        _ => Formulation::Hex8,
     }
 }
 
 /// The element formulation of each body: the user's, checked against the mesh, or the mesh's own. Collective.
-fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Element>> {
+fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Formulation>> {
     let mut present = vec![0.0; 2 * scene.bodies.len()];
     for solid in &part.solids {
         present[2 * solid.body as usize + usize::from(solid.shape == SolidShape::Tet4)] = 1.0;
@@ -638,7 +638,7 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
         let (hexes, tets) = (has[0] > 0.0, has[1] > 0.0);
         let asked = body.element.as_ref();
         let wrong = match asked.map(|e| e.value) {
-            Some(Element::Tet4) => hexes,
+            Some(Formulation::Tet4) => hexes,
             Some(_) => tets,
             None => false,
         };

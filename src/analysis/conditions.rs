@@ -7,10 +7,9 @@
 use crate::Vec3;
 use crate::contact::{Discretization, Master, Pair, Pose, Tool};
 use crate::error::{Error, Location, Result};
-use crate::model::Model;
+use crate::model::{Model, elements};
 use crate::parallel::sum;
-use crate::scene::{Element, Rotation, Smoothing, Step, Tangent, Transfer};
-use crate::system::assembly;
+use crate::scene::{Formulation, Rotation, Smoothing, Step, Tangent, Transfer};
 use crate::system::dofs::{Prescribed, ToolFreedom};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -158,7 +157,7 @@ impl Conditions {
             }
         };
         let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
-        conservative && model.bodies.iter().all(|b| b.element != Element::Hex8Fbar)
+        conservative && model.bodies.iter().all(|b| b.element != Formulation::Hex8Fbar)
     }
 
     fn add_body_forces(&mut self, model: &Model, step: &Step) {
@@ -167,7 +166,7 @@ impl Conditions {
                 if model.bodies[solid.body as usize].name != force.body.value {
                     continue;
                 }
-                let shares = assembly::body_force(model, solid, &force.per_volume);
+                let shares = elements::body_force(model, solid, &force.per_volume);
                 for (&n, share) in solid.nodes().iter().zip(shares) {
                     if (n as usize) < model.part.owned {
                         self.loads[n as usize].to += share;
@@ -271,7 +270,7 @@ pub fn nodal_weights(comm: &SimpleCommunicator, model: &Model, set: &str) -> BTr
     let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
     if has_faces[0] > 0.0 {
         let still = vec![Vec3::zeros(); model.part.points.len()];
-        assembly::add_nodal_areas(model, &set.facets, &still, |n, area| {
+        elements::add_nodal_areas(model, &set.facets, &still, |n, area| {
             if (n as usize) < model.part.owned {
                 *weights.entry(n).or_default() += area;
             }

@@ -192,7 +192,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
         let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
         super::survey(comm, model, &conditions, &dofs, &still);
-        let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize]);
+        let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
         let mut entries = [pattern.columns.len() as f64];
         sum(comm, &mut entries);
         let symmetric = conditions.is_symmetric(model);

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::contact::{Master, Status};
 use crate::error::Result;
 use crate::mesh::SolidShape;
-use crate::model::{Body, Model};
+use crate::model::{Body, Model, elements, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::History;
@@ -14,7 +14,6 @@ use crate::partition::PartFacet;
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::scene::Scene;
 use crate::surface::Tessellation;
-use crate::system::assembly;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -96,7 +95,7 @@ impl Results {
             }
         }
         for (b, _) in plastic_bodies(model) {
-            let mut energies = agree(comm, assembly::energies(model, &state.u, b))?;
+            let mut energies = agree(comm, states::energies(model, &state.u, b))?;
             sum(comm, &mut energies);
             row.extend(energies);
         }
@@ -142,7 +141,7 @@ impl Results {
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
     pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
-        let stresses = agree(comm, assembly::stresses(model, u))?;
+        let stresses = agree(comm, states::stresses(model, u))?;
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
@@ -150,7 +149,7 @@ impl Results {
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
             let mut cell = vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)];
             if model.bodies[b].material.remembers() {
-                cell.push(("equivalent_plastic_strain", 1, agree(comm, assembly::plastic_strains(model, u, b))?));
+                cell.push(("equivalent_plastic_strain", 1, agree(comm, states::plastic_strains(model, u, b))?));
             }
             let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
             grids.push(Columns { grid: shown.id, node, cell });
@@ -221,7 +220,7 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
 /// Current area that belongs to each owned node of a slave surface; tied nodes count for the node they follow.
 fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
     let mut areas = vec![0.0; model.part.points.len()];
-    assembly::add_nodal_areas(model, &model.part.sets[set].facets, u, |n, area| {
+    elements::add_nodal_areas(model, &model.part.sets[set].facets, u, |n, area| {
         areas[model.part.tie[n as usize] as usize] += area;
     });
     areas.truncate(model.part.owned);

@@ -10,12 +10,12 @@ use crate::contact::{Manner, Master, Pair, Status, follow_all, watch_all};
 use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
-use crate::model::Model;
+use crate::model::{Model, states};
 use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
-use crate::system::{DofMap, Pattern, assembly};
+use crate::system::{DofMap, Pattern};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
@@ -167,7 +167,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
         let conditions = &progress.conditions;
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
-        let pattern = self.pattern(conditions, &dofs);
+        let pattern = self.pattern(conditions, &dofs)?;
         self.summary.dofs = dofs.total;
         self.summary.multipliers = dofs.total_multipliers;
         let symmetric = conditions.is_symmetric(&self.model);
@@ -296,13 +296,13 @@ impl<'a> Simulation<'a> {
     }
 
     /// The pattern of a step. Collective.
-    fn pattern(&mut self, conditions: &Conditions, dofs: &DofMap) -> Pattern {
+    fn pattern(&mut self, conditions: &Conditions, dofs: &DofMap) -> Result<Pattern> {
         let begun = Instant::now();
         super::survey(self.comm, &mut self.model, conditions, dofs, &self.state.u);
         let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
-        let pattern = Pattern::new(self.comm, &self.model, dofs, place);
+        let pattern = Pattern::new(self.comm, &self.model, dofs, place)?;
         self.phases.add(Phase::Assembly, begun.elapsed());
-        pattern
+        Ok(pattern)
     }
 
     /// Tries one increment to fraction `end` of the step, or a share of it. A search that proves too narrow is widened and
@@ -428,8 +428,8 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// An element that cannot follow; the state is then what it was.
     pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) -> Result<()> {
-        let flown = agree(self.comm, assembly::flown(&mut self.model, &converged.u))?;
-        assembly::flow(&mut self.model, flown);
+        let flown = agree(self.comm, states::flown(&mut self.model, &converged.u))?;
+        states::flow(&mut self.model, flown);
         for tool in &mut self.model.tools {
             tool.committed = tool.trial;
         }

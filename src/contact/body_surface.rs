@@ -10,11 +10,12 @@
 //! - A patch with the slip origin of a slave node stays, near or not.
 
 use super::deformable::frame;
+use super::method::MasterSurface;
 use super::{Master, Pair};
 use crate::parallel::{max, number};
 use crate::partition::parcels::{bounds, collect, deal, strayed};
 use crate::partition::{Bounds, Gather, Parcel, owner};
-use crate::scene::{MasterSurface, Smoothing};
+use crate::surface::Smoothing;
 use crate::surface::{MovingPatch, Patch, PatchSet, Projection, Tessellation};
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;

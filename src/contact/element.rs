@@ -12,7 +12,7 @@
 //! symmetric.
 
 use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes};
-use crate::scene::Tangent;
+use super::method::Tangent;
 use crate::surface::Projection;
 use crate::{Mat3, Vec3};
 

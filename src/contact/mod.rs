@@ -4,9 +4,10 @@
 //! - [`element`]: the element of a slave node and a rigid tool, residual and exact tangent
 //! - [`deformable`]: the element of a slave node and a patch of a deformable master
 //! - [`pose`]: where a tool is
-//! - [`search`]: tools in their place, and which part of them a rank watches
+//! - [`tool`]: tools in their place, and which part of them a rank watches
 //! - [`self_contact`]: which patches of its own surface a node may meet
 //! - [`body_surface`]: a deformable master surface that moves with its nodes, wherever they are owned
+//! - [`method`]: how contact is described and enforced, by name
 //! - [`mates`]: contact from node to node
 //! - [`watch`]: whether a node went through the master, by its place alone
 //! - [`guidance`]: whether slave and master are the right way round
@@ -19,23 +20,23 @@ pub mod element;
 pub mod guidance;
 pub mod law;
 pub mod mates;
+pub mod method;
 pub mod pose;
-pub mod search;
 pub mod self_contact;
 pub mod stiffness;
+pub mod tool;
 pub mod watch;
 
 pub use body_surface::{BodySurface, follow_all};
 pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
 pub use mates::Mate;
-pub use pose::Pose;
-pub use search::{Tool, watch_all};
+pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
+pub use pose::{Pose, Rotation};
 pub use self_contact::{Avoided, Outlook};
+pub use tool::{Tool, watch_all};
 pub use watch::Sight;
 
 use crate::partition::Gather;
-use crate::scene::Enforcement;
-pub use crate::scene::{Discretization, Tangent};
 use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
 

@@ -1,8 +1,16 @@
 //! Where a rigid tool is: rotation and translation of its own frame.
 
-use crate::scene::Rotation;
 use crate::{Mat3, Vec3};
 use nalgebra::{Rotation3, Unit};
+
+/// A rotation about a fixed axis, a unit vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation {
+    pub point: Vec3,
+    pub axis: Vec3,
+    /// Degrees, right-handed.
+    pub angle: f64,
+}
 
 /// x = rotation X + translation takes the tool's frame, in which its surface was read, to space.
 #[derive(Clone, Copy, Debug, PartialEq)]

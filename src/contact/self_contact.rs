@@ -255,8 +255,8 @@ pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, starts: &
 mod tests {
     use super::*;
     use crate::mesh::{Facet, Mesh};
-    use crate::scene::Smoothing;
     use crate::surface::MovingPatch;
+    use crate::surface::Smoothing;
 
     /// The sides of a sheet of thickness 2 and length 10, and a second sheet 1 above it: strips of facets of length 1.
     fn sheets() -> (Vec<MovingPatch>, Vec<Vec3>) {

@@ -77,6 +77,7 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         reach: table.optional("reach", Item::positive)?,
         tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or(tangent),
         thickness: table.optional("thickness", automatic)?.flatten(),
+        second_of: None,
     })
 }
 
@@ -99,10 +100,12 @@ impl Scene {
     pub fn passes(&self) -> Vec<Contact> {
         let mut passes = Vec::new();
         for contact in &self.contacts {
+            let first = passes.len();
             passes.push(contact.clone());
             if contact.discretization == Discretization::TwoPass {
                 let mut second = contact.clone();
                 second.name.value += ".master";
+                second.second_of = Some(first);
                 std::mem::swap(&mut second.slave, &mut second.master);
                 passes.push(second);
             }

@@ -1,6 +1,6 @@
 //! A tool as the user describes it.
 
-use super::{Located, MeshSource};
+use super::{Located, MeshSource, Smoothing, Weight};
 use crate::Vec3;
 use std::path::PathBuf;
 
@@ -35,13 +35,6 @@ pub enum Description {
     Profile,
 }
 
-/// How a surface mesh is smoothed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Smoothing {
-    Facet,
-    Nagata,
-}
-
 /// The surface mesh of a tool; its facets' outward normals point to the bodies.
 #[derive(Clone, Debug)]
 pub struct ToolMesh {
@@ -59,26 +52,6 @@ pub enum NormalSource {
     Facets(Weight),
     /// The nearest point of another description of the tool, which is given and no mesh.
     Description(Located<Description>),
-}
-
-/// Weight of a facet in the mean normal of its node, where its edges `a` and `b` meet at the angle alpha.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Weight {
-    /// 1 (Gouraud 1971).
-    Equal,
-    /// |a x b|, twice the area of the triangle that the two edges span.
-    Area,
-    /// alpha (Thürmer and Wüthrich 1998).
-    Angle,
-    /// sin(alpha)/(|a||b|) (Max 1999): exact on spheres, and on circles drawn out.
-    #[default]
-    Sine,
-    /// 1/(|a||b|) (Max 1999).
-    Edge,
-    /// 1/sqrt(|a||b|) (Max 1999).
-    RootEdge,
-    /// 1/|g|^2, where g runs from the node to the centroid of the facet (Chen and Wu 2004).
-    Centroid,
 }
 
 /// A plane in which a mesh ends and its surface goes on as its mirror image; `normal` is a unit vector.
@@ -185,24 +158,6 @@ impl Description {
     /// What the user calls it.
     pub fn key(self) -> &'static str {
         Self::ALL.iter().find(|(_, description)| *description == self).map_or("", |(key, _)| key)
-    }
-}
-
-impl Weight {
-    /// All weights, by what the user calls them.
-    pub const ALL: [(&str, Self); 7] = [
-        ("equal", Self::Equal),
-        ("area", Self::Area),
-        ("angle", Self::Angle),
-        ("sine", Self::Sine),
-        ("edge", Self::Edge),
-        ("root-edge", Self::RootEdge),
-        ("centroid", Self::Centroid),
-    ];
-
-    /// What the user calls it.
-    pub fn key(self) -> &'static str {
-        Self::ALL.iter().find(|(_, weight)| *weight == self).map_or("", |(key, _)| key)
     }
 }
 

@@ -160,15 +160,17 @@ mod tests;
 mod tools;
 mod tree;
 
-pub use descriptions::{
-    CadFile, Description, NormalSource, Profile, Shape, Smoothing, Sweep, SymmetryPlane, Tool, ToolMesh, Weight,
-};
+pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub(crate) use references::body_of;
 
+use crate::Vec3;
+pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
 use crate::error::Location;
-use crate::{Mat3, Vec3};
+pub use crate::solid::element::Formulation;
+pub use crate::solid::material::{Hardening, Hill, MaterialModel};
+pub use crate::surface::{Smoothing, Transfer, Weight};
 use std::path::PathBuf;
 
 /// A value with the place where the user wrote it.
@@ -212,7 +214,7 @@ pub struct Body {
     /// Name of a material in [`Scene::materials`].
     pub material: Located<String>,
     /// `None`: chosen by mesh and material.
-    pub element: Option<Located<Element>>,
+    pub element: Option<Located<Formulation>>,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
     pub plane_strain: Option<Located<bool>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
@@ -262,99 +264,11 @@ pub enum BlockShape {
     },
 }
 
-/// The element formulations.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Element {
-    /// 8-node hexahedron, full 2x2x2 integration.
-    Hex8,
-    /// 8-node hexahedron, F-bar.
-    Hex8Fbar,
-    /// 8-node hexahedron, selective reduced integration with the mean change of volume.
-    Hex8Sri,
-    /// 8-node hexahedron, enhanced assumed strain.
-    Hex8Eas,
-    /// 4-node tetrahedron.
-    Tet4,
-}
-
-impl Element {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Hex8, Self::Hex8Fbar, Self::Hex8Sri, Self::Hex8Eas, Self::Tet4];
-
-    /// What the user calls it.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Hex8 => "hex8",
-            Self::Hex8Fbar => "hex8-fbar",
-            Self::Hex8Sri => "hex8-sri",
-            Self::Hex8Eas => "hex8-eas",
-            Self::Tet4 => "tet4",
-        }
-    }
-}
-
 /// A material card.
 #[derive(Clone, Debug)]
 pub struct Material {
     pub name: Located<String>,
     pub model: MaterialModel,
-}
-
-/// The material models and their parameters, checked to be physical.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MaterialModel {
-    /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J.
-    NeoHookean { young: f64, poisson: f64 },
-    /// Kirchhoff stress linear in the logarithmic strain.
-    Hooke { young: f64, poisson: f64 },
-    /// Elastic-plastic in logarithmic strain, by von Mises or, when given, by Hill.
-    Plastic { young: f64, poisson: f64, hill: Option<Hill>, hardening: Hardening },
-}
-
-impl MaterialModel {
-    /// Young's modulus.
-    pub fn young(&self) -> f64 {
-        match *self {
-            Self::NeoHookean { young, .. } | Self::Hooke { young, .. } | Self::Plastic { young, .. } => young,
-        }
-    }
-}
-
-impl MaterialModel {
-    /// Why the material nearly keeps its volume, in words that follow "a material"; `None` when it does not.
-    pub fn keeps_volume(&self) -> Option<&'static str> {
-        /// Poisson's ratio from which elements with full integration are clearly too stiff.
-        const STIFF: f64 = 0.45;
-        match *self {
-            Self::Plastic { .. } => Some("that flows plastically"),
-            Self::NeoHookean { poisson, .. } | Self::Hooke { poisson, .. } if poisson > STIFF => {
-                Some("with Poisson's ratio above 0.45")
-            }
-            _ => None,
-        }
-    }
-}
-
-/// Hill's criterion of 1948.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Hill {
-    /// F, G, H, L, M, N.
-    pub coefficients: [f64; 6],
-    /// Columns are the axes of the material in the reference state, orthonormal.
-    pub axes: Mat3,
-}
-
-/// The yield stress by the equivalent plastic strain; it is above 0 and never falls.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Hardening {
-    /// yield_stress + modulus e; perfectly plastic when the modulus is 0.
-    Linear { yield_stress: f64, modulus: f64 },
-    /// k (e0 + e)^n.
-    Swift { k: f64, e0: f64, n: f64 },
-    /// yield_stress + modulus e + (saturation - yield_stress) (1 - exp(-rate e)).
-    Voce { yield_stress: f64, saturation: f64, rate: f64, modulus: f64 },
-    /// Points (e, stress) from e = 0; linear between them, constant after the last.
-    Table(Vec<[f64; 2]>),
 }
 
 /// A contact pair.
@@ -382,6 +296,8 @@ pub struct Contact {
     pub tangent: Tangent,
     /// Of a sheet both of whose sides are in self-contact; `None` measures it.
     pub thickness: Option<f64>,
+    /// Among [`Scene::passes`] the first pass, of which this is the second.
+    pub second_of: Option<usize>,
 }
 
 impl Contact {
@@ -389,84 +305,6 @@ impl Contact {
     pub fn is_self(&self) -> bool {
         self.slave.value == self.master.value
     }
-}
-
-/// Which nodes are kept out of what.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Discretization {
-    /// The slave's nodes out of the master's surface.
-    #[default]
-    OnePass,
-    /// These, and the master's nodes out of the slave's surface.
-    TwoPass,
-    /// Each node of the slave out of the node of the master that it lies on, for small sliding on conforming meshes.
-    NodeToNode,
-}
-
-/// How contact is enforced.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Enforcement {
-    /// Forces grow with penetration and slip; no multipliers.
-    Penalty,
-    /// Multipliers are the forces, under an active set that is fixed while Newton's method runs.
-    Lagrange,
-    /// Multipliers and penalty together in one system.
-    #[default]
-    AugmentedLagrangian,
-    /// Multipliers are held while Newton's method runs, and take over the forces after it.
-    Uzawa,
-}
-
-impl Enforcement {
-    /// Every method with what the user calls it.
-    pub const KEYS: [(&'static str, Self); 4] = [
-        ("penalty", Self::Penalty),
-        ("lagrange", Self::Lagrange),
-        ("augmented-lagrangian", Self::AugmentedLagrangian),
-        ("uzawa", Self::Uzawa),
-    ];
-
-    /// What the user calls it.
-    pub fn key(self) -> &'static str {
-        Self::KEYS.iter().find(|(_, method)| *method == self).map_or("", |(key, _)| key)
-    }
-
-    /// Whether multipliers are no unknowns.
-    pub fn holds_multipliers(self) -> bool {
-        matches!(self, Self::Penalty | Self::Uzawa)
-    }
-}
-
-/// The faces of a body as a master.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MasterSurface {
-    pub smoothing: Smoothing,
-    /// Edges whose facets' normals differ by more stay sharp, degrees.
-    pub feature_angle: f64,
-    /// How the contact force goes to the master's nodes.
-    pub transfer: Transfer,
-}
-
-/// How a force on a point of a deformable master is spread over the nodes: node j gets W_j^T F.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Transfer {
-    /// By the areas opposite to the patch's own nodes, eqs. (60)-(61) of the node-to-Nagata paper: W_j = w_j I.
-    Bilinear,
-    /// By the derivative of the patch by its own nodes at fixed nodal normals.
-    #[default]
-    Patch,
-    /// By the derivative of the patch by all nodes: keeps force and moment, and makes frictionless tangents symmetric.
-    Variational,
-}
-
-/// Which tangent contact elements have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tangent {
-    /// The derivative of the residual.
-    #[default]
-    Exact,
-    /// That of the paper, eqs. (68)-(70): as if normal, weights and slip origin stood still.
-    FixedFrame,
 }
 
 /// A step: the conditions listed act during it, and only they do.
@@ -585,15 +423,6 @@ pub struct Move {
     pub directions: [bool; 3],
     /// Rotation over the step about an axis through a point (tools only).
     pub rotate: Option<Rotation>,
-}
-
-/// A rotation about a fixed axis, a unit vector.
-#[derive(Clone, Copy, Debug)]
-pub struct Rotation {
-    pub point: Vec3,
-    pub axis: Vec3,
-    /// Degrees, right-handed.
-    pub angle: f64,
 }
 
 /// A total force on a set (spread by area, or evenly over bare nodes), or on a tool, which is then free to

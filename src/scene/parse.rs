@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, Element, FaceGroup, Located, MeshSource, Output, Scene, Solver, Tool, contacts, materials,
-    overrides, steps, tools,
+    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Solver, Tool, contacts,
+    materials, overrides, steps, tools,
 };
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -121,7 +121,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         return Err(group.error("needs a mesh file", "the groups of a block are its `faces`"));
     }
     let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()))?;
-    let elements = Element::ALL.map(|e| (e.key(), e));
+    let elements = Formulation::ALL.map(|e| (e.key(), e));
     let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)))?;
     let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
@@ -135,7 +135,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
 fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
-    if let Some(element) = body.element.as_ref().filter(|element| element.value == Element::Tet4) {
+    if let Some(element) = body.element.as_ref().filter(|element| element.value == Formulation::Tet4) {
         let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
     }

@@ -63,8 +63,8 @@ impl Step {
     pub fn check(&self, is_tool: impl Fn(&str) -> bool) -> Result<()> {
         check_repeats(self)?;
         check_fixed_moves(self)?;
-        let of_tools = self.forces.iter().filter(|force| is_tool(&force.target.value));
-        of_tools.map(|force| check_free_directions(self, force)).collect()
+        let mut of_tools = self.forces.iter().filter(|force| is_tool(&force.target.value));
+        of_tools.try_for_each(|force| check_free_directions(self, force))
     }
 }
 

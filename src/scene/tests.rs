@@ -214,7 +214,7 @@ force_floor = 1e-3
     assert_eq!((block.value.elements, block.value.grading), ([2, 8, 1], [2.0, 1.0, 1.0]));
     let faces: Vec<Vec<_>> = block.value.faces.iter().map(|f| f.1.iter().map(|f| f.value.as_str()).collect()).collect();
     assert_eq!(faces, [vec!["rmax"], vec!["amin", "amax"]]);
-    assert_eq!(scene.bodies[0].element.as_ref().map(|e| e.value), Some(Element::Hex8Fbar));
+    assert_eq!(scene.bodies[0].element.as_ref().map(|e| e.value), Some(Formulation::Hex8Fbar));
     let MeshSource::File { path, group: Some(group) } = &scene.bodies[2].mesh else { panic!() };
     assert_eq!((path.value.as_path(), group.value.as_str()), (Path::new("/abs/part.inp"), "left"));
     tools_are_read(&scene.tools);

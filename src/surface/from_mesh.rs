@@ -5,10 +5,10 @@ use super::nagata::{crease_coefficient, edge_coefficient};
 use super::normals::{NormalOptions, Normals};
 use super::patch::Patch;
 use super::piece::Edge;
+use super::smoothing::Smoothing;
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::Smoothing;
 
 /// The patches of a surface mesh, one for each facet, numbered like [`Mesh::facets`].
 ///

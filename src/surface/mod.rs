@@ -25,6 +25,7 @@ pub mod patch;
 pub mod piece;
 pub mod piece_set;
 pub mod projection;
+mod smoothing;
 pub mod tessellation;
 
 #[cfg(test)]
@@ -34,7 +35,7 @@ pub use analytic::Analytic;
 pub use face::Face;
 pub use faces::{FaceSet, SewnFace, sew};
 pub use from_mesh::{patches_from_mesh, smooth};
-pub use moving::{MovingPatch, Transfer};
+pub use moving::MovingPatch;
 pub use normals::{NormalOptions, Weight};
 pub use nurbs::{Bezier, Curve, CurveLocal, KnotVector, Nurbs};
 pub use parametric::{Closest, Local, Parametric};
@@ -42,4 +43,5 @@ pub use patch::Patch;
 pub use piece::{EXTENSION, Edge, Piece, Polygon};
 pub use piece_set::{Admission, PatchSet, PieceSet};
 pub use projection::Projection;
+pub use smoothing::{Smoothing, Transfer};
 pub use tessellation::Tessellation;

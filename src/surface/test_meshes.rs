@@ -8,8 +8,8 @@ use super::patch::Patch;
 use super::piece::Edge;
 use crate::Vec3;
 use crate::mesh::{Facet, Mesh};
-use crate::scene::Smoothing;
 use crate::surface::Bezier;
+use crate::surface::Smoothing;
 use proptest::prelude::*;
 
 /// A mesh of facets numbered from 101.

@@ -12,6 +12,5 @@ pub mod dofs;
 pub mod foreign;
 pub mod pattern;
 
-pub use assembly::nodal_stiffness;
 pub use dofs::DofMap;
 pub use pattern::Pattern;

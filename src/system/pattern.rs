@@ -3,14 +3,15 @@
 //! Within a row the columns ascend, so the free displacements of a node stand side by side: the place of an element's
 //! entries is found once for each (row, node) and then only looked up.
 
-use super::assembly::carrying;
 use super::candidates::Candidates;
 use super::dofs::{DofMap, NONE};
 use super::foreign::Foreign;
 use crate::Vec3;
 use crate::contact::Master;
+use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::parallel::{Parcels, exchange};
+use crate::model::elements::carrying;
+use crate::parallel::{Parcels, agree, exchange};
 use mpi::topology::SimpleCommunicator;
 
 /// Length from which a row is rid of repetitions: long before it is crowded with them.
@@ -39,7 +40,11 @@ pub struct Pattern {
 impl Pattern {
     /// Builds the pattern for elements and contact, with slave nodes at `place` and deformable masters as they are.
     /// Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap, place: impl Fn(u32) -> Vec3) -> Self {
+    ///
+    /// # Errors
+    /// More unknowns, or entries on a rank, than PETSc's indices count, on all ranks.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap, place: impl Fn(u32) -> Vec3) -> Result<Self> {
+        countable(dofs.total, "unknowns")?;
         let part = &model.part;
         let mut rows: Vec<Vec<i32>> = vec![Vec::new(); dofs.count];
         for solid in &part.solids {
@@ -77,6 +82,7 @@ impl Pattern {
             rows[(i64::from(*row) - dofs.first) as usize].push(*column);
         }
         rows.iter_mut().for_each(tidy);
+        agree(comm, countable(rows.iter().map(Vec::len).sum::<usize>() as u64, "entries on a rank"))?;
         let mut pattern = Self { offsets: vec![0], foreign, candidates, ..Self::default() };
         for row in &rows {
             pattern.columns.extend(row);
@@ -86,7 +92,7 @@ impl Pattern {
         let local = |[row, column]: &[i32; 2]| pattern.place((i64::from(*row) - dofs.first) as usize, *column);
         let places = received.iter().map(local).collect();
         pattern.foreign.receive_at(places);
-        pattern
+        Ok(pattern)
     }
 
     fn find_places(&mut self, model: &Model, dofs: &DofMap) {
@@ -182,6 +188,17 @@ fn add_groups(dofs: &DofMap, groups: &[Vec<i64>], rows: &mut [Vec<i32>]) -> Vec<
     foreign
 }
 
+/// Whether PETSc's indices, of 32 bits, count so many.
+fn countable(count: u64, what: &str) -> Result<()> {
+    match i32::try_from(count) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(Error::System(format!(
+            "the matrix has {count} {what}: PETSc with indices of 32 bits counts {}\n  help: run on more ranks, or refine less",
+            i32::MAX
+        ))),
+    }
+}
+
 fn free(equations: &[i64; 3]) -> impl Iterator<Item = i32> + '_ {
     equations.iter().filter(|&&e| e != NONE).map(|&e| e as i32)
 }
@@ -201,5 +218,17 @@ fn tool_rows(comm: &SimpleCommunicator, dofs: &DofMap, of_tools: &[Vec<i32>], ro
         for row in equations.iter().filter_map(|&e| dofs.local(e)) {
             rows[row].extend(all.values().flatten().copied().chain(free(equations)));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_than_indices_count_is_refused() {
+        assert!(countable(i32::MAX as u64, "unknowns").is_ok());
+        let error = countable(1 << 31, "unknowns").unwrap_err().to_string();
+        assert!(error.starts_with("the matrix has 2147483648 unknowns: "), "{error}");
     }
 }

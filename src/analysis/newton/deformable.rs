@@ -7,6 +7,7 @@ use super::Newton;
 use crate::Vec3;
 use crate::contact::deformable::{self, Method, Origin, Site};
 use crate::contact::{BodySurface, Guide, Master, Multiplier, Pair, Response, Slave, Status, follow_all, touching};
+use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::any;
 use crate::partition::Bounds;
@@ -151,9 +152,9 @@ impl Newton<'_> {
     }
 
     /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
-    pub(super) fn widen_pattern(&mut self) -> bool {
+    pub(super) fn widen_pattern(&mut self) -> Result<bool> {
         if self.model.surfaces.is_empty() {
-            return false;
+            return Ok(false);
         }
         let mut lacks = false;
         for (p, pair) in self.model.pairs.iter().enumerate().filter(|(_, p)| matches!(p.master, Master::Surface(_))) {
@@ -169,11 +170,11 @@ impl Newton<'_> {
         if widen {
             let (part, u) = (&self.model.part, &self.u);
             let place = |n: u32| part.points[n as usize] + u[n as usize];
-            *self.pattern = Pattern::new(self.comm, self.model, self.dofs, place);
+            *self.pattern = Pattern::new(self.comm, self.model, self.dofs, place)?;
             self.values.resize(self.pattern.columns.len(), 0.0);
             self.rebuilds += 1;
         }
-        widen
+        Ok(widen)
     }
 
     /// Tangents of the contact elements. Collective.

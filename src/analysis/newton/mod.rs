@@ -5,7 +5,7 @@
 //! the last converged increment. [`contact`] has the part of the contact elements on tools, [`deformable`] that of those
 //! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
 //! from overshooting, [`drag`] what helps a jump along,
-//! [`trial`] how long an increment may be.
+//! [`share`] how long an increment may be.
 
 mod backtrack;
 pub(super) mod balance;
@@ -13,7 +13,7 @@ mod contact;
 mod deformable;
 mod drag;
 mod rounds;
-mod trial;
+mod share;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -21,7 +21,7 @@ use crate::contact::element::Element;
 use crate::contact::{Manner, Pair, Pose, Slave, Status};
 use crate::error::Error;
 use crate::interrupt;
-use crate::model::Model;
+use crate::model::{Model, elements};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{any, max, sum};
 use crate::system::assembly;
@@ -37,8 +37,8 @@ use mpi::traits::*;
 use petsc::{Evaluation, Iterate, Jacobian, Problem, Verdict};
 pub use rounds::Round;
 use rounds::Rounds;
+pub use share::Share;
 use std::time::Instant;
-pub use trial::Share;
 
 /// Iterations in which what touches sticks, at most. Two bring bodies along with a tool that turns, four where that strains
 /// them; contacts that open and close while all others stick may go to and fro for ever, and settle as soon as they may slip.
@@ -389,7 +389,7 @@ impl Problem for Newton<'_> {
             self.evaluate(x, &mut r);
         }
         let begun = Instant::now();
-        let is_new = self.widen_pattern();
+        let is_new = self.widen_pattern().map_err(|error| error.to_string())?;
         self.tangent();
         self.phases.add(Phase::Assembly, begun.elapsed());
         let (Pattern { offsets, columns, .. }, values) = (&*self.pattern, &self.values);
@@ -487,7 +487,7 @@ impl Newton<'_> {
     fn would_invert(&mut self, x: &[f64], step: &[f64], factor: f64, solve: bool) -> bool {
         let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - factor * s).collect();
         self.unpack(&there);
-        any(self.comm, assembly::any_inverted(self.model, &self.u, solve))
+        any(self.comm, elements::any_inverted(self.model, &self.u, solve))
     }
 }
 

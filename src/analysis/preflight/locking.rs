@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::parallel::max;
-use crate::scene::{Element, MaterialModel, Scene};
+use crate::scene::{Formulation, MaterialModel, Scene};
 use mpi::topology::SimpleCommunicator;
 
 /// Poisson's ratio below which the enhanced strain of compressed elements buckles. Under a sphere that presses a block by a
@@ -27,7 +27,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             _ => 0.0,
         };
         if let Some(asked) =
-            scene.bodies[b].element.as_ref().filter(|_| body.element == Element::Hex8Eas && poisson < AUXETIC)
+            scene.bodies[b].element.as_ref().filter(|_| body.element == Formulation::Hex8Eas && poisson < AUXETIC)
         {
             let what = format!(
                 "body `{}`: elements with enhanced strain buckle in a material with Poisson's ratio {poisson}",
@@ -42,7 +42,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
                 body.name
             ));
         }
-        if body.element == Element::Hex8 {
+        if body.element == Formulation::Hex8 {
             model.warnings.push(format!(
                 "body `{}`: `hex8` is too stiff for a material {reason}: leave `element` out, or take \"hex8-fbar\", \
                  \"hex8-sri\" or \"hex8-eas\"",

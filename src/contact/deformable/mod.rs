@@ -21,7 +21,7 @@ mod motion;
 mod tests;
 
 use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes, Status};
-pub use crate::scene::Tangent;
+pub use super::method::Tangent;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};

@@ -21,6 +21,7 @@
 //! stresses, energies and states are summed alike for all.
 
 mod enhanced;
+mod formulation;
 pub mod hex8;
 pub mod hex8_eas;
 pub mod hex8_fbar;
@@ -32,6 +33,7 @@ use super::material::{Material, State};
 use super::voigt::{INDEX, Voigt};
 use crate::Mat3;
 pub use enhanced::Amplitudes;
+pub use formulation::Formulation;
 
 /// Internal forces of an element with D degrees of freedom, and their derivative.
 #[derive(Clone, Debug)]

@@ -6,10 +6,10 @@
 //! nodes above one another added up; forces and stiffnesses along z are left out. Of the modes of [`super::hex8_eas`] those
 //! that vary along z, or shear along it, are zero by symmetry.
 
+use super::Formulation;
 use super::enhanced::{self, Modes, Rule, VOLUME};
 use super::hex8_sri::{self, use_mean_volume};
 use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, use_volume_of};
-use crate::scene::Element;
 
 /// Integration points.
 pub const POINTS: usize = 4;
@@ -63,14 +63,14 @@ pub fn evaluate(
     nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
     thickness: f64,
     medium: Medium,
-    (want_tangent, element): (bool, Element),
+    (want_tangent, element): (bool, Formulation),
     out: &mut ElementMatrices<12>,
 ) -> Result<(), Inverted> {
     let (x0, u) = flat(nodes);
     match element {
-        Element::Hex8Eas => enhanced::evaluate(&x0, &u, &rule(thickness), &MODES, (medium, want_tangent), out),
-        Element::Hex8Sri => hex8_sri::integrate(&mut points(&x0, &u, thickness)?, medium, want_tangent, out),
-        Element::Hex8Fbar => {
+        Formulation::Hex8Eas => enhanced::evaluate(&x0, &u, &rule(thickness), &MODES, (medium, want_tangent), out),
+        Formulation::Hex8Sri => hex8_sri::integrate(&mut points(&x0, &u, thickness)?, medium, want_tangent, out),
+        Formulation::Hex8Fbar => {
             let mut points = points(&x0, &u, thickness)?;
             let centre = centre(&x0, &u, thickness)?;
             use_volume_of(&centre, &mut points);
@@ -85,16 +85,16 @@ pub fn samples(
     nodes: (&[[f64; 3]; 4], &[[f64; 3]; 4]),
     thickness: f64,
     medium: Medium,
-    element: Element,
+    element: Formulation,
 ) -> Result<[Sample; POINTS], Inverted> {
     let (x0, u) = flat(nodes);
-    if element == Element::Hex8Eas {
+    if element == Formulation::Hex8Eas {
         return enhanced::samples(&x0, &u, &rule(thickness), &MODES, medium);
     }
     let mut points = points(&x0, &u, thickness)?;
     match element {
-        Element::Hex8Fbar => use_volume_of(&centre(&x0, &u, thickness)?, &mut points),
-        Element::Hex8Sri => use_mean_volume(&mut points),
+        Formulation::Hex8Fbar => use_volume_of(&centre(&x0, &u, thickness)?, &mut points),
+        Formulation::Hex8Sri => use_mean_volume(&mut points),
         _ => {}
     }
     Ok(points.map(|point| point.sample()))
@@ -122,9 +122,9 @@ fn centre(x0: &[[f64; 3]; 4], u: &[[f64; 3]; 4], thickness: f64) -> Result<Point
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::MaterialModel;
     use crate::solid::element::{average_stress, hex8, hex8_eas, hex8_fbar};
     use crate::solid::material::Material;
+    use crate::solid::material::MaterialModel;
 
     type Hex = fn(&[[f64; 3]; 8], &[[f64; 3]; 8], Medium, bool, &mut ElementMatrices<24>) -> Result<(), Inverted>;
 
@@ -158,11 +158,11 @@ mod tests {
             [MaterialModel::NeoHookean { young: 3.0, poisson: 0.3 }, MaterialModel::Hooke { young: 3.0, poisson: 0.45 }]
         {
             let material = Material::new(&model);
-            let hexes: [(Element, Hex); 4] = [
-                (Element::Hex8, hex8::evaluate),
-                (Element::Hex8Fbar, hex8_fbar::evaluate),
-                (Element::Hex8Sri, hex8_sri::evaluate),
-                (Element::Hex8Eas, hex8_eas::evaluate),
+            let hexes: [(Formulation, Hex); 4] = [
+                (Formulation::Hex8, hex8::evaluate),
+                (Formulation::Hex8Fbar, hex8_fbar::evaluate),
+                (Formulation::Hex8Sri, hex8_sri::evaluate),
+                (Formulation::Hex8Eas, hex8_eas::evaluate),
             ];
             for (element, of_hex) in hexes {
                 let (mut plane, mut hex) = (ElementMatrices::<12>::default(), ElementMatrices::<24>::default());
@@ -198,6 +198,6 @@ mod tests {
         let u = [[0.0; 3], [0.0; 3], [-2.0, -2.0, 0.0], [0.0; 3]];
         let material = Material::new(&MaterialModel::NeoHookean { young: 3.0, poisson: 0.3 });
         let mut out = ElementMatrices::<12>::default();
-        assert!(evaluate((&x0, &u), 1.0, Medium::virgin(&material), (true, Element::Hex8), &mut out).is_err());
+        assert!(evaluate((&x0, &u), 1.0, Medium::virgin(&material), (true, Formulation::Hex8), &mut out).is_err());
     }
 }

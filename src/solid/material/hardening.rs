@@ -9,7 +9,7 @@
 //!
 //! Plastic flow at yield does the work Y de per volume, so that the plastic work is the integral of Y.
 
-use crate::scene::Hardening;
+use super::model::Hardening;
 
 impl Hardening {
     /// Y(e), above 0.

@@ -14,6 +14,7 @@
 mod hardening;
 mod hencky;
 mod logarithmic;
+mod model;
 mod neo_hookean;
 mod plastic;
 
@@ -21,8 +22,8 @@ pub use logarithmic::strain_between;
 
 use super::voigt::Voigt;
 use crate::Mat3;
-use crate::scene::MaterialModel;
 pub use hencky::Hencky;
+pub use model::{Hardening, Hill, MaterialModel};
 pub use neo_hookean::NeoHookean;
 pub use plastic::Plastic;
 

@@ -34,9 +34,9 @@
 //! tangents are right there, and in forming this is the one that the next increment needs.
 
 use super::logarithmic::LogarithmicStrain;
+use super::model::{Hardening, Hill};
 use super::{Response, State};
 use crate::Mat3;
-use crate::scene::{Hardening, Hill};
 use crate::solid::voigt::{IDENTITY, Voigt, add_square, double_contraction, mirror};
 
 /// An elastic-plastic material.

@@ -3,7 +3,7 @@
 use super::{MovingPatch, Neighbour, NormalRule};
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
-use crate::scene::Smoothing;
+use crate::surface::Smoothing;
 use crate::surface::facets::Facets;
 use crate::surface::from_mesh::{boundary_nodes, facet_edges};
 use crate::surface::normals::ends;

@@ -20,15 +20,16 @@ mod numbers;
 mod tests;
 pub mod variation;
 
+pub use super::smoothing::Transfer;
 pub use normal::{Neighbour, NormalRule};
-pub use variation::{Transfer, Variation};
+pub use variation::Variation;
 
 use super::patch::Patch;
 use super::piece::Edge;
+use super::smoothing::Smoothing;
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::Mesh;
-use crate::scene::Smoothing;
 
 /// A triangle, or a quadrilateral when `count` is 4, that moves with its nodes.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,10 +10,10 @@
 //!     R_a += R_y J_a        H_ab += J_a^T H_yb + H_ay J_b + J_a^T H_yy J_b + F.R_y (d2y/da db)
 //! ```
 
+use super::super::smoothing::Transfer;
 use super::MovingPatch;
 use super::edge;
 use super::normal::State;
-pub use crate::scene::Transfer;
 use crate::surface::{Edge, Local, Patch};
 use crate::{Mat3, Vec3};
 

@@ -60,7 +60,7 @@ pub fn normals(
 mod tests {
     use super::super::NormalOptions;
     use super::*;
-    use crate::scene::Smoothing;
+    use crate::surface::Smoothing;
     use crate::surface::test_meshes::{cubed_sphere, sphere_patches, strip};
     use crate::surface::{Patch, Polygon, patches_from_mesh};
 

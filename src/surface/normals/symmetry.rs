@@ -268,7 +268,7 @@ impl<'a> Growth<'a> {
 mod tests {
     use super::super::{NormalOptions, Weight};
     use super::*;
-    use crate::scene::Smoothing;
+    use crate::surface::Smoothing;
     use crate::surface::patch::Patch;
     use crate::surface::patches_from_mesh;
     use crate::surface::piece::Edge;

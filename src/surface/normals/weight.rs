@@ -6,9 +6,44 @@
 
 use super::super::facets::Facets;
 use crate::Vec3;
-pub use crate::scene::Weight;
+
+/// Weight of a facet in the mean normal of its node, where its edges `a` and `b` meet at the angle alpha.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Weight {
+    /// 1 (Gouraud 1971).
+    Equal,
+    /// |a x b|, twice the area of the triangle that the two edges span.
+    Area,
+    /// alpha (Thürmer and Wüthrich 1998).
+    Angle,
+    /// sin(alpha)/(|a||b|) (Max 1999): exact on spheres, and on circles drawn out.
+    #[default]
+    Sine,
+    /// 1/(|a||b|) (Max 1999).
+    Edge,
+    /// 1/sqrt(|a||b|) (Max 1999).
+    RootEdge,
+    /// 1/|g|^2, where g runs from the node to the centroid of the facet (Chen and Wu 2004).
+    Centroid,
+}
 
 impl Weight {
+    /// All weights, by what the user calls them.
+    pub const ALL: [(&str, Self); 7] = [
+        ("equal", Self::Equal),
+        ("area", Self::Area),
+        ("angle", Self::Angle),
+        ("sine", Self::Sine),
+        ("edge", Self::Edge),
+        ("root-edge", Self::RootEdge),
+        ("centroid", Self::Centroid),
+    ];
+
+    /// What the user calls it.
+    pub fn key(self) -> &'static str {
+        Self::ALL.iter().find(|(_, weight)| *weight == self).map_or("", |(key, _)| key)
+    }
+
     /// Normal and weight of facet `f` at its corner `k`.
     pub fn at(self, facets: &Facets, f: usize, k: usize) -> (Vec3, f64) {
         let (cross, alpha) = facets.corner(f, k);

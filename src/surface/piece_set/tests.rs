@@ -1,5 +1,5 @@
 use super::*;
-use crate::scene::Smoothing;
+use crate::surface::Smoothing;
 use crate::surface::normals::NormalOptions;
 use crate::surface::patches_from_mesh;
 use crate::surface::projection::tests::check_derivatives;

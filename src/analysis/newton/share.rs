@@ -8,9 +8,9 @@
 
 use super::Newton;
 use crate::contact::{Status, Trial};
+use crate::model::elements;
 use crate::parallel::{max, sum};
 use crate::scene::Limits;
-use crate::system::assembly;
 
 /// How small a share of an increment may be taken, and when.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl Newton<'_> {
     fn trial_strain(&mut self, x: &[f64], step: &[f64], r: f64) -> f64 {
         let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - r * s).collect();
         self.unpack(&there);
-        let mut strain = [assembly::largest_strain(self.model, self.committed, &self.u)];
+        let mut strain = [elements::largest_strain(self.model, self.committed, &self.u)];
         max(self.comm, &mut strain);
         strain[0]
     }

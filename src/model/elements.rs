@@ -1,0 +1,246 @@
+//! Elements of a model: their evaluation, and what follows from one state of displacements.
+
+use super::Model;
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::failure::Cause;
+use crate::mesh::SolidShape;
+use crate::partition::{PartFacet, PartSolid};
+use crate::solid::element::{
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, tet4,
+};
+use crate::solid::load;
+use crate::solid::material::strain_between;
+
+/// Matrices of one element, made once for a sweep over all.
+#[derive(Default)]
+pub struct Scratch {
+    pub of_eight: ElementMatrices<24>,
+    pub of_four: ElementMatrices<12>,
+}
+
+/// Nodes of an element that carry it: all, but in plane strain the lower four.
+pub fn carrying<'a>(model: &Model, solid: &'a PartSolid) -> &'a [u32] {
+    let four = solid.shape == SolidShape::Tet4 || model.bodies[solid.body as usize].plane_strain;
+    if four { &solid.nodes[..4] } else { &solid.nodes }
+}
+
+impl Scratch {
+    /// Evaluates element `e` of the part at displacements `u`.
+    pub fn evaluate(&mut self, model: &Model, e: usize, u: &[Vec3], want_tangent: bool) -> Outcome {
+        let solid = &model.part.solids[e];
+        let body = &model.bodies[solid.body as usize];
+        let (points, medium) = (&model.part.points, medium(model, e));
+        if body.plane_strain {
+            let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, body.element));
+            return plane4::evaluate(nodes, thickness(model, solid), medium, how, &mut self.of_four);
+        }
+        match solid.shape {
+            SolidShape::Tet4 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                tet4::evaluate(&x, &u, medium, want_tangent, &mut self.of_four)
+            }
+            SolidShape::Hex8 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate = match body.element {
+                    Formulation::Hex8Fbar => hex8_fbar::evaluate,
+                    Formulation::Hex8Sri => hex8_sri::evaluate,
+                    Formulation::Hex8Eas => hex8_eas::evaluate,
+                    Formulation::Hex8 | Formulation::Tet4 => hex8::evaluate,
+                };
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_eight)
+            }
+        }
+    }
+
+    /// Keeps the amplitudes at the tangent of element `e`, the last one.
+    pub fn keep(&self, model: &mut Model, e: usize) {
+        let four = model.bodies[model.part.solids[e].body as usize].plane_strain;
+        if let Some(kept) = model.history.amplitudes_mut(e) {
+            kept.clone_from(if four { &self.of_four.amplitudes } else { &self.of_eight.amplitudes });
+        }
+    }
+
+    /// Internal forces of the last element, which so many nodes carry.
+    pub fn forces(&self, nodes: usize) -> &[[f64; 3]] {
+        let flat: &[f64] = if nodes == 4 { &self.of_four.residual } else { &self.of_eight.residual };
+        flat.as_chunks().0
+    }
+
+    /// A row of its tangent.
+    pub fn row(&self, nodes: usize, row: usize) -> &[f64] {
+        if nodes == 4 { &self.of_four.tangent[row] } else { &self.of_eight.tangent[row] }
+    }
+}
+
+/// What fills element `e` of the part.
+pub(super) fn medium(model: &Model, e: usize) -> Medium<'_> {
+    let material = &model.bodies[model.part.solids[e].body as usize].material;
+    Medium { material, states: model.history.of(e), amplitudes: model.history.amplitudes(e) }
+}
+
+/// Thickness of an element in plane strain.
+fn thickness(model: &Model, solid: &PartSolid) -> f64 {
+    let z = |a: usize| model.part.points[solid.nodes[a] as usize].z;
+    z(4) - z(0)
+}
+
+/// The integration points of element `e` of the part at displacements `u`.
+pub(super) fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Vec<Sample>, Inverted> {
+    let solid = &model.part.solids[e];
+    let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
+    let medium = medium(model, e);
+    if body.plane_strain {
+        let nodes = (&gather(points, solid), &gather(u, solid));
+        return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.to_vec());
+    }
+    if solid.shape == SolidShape::Tet4 {
+        return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.to_vec());
+    }
+    let (x, u) = (gather(points, solid), gather(u, solid));
+    let samples = match body.element {
+        Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
+        Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
+        Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),
+        Formulation::Hex8 | Formulation::Tet4 => hex8::samples(&x, &u),
+    };
+    Ok(samples?.to_vec())
+}
+
+/// Whether an element could be evaluated.
+pub type Outcome = std::result::Result<(), Inverted>;
+
+/// Node vectors of an element.
+fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
+    std::array::from_fn(|a| field[solid.nodes[a] as usize].into())
+}
+
+/// Whether an element of this rank is inverted at displacements `u`, or, if asked for, one with enhanced strain has no
+/// solution for it.
+pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
+    model.part.solids.iter().enumerate().any(|(e, solid)| {
+        let inverted = match solid.shape {
+            SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
+        };
+        inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
+    })
+}
+
+fn moved<const N: usize>(model: &Model, solid: &PartSolid, u: &[Vec3]) -> [[f64; 3]; N] {
+    std::array::from_fn(|a| {
+        let n = solid.nodes[a] as usize;
+        (model.part.points[n] + u[n]).into()
+    })
+}
+
+/// Stiffness of each owned node before anything deforms: the smallest of its diagonal entries, force per length.
+///
+/// # Errors
+/// An element that is inverted as given, by its number.
+pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
+    let mut diagonal = vec![[0.0; 3]; model.part.points.len()];
+    let u = vec![Vec3::zeros(); model.part.points.len()];
+    let mut scratch = Scratch::default();
+    for (e, solid) in model.part.solids.iter().enumerate() {
+        if scratch.evaluate(model, e, &u, true).is_err() {
+            let what = format!("{} is inverted", element_name(model, solid));
+            return Err(Error::input_anywhere(what, "number its nodes the other way round, or mend the mesh there"));
+        }
+        let nodes = carrying(model, solid);
+        for (a, &n) in nodes.iter().enumerate() {
+            for i in 0..if model.bodies[solid.body as usize].plane_strain { 2 } else { 3 } {
+                diagonal[n as usize][i] += scratch.row(nodes.len(), 3 * a + i)[3 * a + i];
+            }
+        }
+    }
+    diagonal.truncate(model.part.owned);
+    // A direction without stiffness is one that is not modelled; a node without any is tied to another.
+    let smallest = |d: &[f64; 3]| d.iter().copied().filter(|&k| k > 0.0).reduce(f64::min).unwrap_or(0.0);
+    Ok(diagonal.iter().map(smallest).collect())
+}
+
+/// Largest principal logarithmic strain between two states of displacements, of what this rank counts; infinite where an
+/// element is inverted.
+pub fn largest_strain(model: &Model, before: &[Vec3], after: &[Vec3]) -> f64 {
+    let of = |e: usize| {
+        let (before, after) = (samples(model, e, before).ok()?, samples(model, e, after).ok()?);
+        let mut strains = before.iter().zip(&after).map(|(from, to)| strain_between(&from.f, &to.f));
+        strains.try_fold(0.0, |most: f64, strain| Some(most.max(strain?)))
+    };
+    mine(model).map(|e| of(e).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
+}
+
+/// The elements that this rank counts.
+pub(super) fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
+    model.part.solids.iter().enumerate().filter(|(_, solid)| solid.mine).map(|(e, _)| e)
+}
+
+/// Those of a body.
+pub(super) fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
+    mine(model).filter(move |&e| model.part.solids[e].body as usize == body)
+}
+
+/// Nodal forces of a force per reference volume on an element.
+pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3; 8] {
+    let mut forces = [Vec3::zeros(); 8];
+    let mut set = |flat: &[f64]| {
+        for (force, values) in forces.iter_mut().zip(flat.as_chunks::<3>().0) {
+            *force = Vec3::from(*values);
+        }
+    };
+    match solid.shape {
+        SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
+    }
+    forces
+}
+
+/// Pressure load on a facet: nodal forces and d(force)/d(position), in 3x3 blocks of rows and columns of its nodes.
+pub fn facet_pressure(
+    model: &Model,
+    facet: &PartFacet,
+    pressure: f64,
+    u: &[Vec3],
+    mut each: impl FnMut(usize, &[f64; 3], &[f64]),
+) {
+    let at = |a: usize| -> [f64; 3] {
+        let n = facet.nodes[a] as usize;
+        (model.part.points[n] + u[n]).into()
+    };
+    if facet.count == 3 {
+        let load = load::tri3_pressure(&std::array::from_fn(at), pressure);
+        for (row, tangent) in load.tangent.iter().enumerate() {
+            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+        }
+    } else {
+        let load = load::quad4_pressure(&std::array::from_fn(at), pressure);
+        for (row, tangent) in load.tangent.iter().enumerate() {
+            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+        }
+    }
+}
+
+/// Adds to each local node its share of the areas of the facets, with nodes at reference position plus `u`.
+pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add: impl FnMut(u32, f64)) {
+    for facet in facets {
+        let at = |a: usize| -> [f64; 3] {
+            let n = facet.nodes[a] as usize;
+            (model.part.points[n] + u[n]).into()
+        };
+        let mut each = |shares: &[f64]| facet.nodes.iter().zip(shares).for_each(|(&n, share)| add(n, *share));
+        match facet.count {
+            3 => each(&load::tri3_nodal_areas(&std::array::from_fn(at))),
+            _ => each(&load::quad4_nodal_areas(&std::array::from_fn(at))),
+        }
+    }
+}
+/// What is said of an element that has no stress in a state that has converged.
+pub(super) fn lost(model: &Model, e: usize) -> Error {
+    let name = element_name(model, &model.part.solids[e]);
+    Error::diverged(Cause::Element, format!("{name} has turned inside out in the converged state"))
+}
+
+fn element_name(model: &Model, solid: &PartSolid) -> String {
+    format!("element {} of body `{}`", solid.id, model.bodies[solid.body as usize].name)
+}
