@@ -112,9 +112,10 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     model.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     begins.iter().for_each(|line| log.line(line));
+    log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = phases.time(Phase::Output, || Results::create(comm, &folder, scene, &model))?;
-    let floors = Balance::floors(comm, &model, FORCE_FLOOR, scene.solver.force_floor);
+    let floors = Balance::floors(comm, &model, scene.solver.force_floor);
     let state = State {
         u: vec![Vec3::zeros(); model.part.points.len()],
         tool_forces: vec![Vec3::zeros(); model.tools.len()],
@@ -127,6 +128,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
         scene: scene.name.clone(),
         elements: model.part.total_solids,
         warnings: model.warnings.clone(),
+        controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
         ..Summary::default()
     };
     let touches = Vec::new();
@@ -157,13 +159,6 @@ fn survey(comm: &SimpleCommunicator, model: &mut Model, conditions: &Conditions,
     }
 }
 
-/// Gap over the size of a slave facet that is none.
-const NO_GAP: f64 = 1e-9;
-
-/// Force of the scene while nothing acts yet, over the largest nodal stiffness times the element size: far below any force
-/// of interest, well above rounding.
-const FORCE_FLOOR: f64 = 1e-6;
-
 impl Analysis<'_> {
     fn steps(&mut self, count: usize) -> Result<()> {
         self.log.start(self.scene.steps.iter().take(count).map(|s| s.duration).sum());
@@ -192,7 +187,7 @@ impl Analysis<'_> {
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.
-                let touches = projection.is_some_and(|p| p.gap <= NO_GAP * pair.facet_size);
+                let touches = projection.is_some_and(|p| p.gap <= pair.controls.no_gap * pair.facet_size);
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }

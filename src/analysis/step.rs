@@ -6,6 +6,7 @@ use super::ladder::{Cause, Found, Ladder, Remedy, Way, Yields};
 use super::newton::{Newton, Round, Share, Start};
 use super::{Analysis, conditioning, describe, ending, results};
 use crate::contact::{Manner, Master, Pair, Pose, Status, follow_all, watch_all};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::model::Model;
@@ -18,12 +19,6 @@ use crate::system::{DofMap, Pattern, assembly};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
-
-/// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
-const ENOUGH_WITH_DRAG: usize = 7;
-
-/// How far to extrapolate, over the base.
-const FARTHEST: f64 = 2.0;
 
 /// What stays the same over a step.
 pub(super) struct Frame<'a> {
@@ -58,10 +53,10 @@ impl Frame<'_> {
 
     /// The unknowns at `end` if they go on as before; `None` while there are no two to go on from. A short last increment, to a
     /// time of the grid, says too little of a long one: what it follows is then part of the base.
-    fn extrapolated(&self, end: f64) -> Option<Vec<f64>> {
+    fn extrapolated(&self, end: f64, farthest: f64) -> Option<Vec<f64>> {
         let [earlier @ .., (last, new)] = &self.past[..] else { return None };
         let ratio = |from: f64| (end - last) / (last - from);
-        let (from, old) = earlier.iter().rev().find(|(from, _)| ratio(*from) <= FARTHEST).or(earlier.first())?;
+        let (from, old) = earlier.iter().rev().find(|(from, _)| ratio(*from) <= farthest).or(earlier.first())?;
         let ratio = ratio(*from);
         Some(old.iter().zip(new).map(|(a, b)| b + (b - a) * ratio).collect())
     }
@@ -139,7 +134,7 @@ impl Analysis<'_> {
             poses,
             offsets,
             past: Vec::new(),
-            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow()),
+            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             hangs: false,
         };
         self.summary.dofs = frame.dofs.total;
@@ -157,7 +152,7 @@ impl Analysis<'_> {
         let mut x = Vector::zeros(self.petsc, frame.dofs.count)?;
 
         let (start, analyses) = (self.state.time, self.summary.analyses);
-        let mut increments = Increments::new(&step.sizes(), step.duration);
+        let mut increments = Increments::new(&step.sizes(), step.duration, &self.scene.controls);
         let limits = step.increment.limits;
         let mut since_written = 0;
         let mut warned = false;
@@ -307,10 +302,10 @@ impl Analysis<'_> {
         let max_iterations = self.scene.solver.max_iterations;
         let (log, number) = (&self.log, self.summary.increments + 1);
         let watcher = |iteration| log.iteration(&frame.step.name.value, number, iteration);
-        // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
-        // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
-        let trial = frame.extrapolated(end).filter(|_| smooth || self.model.can_flow());
+        let controls = self.model.controls;
+        let smooth = self.model.can_flow() || self.model.tools.iter().all(|t| !t.surface.faceted);
+        let may_extrapolate = controls.extrapolate > usize::from(!smooth);
+        let trial = frame.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
         let manner = Manner {
             settles: frame.ladder.way() == Way::Newton { settle: true },
@@ -327,7 +322,7 @@ impl Analysis<'_> {
             tolerance: self.scene.solver.tolerance,
             strict: frame.ladder.is_strict(),
             manner,
-            max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
+            max_iterations: max_iterations.min(if drag > 0.0 { controls.jump_iterations } else { usize::MAX }),
             seen: &self.state.seen,
             floors: &self.state.floors,
             watcher: &watcher,
@@ -356,7 +351,7 @@ impl Analysis<'_> {
             }
             if outcome.reason != Reason::Converged {
                 let reason = told(&outcome.reason, max_iterations);
-                let cause = cause(&outcome.reason, newton.trace.len() <= 1);
+                let cause = cause(&outcome.reason, newton.trace.len() <= 1, controls.singular_residual);
                 break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
@@ -482,21 +477,21 @@ impl Analysis<'_> {
         Ok(())
     }
 
-    /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: a
-    /// quarter of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
+    /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: many
+    /// of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
     /// short against the radius of curvature. Collective.
     fn is_busy(&self) -> bool {
-        const FAR: f64 = 0.3;
+        let Controls { busy_share, busy_turn, .. } = self.model.controls;
         let mut counts = [0.0; 3];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             let (before, now) = (slave.committed.status != Status::Gap, slave.trial.status != Status::Gap);
             counts[0] += f64::from(before || now);
             counts[1] += f64::from(before != now);
             let curvature = slave.trial.projection.map_or(0.0, |p| p.normal_gradient.norm());
-            counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > FAR);
+            counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > busy_turn);
         }
         sum(self.comm, &mut counts);
-        4.0 * counts[1] > counts[0] || counts[2] > 0.0
+        counts[1] > busy_share * counts[0] || counts[2] > 0.0
     }
 
     /// Contact in a few words. Collective.
@@ -569,11 +564,11 @@ fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> 
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what
 /// it solved is no solution.
-fn cause(reason: &Reason, at_once: bool) -> Cause {
+fn cause(reason: &Reason, at_once: bool, singular_residual: f64) -> Cause {
     let singular = match reason {
         Reason::Linear(LinearFailure::Singular(..)) => true,
         Reason::Linear(LinearFailure::Inaccurate { relative_residual, null_pivots }) => {
-            *null_pivots > 0 || *relative_residual > 1e-2
+            *null_pivots > 0 || *relative_residual > singular_residual
         }
         _ => return Cause::Iteration,
     };

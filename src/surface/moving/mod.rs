@@ -26,6 +26,7 @@ pub use variation::{Transfer, Variation};
 use super::patch::Patch;
 use super::piece::Edge;
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use crate::scene::Smoothing;
@@ -63,8 +64,9 @@ impl MovingPatch {
         smoothing: Smoothing,
         feature_angle_deg: f64,
         planes: &[(Vec3, Vec3)],
+        controls: &Controls,
     ) -> Result<Vec<Self>> {
-        frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes)
+        frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes, controls)
     }
 
     /// The patch with its nodes at `positions`.
