@@ -300,7 +300,7 @@ impl Model {
             else {
                 continue;
             };
-            let lonely = mates::find(&mut pair.slaves, &surfaces[k], pair.controls.mate_distance, place).err();
+            let lonely = mates::find(&mut pair.slaves, &surfaces[k], place).err();
             let told = lonely.map(|(node, distance)| {
                 let (x, id) = (place(node), part.id[node as usize]);
                 let what = format!(

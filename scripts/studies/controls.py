@@ -3,7 +3,7 @@
 
 A control is tried in the scenes in which it is used. Forces are all in history.csv, at the last time and the largest of
 each column, relative to the largest force of all; iterations, cuts and failures are sums over these scenes. A change of
-the forces above 1e-6 is one of the result. `--extremes` also runs the quick cases of tests/extremes with each control.
+the forces above 1e-6 at the same times is one of the result; with other increments, what depends on the path changes. `--extremes` also runs the quick cases of tests/extremes with each control.
 
     scripts/studies/controls.py [--only NAME ...] [--scenes NAME ...] [--factors 0.5 2] [--jobs 2] [--extremes]
                                 [--out FILE] [--doc docs/controls.md]
@@ -61,46 +61,59 @@ IRONING = ["body.slab.block.elements=[40, 8, 1]", "step.press.increments=4", "st
            "step.slide.move.0.by=[12.0, 0.0, 0.0]"]
 # Name: scene of inputs/ or text, settings, what occurs in it.
 SCENES = {
-    "ironing": ("ironing-rigid", IRONING, "friction mesh nagata tool"),
-    "ironing-facet": ("ironing-rigid", ["tool.indenter.smoothing=facet", *IRONING], "friction mesh tool faceted"),
+    "ironing": ("ironing-rigid", IRONING, "plain kinks"),
+    "ironing-facet": ("ironing-rigid", ["tool.indenter.smoothing=facet", *IRONING], "faceted"),
     "ironing-lagrange": ("ironing-rigid", ["contact.top.method=lagrange", *IRONING],
-                         "friction mesh nagata tool lagrange"),
-    "ironing-uzawa": ("ironing-rigid", ["contact.top.method=uzawa", *IRONING], "friction mesh nagata tool uzawa"),
+                         "lagrange"),
+    "ironing-uzawa": ("ironing-rigid", ["contact.top.method=uzawa", *IRONING], "uzawa"),
     "ironing-at-once": ("ironing-rigid", [IRONING[0], "step.press.increments=1", "step.slide.increments=1",
                                           "step.slide.move.0.by=[30.0, 0.0, 0.0]", "solver.max_iterations=8"],
-                        "friction mesh nagata tool failing"),
+                        "at-once failing"),
     "sphere": ("sphere-on-block", ["body.block.block.elements=[8, 8, 3]", "contact.top.method=penalty",
                                    "step.press.increments=2", "step.slide.increments=2"],
-               "friction mesh nagata tool penalty"),
-    "edge": (EDGE, [], "friction body failing jumping sharp"),
+               "penalty kinks"),
+    "sphere-turned": ("sphere-on-block", ["body.block.block.elements=[8, 8, 3]", "step.press.increments=1",
+                                          "step.slide.increments=2", "step.slide.move.0.by=[0.0, 0.0, 0.0]",
+                                          "step.slide.move.0.rotate={ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], "
+                                          "angle = 40.0 }"], "turning"),
+    "edge": (EDGE, [], "failing jumping sharp"),
+    "ironing-deformable": ("ironing-deformable", ["body.slab.block.elements=[60, 10, 1]", "step.press.increments=4",
+                                                  "step.slide.increments=4", "step.slide.move.0.by=[4.0, 0.0, 0.0]"],
+                           "body kinks"),
     "shallow": ("shallow-ironing", ["body.block.block.elements=[40, 10, 1]", "step.press.increments=5",
                                     "step.slide.increments=4", "step.slide.move.0.by=[0.2, 0.0, 0.0]"],
-                "friction body mesh nagata sharp"),
+                "body"),
     "c-strip": ("c-strip", ["step.close.increments=6", "step.roll.increments=4"],
-                "friction body mesh nagata self"),
-    "patch-test": ("patch-test", [], "body two-pass sharp"),
-    "hertz": ("hertz-cylinder", ["step.press.increments=1"], "body mesh nagata"),
+                "self kinks"),
+    "c-strip-facet": ("c-strip", ["contact.inside.smoothing=facet", "contact.inside.friction=0.0",
+                                  "step.close.increments=5", "step.roll.increments=5"], "self failing"),
+    "patch-test": ("patch-test", [], "two-pass"),
+    "patch-nodes": ("patch-test", ["body.lower.block.elements=[5, 5, 5]", "contact.joint.discretization=node-to-node"],
+                    "nodes"),
+    "hertz": ("hertz-cylinder", ["step.press.increments=1"], "kinks"),
     "extrusion": ("extrusion-rigid", ["step.push.increments=2", "step.push.move.0.by=[3.0, 0.0, 0.0]"],
-                  "plastic mesh nagata tool"),
+                  "plastic kinks"),
     "tube": ("tube-buckling", ["body.tube.block.elements=[1, 4, 15]", "step.crush.duration=1.0",
-                               "step.crush.move.0.by=[0.0, 0.0, -1.0]"], "plastic body self nagata"),
+                               "step.crush.move.0.by=[0.0, 0.0, -1.0]"], "self plastic"),
     "cup": ("square-cup-small", ["body.blank.block.elements=[6, 6, 1]", "step.draw.duration=0.3",
                                  "step.draw.move.0.by=[0.0, 0.0, -0.3]", "step.draw.increment.max=0.1"],
-            "plastic friction mesh nagata tool driven failing"),
+            "plastic driven failing"),
 }
-STEPS = {"c-strip": 1}
+STEPS = {"c-strip": 2, "c-strip-facet": 2}
 LIMIT = 90  # seconds
 
-# In which scenes a control is used: those with one of these words; all without an entry.
+# In which scenes a control is tried: those with one of these words, in which it is used.
 USED = [
-    ("settling_*", "failing driven"), ("calm_*", "friction"), ("line_search_*", "plastic"), ("loose_*", "lagrange failing driven"),
-    ("outer_rounds", "lagrange uzawa self failing"), ("uzawa_*", "uzawa"), ("singular_*", "failing"),
-    ("short_increment", "failing"), ("remedy_period", "failing"), ("jump_*", "jumping"), ("extrapolate", "tool body"),
+    ("settling_*", "failing driven"), ("calm_*", "at-once sharp driven plain"), ("line_search_*", "plastic"),
+    ("loose_*", "lagrange failing driven"), ("outer_rounds", "lagrange uzawa self failing"), ("uzawa_*", "uzawa"),
+    ("singular_*", "failing"), ("short_increment", "failing"), ("remedy_period", "failing"), ("jump_*", "jumping"),
     ("penalty_method", "penalty"), ("two_pass_*", "two-pass"), ("repeat_*", "two-pass"), ("slack", "self failing"),
-    ("wide_slack", "self"), ("mate_*", "none"), ("kink_*", "nagata self"), ("edge_beside", "sharp"), ("self_*", "self"),
-    ("origin_beside", "body"), ("beside_steps", "sharp jumping"), ("friction_steep", "driven"), ("watch_around_self", "self"),
-    ("watch_turn", "none"), ("end_*", "mesh"), ("no_turn", "mesh"), ("coplanar", "mesh"), ("straight_misfit", "mesh"),
-    ("step_halvings", "plastic failing"), ("rounding_cap", "sphere patch"),
+    ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_beside", "sharp"), ("self_*", "self"),
+    ("friction_steep", "driven"), ("watch_around_self", "self"),
+    ("watch_turn", "turning"), ("watch_*", "at-once sharp turning"), ("end_*", "kinks"),
+    ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),
+    ("extrapolate*", "plain faceted sharp plastic self"), ("augmentation", "plain sharp self driven lagrange"),
+    ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"), ("*", "at-once sharp self plastic faceted"),
 ]
 
 
@@ -120,7 +133,7 @@ def controls():
 
 
 def run(binary, scene, setting):
-    """Exit code, columns of forces, iterations, cuts."""
+    """Exit code, columns of forces, iterations, cuts, times."""
     source, sets, _ = SCENES[scene]
     with tempfile.TemporaryDirectory() as folder:
         path = ROOT / "inputs" / f"{source}.toml"
@@ -140,14 +153,15 @@ def run(binary, scene, setting):
                 rows = list(csv.DictReader(file))
             summary = json.loads(Path(f"{folder}/out/summary.json").read_text(encoding="utf-8"))
         except (OSError, json.JSONDecodeError):
-            return code, {}, 0, 0
+            return code, {}, 0, 0, []
     is_force = re.compile(r"\.(fx|fy|fz|normal_force|friction_force|force_[xyz])$")
     forces = {}
     for column in rows[0] if rows else []:
         if is_force.search(column):
             values = [float(row[column]) for row in rows]
             forces[column] = (values[-1], max(map(abs, values)))
-    return code, forces, summary["iterations"], summary["cutbacks"] + summary["jumps"]
+    times = [float(row["time"]) for row in rows]
+    return code, forces, summary["iterations"], summary["cutbacks"] + summary["jumps"], times
 
 
 def difference(base, other):
@@ -159,8 +173,8 @@ def difference(base, other):
 
 
 def used_in(name, chosen):
-    words = next((words for pattern, words in USED if fnmatch.fnmatch(name, pattern)), None)
-    return [s for s in chosen if words is None or set(words.split()) & set(SCENES[s][2].split())]
+    words = next(words for pattern, words in USED if fnmatch.fnmatch(name, pattern))
+    return [s for s in chosen if set(words.split()) & set(SCENES[s][2].split())]
 
 
 def extremes(setting):
@@ -203,7 +217,7 @@ def main():
             continue
         for factor in args.factors:
             value = default * factor
-            value = float(round(value + 0.01)) if is_integer else value
+            value = float(round(value + 0.01) if default > 1 else int(value)) if is_integer else value
             value = min(max(value, low), high)
             if value != default and (name, value) not in tried:
                 tried.append((name, value))
@@ -231,19 +245,23 @@ def main():
         entry = f"controls.{name}={value!r}"
         scenes = used_in(name, args.scenes)
         pairs = [(s, done[s], done[f"{s} {entry}"]) for s in scenes]
-        both = [(difference(a[1], b[1]), s) for s, a, b in pairs if a[0] == b[0] == 0]
+        converged = [(s, a, b) for s, a, b in pairs if a[0] == b[0] == 0]
+        both = [(difference(a[1], b[1]), s) for s, a, b in converged]
         worst, where = max(both, default=(0.0, ""))
+        # Other increments are another discretization in time.
+        same = max(((d, s) for (d, s), (_, a, b) in zip(both, converged) if list(a[4]) == list(b[4])), default=(0.0, ""))
         more = [sum(b[k] - a[k] for _, a, b in pairs) for k in (2, 3)]
         total = sum(a[2] for _, a, _ in pairs)
         failed = sum(b[0] != 0 for _, _, b in pairs) - sum(a[0] != 0 for _, a, _ in pairs)
-        row = [number(value), f"{figure(worst)} {where if worst > 1e-9 else ''}".strip() if pairs else "not tried",
+        word = lambda change: f"{figure(change[0])} {change[1]}" if change[0] > 1e-9 else figure(change[0])
+        row = [number(value), word(same), word((worst, where)) if worst > same[0] and worst > 1e-9 else "",
                f"{100.0 * more[0] / total:+.0f} %" if more[0] else "0", f"{more[1]:+d}" if more[1] else "0",
                f"{failed:+d}" if failed else "0"]
         if args.extremes:
             worse = extremes([entry]) - bad
             row.append(f"{worse:+d}" if worse else "0")
         table.setdefault(name, []).append(row)
-    head = ["control", "value", "change of forces", "iterations", "cuts", "failures"]
+    head = ["control", "value", "change of forces", "with other increments", "iterations", "cuts", "failures"]
     head += ["extremes"] if args.extremes else []
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     lines += ["| " + " | ".join([f"`{name}`", *row]) + " |" for name, rows in table.items() for row in rows]
@@ -264,10 +282,10 @@ def document(path, table):
         if group != last:
             last = group
             lines += ["", f"## {group}", "",
-                      "| control | default | in | reason | tried | change of forces | iterations | cuts | failures |",
-                      "|---|---|---|---|---|---|---|---|---|"]
+                      "| control | default | in | reason | tried | change of forces | with other increments | iterations | cuts "
+                      "| failures |", "|---" * 10 + "|"]
         rows = table.get(name, [])
-        cells = ["<br>".join(row[k] for row in rows) for k in range(5)]
+        cells = ["<br>".join(row[k] for row in rows) for k in range(6)]
         lines.append("| " + " | ".join([f"`{name}`", number(default), unit, reason, *cells]) + " |")
     path.write_text(f"{head}<!-- table -->\n" + "\n".join(lines[1:]) + f"\n\n<!-- end -->\n{tail}")
 

@@ -17,6 +17,9 @@ pub struct Increments {
     controls: Controls,
 }
 
+/// Over an increment or the minimum, what is too little to be left to the grid or the end.
+const SLIVER: f64 = 0.25;
+
 impl Increments {
     pub fn new(bounds: &Increment, duration: f64, controls: &Controls) -> Self {
         let [size, min, max] = [bounds.initial, bounds.min, bounds.max].map(|time| time / duration);
@@ -31,7 +34,7 @@ impl Increments {
         }
         let grid = (((self.done + rounding) / self.max).floor() + 1.0) * self.max;
         // What would leave less than a sliver to the grid, or to the end, goes all the way.
-        let sliver = self.controls.increment_sliver * self.size.min(self.min);
+        let sliver = SLIVER * self.size.min(self.min);
         let stop = if grid > 1.0 - sliver.max(rounding) { 1.0 } else { grid };
         Some(if self.done + self.size > stop - sliver { stop } else { self.done + self.size })
     }

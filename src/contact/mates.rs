@@ -11,6 +11,9 @@ use super::{BodySurface, Slave};
 use crate::Vec3;
 use crate::surface::{Polygon, Projection};
 
+/// How far from a slave node its mate may be, over the shortest edge of the master around it.
+const APART: f64 = 0.1;
+
 /// A node of the master: a corner of one of its patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mate {
@@ -47,19 +50,13 @@ impl Mate {
     }
 }
 
-/// Finds the mates of all slave nodes, which `place` puts in space, on the surface as it is; they may be so far `apart`, over
-/// the shortest edge of the master around them.
+/// Finds the mates of all slave nodes, which `place` puts in space, on the surface as it is.
 ///
 /// # Errors
 /// A node that has none, and how far it is from the nearest node of the master, in words.
-pub fn find(
-    slaves: &mut [Slave],
-    surface: &BodySurface,
-    apart: f64,
-    place: impl Fn(u32) -> Vec3,
-) -> Result<(), (u32, String)> {
+pub fn find(slaves: &mut [Slave], surface: &BodySurface, place: impl Fn(u32) -> Vec3) -> Result<(), (u32, String)> {
     for slave in slaves {
-        let (found, distance) = nearest(surface, &place(slave.node), apart);
+        let (found, distance) = nearest(surface, &place(slave.node));
         if found.is_none() {
             let told = match distance.is_finite() {
                 true => format!("the nearest is {distance:.3e} away"),
@@ -73,7 +70,7 @@ pub fn find(
 }
 
 /// The mate at `x`, on the first of the patches that share it, and the distance of the nearest node of the master.
-fn nearest(surface: &BodySurface, x: &Vec3, apart: f64) -> (Option<Mate>, f64) {
+fn nearest(surface: &BodySurface, x: &Vec3) -> (Option<Mate>, f64) {
     let (shapes, around) = (surface.shapes(), Vec3::repeat(surface.facet_size));
     let (mut found, mut least) = (None, f64::INFINITY);
     for patch in shapes.within(&(x - around), &(x + around)).into_iter().map(|k| &shapes.pieces()[k as usize]) {
@@ -86,7 +83,7 @@ fn nearest(surface: &BodySurface, x: &Vec3, apart: f64) -> (Option<Mate>, f64) {
                 continue;
             }
             least = distance;
-            if distance < apart * shortest {
+            if distance < APART * shortest {
                 let xi = patch.corners(&[0.0; 4])[corner];
                 let normal = patch.local(xi).area_vector().normalize();
                 found = Some(Mate { patch: patch.id, corner, xi, normal });

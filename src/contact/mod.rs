@@ -432,10 +432,10 @@ impl Slave {
         position: &Vec3,
         at: &Projection,
         facet_size: f64,
-        most_steps: usize,
         gap: impl Fn(&Vec3) -> Option<f64>,
     ) -> bool {
         const BEHIND: f64 = 1e-6;
+        const MOST: f64 = 32.0;
         if at.gap >= 0.0 || self.committed.warm.is_some() {
             return false;
         }
@@ -445,7 +445,7 @@ impl Slave {
         }
         let way = position - start;
         // Steps of a facet: within one, start and end tell enough.
-        let steps = (way.norm() / facet_size).min(most_steps as f64) as usize;
+        let steps = (way.norm() / facet_size).min(MOST) as usize;
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
     }
 

@@ -28,6 +28,9 @@ use crate::controls::Controls;
 use crate::surface::{EXTENSION, Parametric, Polygon, Projection};
 use crate::tool::Surface;
 
+/// A step along a way over the distance to the surface, within which nothing is.
+const SHARE: f64 = 0.9;
+
 /// A length that is a point, and what two projections of the same point may differ by, over the size of a facet.
 const POINT: f64 = 1e-6;
 const ROUNDED: f64 = 1e-6;
@@ -320,7 +323,7 @@ fn crosses(ground: &Ground, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowan
     let mut done = 0.0;
     while done < length {
         // Not all of it, which would end on the surface, by rounding on either side.
-        let step = (may.controls.watch_share * here.gap.abs()).max(may.controls.watch_step * may.facet);
+        let step = (SHARE * here.gap.abs()).max(may.controls.watch_step * may.facet);
         done = (done + step).min(length);
         let there = look(&(from + along * done));
         if is_between(&here, &there, &look, POINT * may.facet) {

@@ -14,6 +14,9 @@ use crate::controls::Controls;
 use crate::parallel::{any, sum};
 use mpi::topology::SimpleCommunicator;
 
+/// Decrease of the squared residual over that of its tangent (Dennis and Schnabel, algorithm A6.3.1).
+const DECREASE: f64 = 1e-4;
+
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
 pub struct Tried {
@@ -24,15 +27,14 @@ pub struct Tried {
 impl Newton<'_> {
     /// Part of `step` from `x` by which the residual falls below those of the last iterates. Collective.
     pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
-        let Controls { line_search_decrease, line_search_shortest, line_search_least, line_search_most, .. } =
-            self.model.controls;
+        let Controls { line_search_shortest, line_search_least, line_search_most, .. } = self.model.controls;
         let start = self.squared_residual;
         self.recent.push(start);
         let highest = self.recent.iter().rev().take(self.memory).copied().fold(0.0, f64::max);
         let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
         let mut factor = 1.0;
         let mut best = self.try_step(x, step, factor, &trials);
-        while best > highest - 2.0 * line_search_decrease * factor * start {
+        while best > highest - 2.0 * DECREASE * factor * start {
             if factor <= line_search_shortest {
                 factor = 1.0;
                 self.try_step(x, step, factor, &trials);

@@ -30,9 +30,7 @@ impl Newton<'_> {
                 let projection = tool.project(&position, pair.reach, warm);
                 let gap = |x: &Vec3| tool.project(x, pair.reach, None).map(|p| p.gap);
                 let start = |place: &Vec3| Some(tool.trial.outward(place));
-                let projection = projection.filter(|p| {
-                    !slave.is_beside(start, &position, p, pair.facet_size, pair.controls.beside_steps, gap)
-                });
+                let projection = projection.filter(|p| !slave.is_beside(start, &position, p, pair.facet_size, gap));
                 slave.trial.projection = projection;
                 let clearance = projection.map_or(pair.reach, |p| p.gap.max(0.0));
                 nearest[t] = nearest[t].max(-clearance);

@@ -7,7 +7,6 @@ use super::Newton;
 use crate::Vec3;
 use crate::contact::deformable::{self, Method, Origin, Site};
 use crate::contact::{BodySurface, Guide, Master, Multiplier, Pair, Response, Slave, Status, follow_all, touching};
-use crate::controls::Controls;
 use crate::model::Model;
 use crate::parallel::any;
 use crate::partition::Bounds;
@@ -290,10 +289,10 @@ fn meet(
     let slave = &mut pair.slaves[s];
     slave.trial.projection = projection;
     let guide = projection.map_or(Guide::default(), |p| guide(surface, &p, moves));
-    slave.trial.yields =
-        pair.is_second && projection.is_some_and(|p| repeats(surface, &p, slave.trial.yields, &pair.controls));
+    slave.trial.yields = pair.is_second
+        && projection.is_some_and(|p| repeats(surface, &p, slave.trial.yields, pair.controls.repeat_distance));
     let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
-    let contact = felt.map(|p| (p, slip_origin(surface, slave, &p, pair.controls.origin_beside)));
+    let contact = felt.map(|p| (p, slip_origin(surface, slave, &p)));
     let sigma = slave.local.at(position, |n| surface.position(n));
     let multiplier = slave.multiplier(pair.method, unknown * slave.law.normal, Vec3::zeros(), sigma);
     (slave.trial.sigma, slave.trial.relative) = (sigma, *position);
@@ -308,15 +307,14 @@ fn meet(
 
 /// Whether a slave node stands where a node of the master does: in the other pass that one is kept out of this one's
 /// surface already, and the same condition twice would leave open how the two share the force. One that `yields` goes on
-/// to do so until it is farther away, so that iterations do not go to and fro.
-fn repeats(surface: &BodySurface, at: &Projection, yields: bool, controls: &Controls) -> bool {
+/// to do so until it is twice as far away, so that iterations do not go to and fro.
+fn repeats(surface: &BodySurface, at: &Projection, yields: bool, distance: f64) -> bool {
     let Some((patch, stencil)) = surface.patch(at.patch) else { return false };
     let count = patch.count as usize;
     let place = |k: usize| surface.positions()[stencil[k % count] as usize];
     let edge = |k: usize| (place(k + 1) - place(k)).norm();
     let shortest = (0..count).map(edge).fold(f64::INFINITY, f64::min);
-    let hysteresis = if yields { controls.repeat_hysteresis } else { 1.0 };
-    let near = hysteresis * controls.repeat_distance * shortest;
+    let near = if yields { 2.0 } else { 1.0 } * distance * shortest;
     (0..count).any(|k| (place(k) - at.point).norm() < near)
 }
 
@@ -329,7 +327,7 @@ fn is_beside(pair: &Pair, surface: &BodySurface, s: usize, position: &Vec3, at: 
         Some(at.point + (place - patch.shape(&before).point(at.xi)))
     };
     let gap = |x: &Vec3| pair.project(surface, s, x, None).map(|p| p.gap);
-    pair.slaves[s].is_beside(start, position, at, pair.facet_size, pair.controls.beside_steps, gap)
+    pair.slaves[s].is_beside(start, position, at, pair.facet_size, gap)
 }
 
 /// In which directions a slave node with prescribed moves (NaN where free) cannot give way on the master: where its nodes
@@ -354,7 +352,8 @@ fn guide(surface: &BodySurface, at: &Projection, moves: &[f64; 3]) -> Guide {
 
 /// Where slip is measured from: where the node was on the master at the last converged increment. One that was out of
 /// reach then was beside the patch that it is on now.
-fn slip_origin(surface: &BodySurface, slave: &Slave, now: &Projection, farthest: f64) -> SlipOrigin {
+fn slip_origin(surface: &BodySurface, slave: &Slave, now: &Projection) -> SlipOrigin {
+    const BESIDE: f64 = 2.0;
     if let Some((mate, before)) = slave.mate.zip(slave.committed.place)
         && let Some(place) = mate.slip_origin(surface, &before)
     {
@@ -366,7 +365,7 @@ fn slip_origin(surface: &BodySurface, slave: &Slave, now: &Projection, farthest:
         let mut positions = Vec::new();
         pick(&mut positions, &surface.before, stencil);
         let shape = patch.shape(&positions);
-        Some((now.patch, descend(&shape, &slave.committed.place?, &[farthest; 4], shape.center()).xi))
+        Some((now.patch, descend(&shape, &slave.committed.place?, &[BESIDE; 4], shape.center()).xi))
     };
     let (id, xi) = kept.or_else(beside).unwrap_or((now.patch, now.xi));
     SlipOrigin::Carried(id, xi)

@@ -415,9 +415,7 @@ impl Problem for Newton<'_> {
         if self.interrupted || iteration >= self.max_iterations {
             return Ok(Verdict::Diverged);
         }
-        if iteration >= self.model.controls.calm_after {
-            self.calm();
-        }
+        self.calm();
         Ok(Verdict::Iterate)
     }
 

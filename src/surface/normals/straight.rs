@@ -7,6 +7,9 @@ use super::weight::Weight;
 use crate::Vec3;
 use crate::controls::Controls;
 
+/// Angle of two facets below which the surface does not turn between them, radians: above the rounding of mesh files.
+const NO_TURN: f64 = 1e-4;
+
 /// Makes the edges between two straight sides sharp; returns the junctions as (facet, edge) on the straight side.
 pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -> Vec<(usize, usize)> {
     let around = facets.around_nodes();
@@ -14,7 +17,7 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -
     for (f, k) in facets.corners() {
         let Some((g, j)) = facets.across[f][k].filter(|(g, _)| f < *g) else { continue };
         let turn = angle(&facets.normals[f], &facets.normals[g]);
-        if edges[f][k] != Edge::Smooth || turn < controls.no_turn {
+        if edges[f][k] != Edge::Smooth || turn < NO_TURN {
             continue;
         }
         let none = controls.coplanar * turn;
