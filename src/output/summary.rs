@@ -127,7 +127,7 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses search_fetches \
-             wall_s phases_s peak_memory_mb matrix linear_solver warnings"
+             wall_s phases_s peak_memory_mb matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();
         promised.sort();
