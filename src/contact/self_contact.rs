@@ -83,7 +83,7 @@ impl Avoided {
             && self.around.binary_search(&id).is_err()
     }
 
-    /// Whether it may be that [`Self::allows`] some point of a patch, by a margin of 30 degrees.
+    /// Whether the node may meet some point of a patch, by a margin: its normal need only look back at all.
     pub fn may_allow(&self, outward: &Vec3, id: u32, extent: &Extent) -> bool {
         extent.may_face(outward) && self.around.binary_search(&id).is_err()
     }
