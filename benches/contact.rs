@@ -4,6 +4,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nagata::Vec3;
 use nagata::contact::deformable::{Contact, Element, Method, Origin, Site, Tangent};
 use nagata::contact::{Compliance, Guide, Law, Multiplier, element};
+use nagata::controls::Controls;
 use nagata::mesh::{Facet, Mesh};
 use nagata::scene::Smoothing;
 use nagata::surface::{MovingPatch, PatchSet, Transfer};
@@ -41,7 +42,7 @@ fn contact(c: &mut Criterion) {
     let augmented = Multiplier::Augmented(Vec3::new(1.0, 2.0, -8.0));
     let x = Vec3::new(0.21, -0.13, -0.03);
     for smoothing in [Smoothing::Nagata, Smoothing::Facet] {
-        let patches = MovingPatch::all(&mesh, &numbers, smoothing, 40.0, &[]).expect("a dome");
+        let patches = MovingPatch::all(&mesh, &numbers, smoothing, 40.0, &[], &Controls::default()).expect("a dome");
         let place = |patch: &MovingPatch| -> Vec<Vec3> {
             patch.nodes.iter().map(|n| Vec3::from(mesh.points[*n as usize])).collect()
         };

@@ -5,6 +5,7 @@
 //! have nodes moved by up to a quarter of a facet (an eighth on balls), and triangles of random diagonals.
 
 use nagata::Vec3;
+use nagata::controls::Controls;
 use nagata::mesh::{Facet, Mesh};
 use nagata::scene::Smoothing;
 use nagata::surface::facets::{Facets, angle};
@@ -92,7 +93,7 @@ fn print_means(title: &str, quantity: usize, rows: &[Row]) {
 fn measure(surface: &Surface, mesh: &Mesh, weight: Weight) -> nagata::error::Result<Errors> {
     let options = NormalOptions { weight, feature_angle: 90.0, ..NormalOptions::default() };
     let facets = Facets::new(mesh, false)?;
-    let normals = Means::new(&facets, weight, 90f64.to_radians(), |_, _| false).normals;
+    let normals = Means::new(&facets, weight, 90f64.to_radians(), &Controls::default(), |_, _| false).normals;
     let patches = patches_from_mesh(mesh, Smoothing::Nagata, &options, false)?;
     let mut errors = Errors::default();
     let mut counts = [0.0; 2];

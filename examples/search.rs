@@ -6,6 +6,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nagata::Vec3;
 use nagata::contact::BodySurface;
+use nagata::controls::Controls;
 use nagata::mesh::{Facet, Mesh};
 use nagata::parallel::{max, sent};
 use nagata::partition::Bounds;
@@ -126,7 +127,8 @@ fn patches(n: usize, smoothing: Smoothing) -> Vec<MovingPatch> {
         facets: (0..n * n).map(facet).collect(),
         ..Mesh::default()
     };
-    MovingPatch::all(&mesh, &(0..count).collect::<Vec<_>>(), smoothing, 40.0, &[]).expect("a surface")
+    MovingPatch::all(&mesh, &(0..count).collect::<Vec<_>>(), smoothing, 40.0, &[], &Controls::default())
+        .expect("a surface")
 }
 
 /// Seconds on the processor that work takes which is done so many times, of the rank with most.

@@ -7,6 +7,7 @@
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
+//! - [`controls`]: the numbers that decide whether a solution is found, with their reasons
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh and Abaqus; structured blocks; checks
 //! - [`partition`]: METIS, node ownership, the node halo
@@ -27,6 +28,7 @@ pub mod analysis;
 pub mod cad;
 pub mod cli;
 pub mod contact;
+pub mod controls;
 pub mod error;
 pub mod failure;
 pub mod interrupt;

@@ -8,6 +8,7 @@ pub mod states;
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Pair, Slave, Tool, follow_all, guidance, mates, self_contact};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
 use crate::output::phases::{Phase, Phases};
@@ -76,6 +77,7 @@ pub struct Model {
     pub size: f64,
     /// What the user should know of the contacts.
     pub warnings: Vec<String>,
+    pub controls: Controls,
 }
 
 impl Model {
@@ -114,7 +116,7 @@ impl Model {
         }
         let mut tools = Vec::new();
         for tool in &scene.tools {
-            tools.push(Tool::new(comm, tool)?);
+            tools.push(Tool::new(comm, tool, &scene.controls)?);
         }
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let (surfaces, pairs) = (Vec::new(), Vec::new());
@@ -136,6 +138,7 @@ impl Model {
             stiffness: 0.0,
             size: 0.0,
             warnings,
+            controls: scene.controls,
         };
         let passes = scene.passes();
         let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c.master.value.as_str(), given)));
@@ -229,7 +232,7 @@ impl Model {
         if let (true, Master::Surface(k)) = (contact.is_self(), master) {
             let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
             let depth = |avoided: Avoided| match contact.thickness {
-                Some(thickness) => avoided.with_thickness(thickness),
+                Some(thickness) => avoided.with_thickness(thickness, self.controls.self_depth),
                 None => avoided,
             };
             shunned = nodes.iter().map(of_node).map(depth).collect();
@@ -241,9 +244,9 @@ impl Model {
                 let stiffness = stiffness[n as usize].min(softest);
                 // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
                 let given = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
-                let given = given.unwrap_or(penalty_share(contact.method) * stiffness);
+                let given = given.unwrap_or(self.penalty_share(contact.method) * stiffness);
                 let held = contact.method.holds_multipliers();
-                Slave::new(n, contact.friction, given, AUGMENTATION * stiffness, held)
+                Slave::new(n, contact.friction, given, self.controls.augmentation * stiffness, held)
             })
             .collect();
         let facet_size = self.longest_edge(comm, &contact.slave.value);
@@ -260,9 +263,11 @@ impl Model {
             tolerance: contact.tolerance,
             set: self.set_index[&contact.slave.value],
             slaves,
-            reach: contact.reach.unwrap_or(2.0 * facet_size),
+            reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
             facet_size,
             within_body,
+            facing: -self.controls.self_facing.to_radians().cos(),
+            controls: self.controls,
             outward: Vec::new(),
             discretization: contact.discretization,
             other: None,
@@ -339,7 +344,7 @@ impl Model {
             let flat = pair.sheet.fetch(comm, 3, |n, d| part.points[n as usize][d] + u[n as usize][d]);
             let places = flat.as_chunks::<3>().0;
             let place = |n: u64| pair.sheet.index(n).map_or(Vec3::zeros(), |k| Vec3::from(places[k as usize]));
-            pair.avoided.iter_mut().for_each(|avoided| avoided.follow(place));
+            pair.avoided.iter_mut().for_each(|avoided| avoided.follow(self.controls.self_depth, place));
         }
     }
 
@@ -386,25 +391,18 @@ impl Model {
         self.bodies.iter().any(|body| body.material.remembers())
     }
 
+    /// Automatic penalty over the stiffness with which a slave node, or a softer master, resists contact.
+    fn penalty_share(&self, method: Enforcement) -> f64 {
+        match method {
+            Enforcement::AugmentedLagrangian | Enforcement::Lagrange => self.controls.augmentation,
+            Enforcement::Uzawa => self.controls.uzawa_penalty,
+            Enforcement::Penalty => self.controls.penalty_method,
+        }
+    }
+
     /// Slave nodes of all ranks, for each pair. Collective.
     pub fn slave_counts(&self, comm: &SimpleCommunicator) -> Vec<u64> {
         self.pairs.iter().map(|p| number(comm, p.slaves.len() as u64).1).collect()
-    }
-}
-
-/// Augmentation over the stiffness with which the slave node, or a softer master, resists contact: measured to be robust over loading, reversal
-/// and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions
-/// turn slowly.
-const AUGMENTATION: f64 = 0.2;
-
-/// Automatic penalty over the same stiffness.
-fn penalty_share(method: Enforcement) -> f64 {
-    match method {
-        Enforcement::AugmentedLagrangian | Enforcement::Lagrange => AUGMENTATION,
-        // Newton's method does not mind. Each round divides the error by about as much.
-        Enforcement::Uzawa => 1000.0,
-        // Penetrations of some hundredths of what the nodes around give way.
-        Enforcement::Penalty => 100.0,
     }
 }
 
@@ -480,10 +478,6 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
 
 /// Patches, and what nodes avoid by their numbers.
 type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
-
-/// Share of their bulge that patches take with two passes. Smooth surfaces that share the whole of it may curve together
-/// without any node entering the other side: on flat faces the conditions of two passes would depend on each other.
-const BULGE_OF_TWO: f64 = 0.99;
 
 /// The planes of symmetry of all bodies. Collective.
 ///
@@ -567,13 +561,18 @@ fn master_patches(
         };
         let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
         let planes = planes_of(symmetry, &master.value, &surface.points);
-        let mut patches = MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle, &planes)?;
+        let mut patches =
+            MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle, &planes, &scene.controls)?;
         if contact.discretization == Discretization::TwoPass {
-            patches.iter_mut().for_each(|patch| patch.bulge = BULGE_OF_TWO);
+            patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
         }
         let points: BTreeMap<u64, Vec3> =
             numbers.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
-        let avoided = if contact.is_self() { self_contact::avoided(&patches, |n| points[&n]) } else { BTreeMap::new() };
+        let avoided = if contact.is_self() {
+            self_contact::avoided(&patches, &scene.controls, |n| points[&n])
+        } else {
+            BTreeMap::new()
+        };
         Ok((patches, avoided))
     };
     masters.map(of_master).collect()

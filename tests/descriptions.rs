@@ -6,6 +6,7 @@ use common::{Bench, History, assert_close, assert_small, on_ranks};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nagata::Vec3;
+use nagata::controls::Controls;
 use nagata::scene::{Description, Tool, load_tools};
 use nagata::tool::{Surface, describe};
 use std::path::{Path, PathBuf};
@@ -75,8 +76,8 @@ fn see_the_whole(world: &SimpleCommunicator) {
 }
 
 fn sees_the_whole(world: &SimpleCommunicator, tool: &Tool, description: Description, points: &[Vec3]) {
-    let whole = describe(tool, description).unwrap().geometry.whole();
-    let mut surface = Surface::new(world, tool, description).unwrap();
+    let whole = describe(tool, description, &Controls::default()).unwrap().geometry.whole();
+    let mut surface = Surface::new(world, tool, description, &Controls::default()).unwrap();
     let mut near = 0;
     for reach in [1.0, 8.0] {
         let seen = surface.project_all(world, points, reach);

@@ -5,6 +5,7 @@
 
 mod common;
 
+use nagata::controls::Controls;
 use nagata::mesh::Purpose;
 use nagata::scene::{Located, MeshSource};
 use nagata::{error::Location, mesh, scene, tool};
@@ -134,7 +135,7 @@ fn describe(tool: &str, path: &Path) {
     let scene = path.with_extension("tool.toml");
     fs::write(&scene, format!("[tool.t]\n{tool}\n")).unwrap();
     for tool in scene::load_tools(&scene, &[]).unwrap() {
-        if let Ok(described) = tool::describe(&tool, tool.smoothing.value) {
+        if let Ok(described) = tool::describe(&tool, tool.smoothing.value, &Controls::default()) {
             let shape = described.geometry.whole();
             let _ = shape.closest(&nagata::Vec3::new(0.3, 0.4, 0.5), 1e3, None);
         }

@@ -8,6 +8,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nagata::Vec3;
 use nagata::contact::BodySurface;
+use nagata::controls::Controls;
 use nagata::mesh::{Facet, Mesh};
 use nagata::model::Model;
 use nagata::output::phases::Phases;
@@ -137,8 +138,15 @@ fn a_moving_surface_is_followed() {
         let (rank, size) = (comm.rank() as usize, comm.size() as usize);
         let mesh = sheet();
         let starts: Vec<u64> = (0..=size).map(|r| (WIDE * (r * WIDE / size)) as u64).collect();
-        let patches =
-            MovingPatch::all(&mesh, &(0..NODES as u64).collect::<Vec<_>>(), Smoothing::Nagata, 40.0, &[]).unwrap();
+        let patches = MovingPatch::all(
+            &mesh,
+            &(0..NODES as u64).collect::<Vec<_>>(),
+            Smoothing::Nagata,
+            40.0,
+            &[],
+            &Controls::default(),
+        )
+        .unwrap();
         let given = MasterSurface { smoothing: Smoothing::Nagata, feature_angle: 40.0, transfer: Transfer::Patch };
         let dealt = if rank == 0 { &patches[..] } else { &[] };
         let mut surface = BodySurface::new(comm, "sheet", given, dealt, &starts, 0.05);

@@ -2,6 +2,7 @@
 
 use super::described::Described;
 use super::{Against, Subject};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::scene::{self, Description, Located, Tool, did_you_mean};
 use crate::surface::Analytic;
@@ -49,7 +50,7 @@ impl Loaded {
             Some(key) => described_as(tool, key).ok_or_else(|| no_description(tool, "--description", key))?,
             None => tool.smoothing.value,
         };
-        let described = describe(tool, description)?;
+        let described = describe(tool, description, &Controls::default())?;
         let (surface, mut warnings) = (described.geometry.whole(), described.warnings);
         check_ends(&surface, &tool.name)?;
         let against = names.against.map(|key| reference(&tools, tool, key, &mut warnings)).transpose()?;
@@ -115,7 +116,7 @@ fn no_description(tool: &Tool, option: &str, key: &str) -> Error {
 /// Another description of the tool, or another tool as it acts.
 fn reference(tools: &[Tool], tool: &Tool, key: &str, warnings: &mut Vec<String>) -> Result<(String, Shape)> {
     let mut read = |tool: &Tool, description: Description| {
-        let described = describe(tool, description)?;
+        let described = describe(tool, description, &Controls::default())?;
         warnings.extend(described.warnings);
         Ok::<_, Error>(described.geometry.whole())
     };

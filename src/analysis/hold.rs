@@ -5,7 +5,7 @@ use super::preflight::rigid::{RigidMotions, Side, sides};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
-use crate::contact::{Slave, Status, TOUCHING, Trial};
+use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
 
 /// What contacts hold besides their normals.
@@ -15,10 +15,6 @@ enum Friction {
     /// A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns against that.
     AsItIs,
 }
-
-/// Share of a velocity that is normal to the contacts, below which friction is what holds it: that of a wedge of 30 degrees.
-/// Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.
-const STEEP: f64 = 0.5;
 
 impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
@@ -30,7 +26,7 @@ impl Simulation<'_> {
     /// Whether friction alone holds something now. Collective.
     pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
         let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, Friction::Nothing);
-        !motions.free_along(self.comm, STEEP).is_empty()
+        !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
     }
 
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. Collective.
@@ -41,7 +37,7 @@ impl Simulation<'_> {
             for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
                 let trial = of(slave);
                 let Some(at) = trial.projection else { continue };
-                let near = friction == Friction::Nothing && at.gap <= TOUCHING * pair.facet_size;
+                let near = friction == Friction::Nothing && at.gap <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !near {
                     continue;
                 }

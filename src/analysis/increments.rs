@@ -3,6 +3,7 @@
 //! Increments of the largest size make a grid of times, and no increment steps over one of these: after a cut the analysis
 //! comes back to the grid, so that a run with cuts reports at the same times as one without.
 
+use crate::controls::Controls;
 use crate::scene::Increment;
 
 /// Chooses increments of a step; all in fractions of it.
@@ -13,19 +14,16 @@ pub struct Increments {
     size: f64,
     min: f64,
     max: f64,
+    controls: Controls,
 }
 
-/// Newton iterations up to which the next increment may grow, and beyond which it shrinks.
-const EASY: usize = 6;
-const HARD: usize = 10;
-
-/// Size over the largest, below which shorter increments hardly serve: what sticks is then carried along by so little that a
-/// jump does not disturb its friction.
-const SHORT: f64 = 1.0 / 256.0;
+/// Over an increment or the minimum, what is too little to be left to the grid or the end.
+const SLIVER: f64 = 0.25;
 
 impl Increments {
-    pub fn new(bounds: &Increment, duration: f64) -> Self {
-        Self { done: 0.0, size: bounds.initial / duration, min: bounds.min / duration, max: bounds.max / duration }
+    pub fn new(bounds: &Increment, duration: f64, controls: &Controls) -> Self {
+        let [size, min, max] = [bounds.initial, bounds.min, bounds.max].map(|time| time / duration);
+        Self { done: 0.0, size, min, max, controls: *controls }
     }
 
     /// The fraction of the step at the end of the next increment; `None` at the end of the step.
@@ -36,7 +34,7 @@ impl Increments {
         }
         let grid = (((self.done + rounding) / self.max).floor() + 1.0) * self.max;
         // What would leave less than a sliver to the grid, or to the end, goes all the way.
-        let sliver = 0.25 * self.size.min(self.min);
+        let sliver = SLIVER * self.size.min(self.min);
         let stop = if grid > 1.0 - sliver.max(rounding) { 1.0 } else { grid };
         Some(if self.done + self.size > stop - sliver { stop } else { self.done + self.size })
     }
@@ -44,10 +42,11 @@ impl Increments {
     /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed.
     pub fn accept(&mut self, end: f64, iterations: usize, busy: bool) {
         self.done = end;
-        if iterations <= EASY && !busy {
-            self.size = (1.5 * self.size).min(self.max);
-        } else if iterations > HARD {
-            self.size = (0.5 * self.size).max(self.min);
+        let Controls { easy_iterations, hard_iterations, increment_growth, increment_cut, .. } = self.controls;
+        if iterations <= easy_iterations && !busy {
+            self.size = (increment_growth * self.size).min(self.max);
+        } else if iterations > hard_iterations {
+            self.size = (increment_cut * self.size).max(self.min);
         }
     }
 
@@ -61,16 +60,15 @@ impl Increments {
         ((end - self.done) / self.min * (1.0 + 1e-9)).max(1.0) as usize
     }
 
-    /// The increment to `end` has failed: halves it, or quarters it where a half has failed before, to no less than the
-    /// minimum.
-    pub fn cut(&mut self, end: f64, quarter: bool) {
-        let part = if quarter { 0.25 } else { 0.5 };
+    /// The increment to `end` has failed: cuts it, or cuts it twice where it was cut before, to no less than the minimum.
+    pub fn cut(&mut self, end: f64, twice: bool) {
+        let part = self.controls.increment_cut.powi(if twice { 2 } else { 1 });
         self.size = (part * (end - self.done)).max(self.min);
     }
 
     /// Whether the increment to `end` is so short that a shorter one would hardly serve, or as short as it may be.
     pub fn is_short(&self, end: f64) -> bool {
-        end - self.done <= (SHORT * self.max).max(self.min) * (1.0 + 1e-9)
+        end - self.done <= (self.controls.short_increment * self.max).max(self.min) * (1.0 + 1e-9)
     }
 
     /// Whether the increment to `end` is as short as it may be.
@@ -78,10 +76,10 @@ impl Increments {
         end - self.done <= self.min * (1.0 + 1e-9)
     }
 
-    /// Makes the next increment four times as long as that to `end`, which failed, as far as the grid allows; `false` when
-    /// that was as long as it may be.
+    /// Makes the next increment longer than that to `end`, which failed, by what two cuts had taken away, as far as the grid
+    /// allows; `false` when that was as long as it may be.
     pub fn lengthen(&mut self, end: f64) -> bool {
-        self.size = (4.0 * (end - self.done)).min(self.max);
+        self.size = ((end - self.done) / self.controls.increment_cut.powi(2)).min(self.max);
         self.next().is_some_and(|longer| longer > end)
     }
 }
@@ -110,17 +108,19 @@ mod tests {
 
     #[test]
     fn uniform_increments_hit_the_end_exactly() {
-        let all = times(Increments::new(&bounds(0.1, 1e-3, 0.1), 1.0), |_, _| false);
+        let all = times(Increments::new(&bounds(0.1, 1e-3, 0.1), 1.0, &Controls::default()), |_, _| false);
         assert_eq!(all.len(), 10);
         assert_eq!(all[9], 1.0);
         let bounds = bounds(0.00125, 1e-6, 0.00125);
-        assert_eq!(times(Increments::new(&bounds, 1.0), |_, _| false).len(), 800);
+        assert_eq!(times(Increments::new(&bounds, 1.0, &Controls::default()), |_, _| false).len(), 800);
     }
 
     #[test]
     fn after_a_cut_the_grid_is_met_again() {
         let bounds = bounds(0.1, 1e-3, 0.1);
-        let cut = times(Increments::new(&bounds, 1.0), |from, to| to > 0.35 && to - from > 0.06 && from < 0.35);
+        let cut = times(Increments::new(&bounds, 1.0, &Controls::default()), |from, to| {
+            to > 0.35 && to - from > 0.06 && from < 0.35
+        });
         for k in 1..=10 {
             assert!(cut.iter().any(|t| (t - 0.1 * k as f64).abs() < 1e-12), "{k} in {cut:?}");
         }
@@ -130,14 +130,14 @@ mod tests {
     #[test]
     fn a_grid_that_almost_meets_the_end_ends_there() {
         let bounds = bounds(0.3333, 1e-3, 0.3333);
-        let all = times(Increments::new(&bounds, 1.0), |_, _| false);
+        let all = times(Increments::new(&bounds, 1.0, &Controls::default()), |_, _| false);
         assert_eq!((all.len(), all[2]), (3, 1.0));
     }
 
     #[test]
     fn the_minimum_is_the_end() {
         let bounds = bounds(0.1, 0.04, 0.1);
-        let mut increments = Increments::new(&bounds, 1.0);
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
         increments.cut(0.1, false);
         assert!((increments.next(), increments.is_short(0.05)) == (Some(0.05), false));
         increments.cut(0.05, true);
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn parts_are_not_below_the_minimum() {
-        let mut increments = Increments::new(&bounds(0.1, 0.025, 0.1), 1.0);
+        let mut increments = Increments::new(&bounds(0.1, 0.025, 0.1), 1.0, &Controls::default());
         assert_eq!(increments.most_parts(0.1), 4);
         increments.accept(0.05, 3, false);
         assert_eq!((increments.most_parts(0.1), increments.most_parts(0.06)), (2, 1));

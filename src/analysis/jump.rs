@@ -12,20 +12,10 @@ use super::newton::Share;
 use super::state::Memory;
 use super::step::{Attempt, Frame};
 use super::{Event, Observer};
+use crate::controls::Controls;
 use crate::error::Result;
 use petsc::{Snes, Vector};
 use std::fmt::Write;
-
-/// Drag of the first step over the largest nodal stiffness, and how it falls and rises.
-const FIRST: f64 = 0.1;
-const FALL: f64 = 0.25;
-const RISE: f64 = 8.0;
-/// Over the largest nodal stiffness: below the first, there may be no more need of it; below the second and beyond the third,
-/// there is no use.
-const NEGLIGIBLE: f64 = 1e-4;
-const USELESS: f64 = 1e-9;
-const STRONGEST: f64 = 100.0;
-const STEPS: usize = 100;
 
 impl Simulation<'_> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
@@ -54,7 +44,10 @@ impl Simulation<'_> {
         end: f64,
         observer: &mut Observer,
     ) -> Result<Attempt> {
-        let (mut drag, mut weakest, mut way) = (FIRST, FIRST, String::new());
+        let Controls {
+            jump_drag, jump_fall, jump_rise, jump_negligible, jump_useless, jump_strongest, jump_steps, ..
+        } = self.model.controls;
+        let (mut drag, mut weakest, mut way) = (jump_drag, jump_drag, String::new());
         for step in 1.. {
             frame.progress.past.clear();
             let attempt = self.attempt(frame, (snes, x), (end, Share::ALL), drag * self.model.stiffness, observer)?;
@@ -69,15 +62,16 @@ impl Simulation<'_> {
                 Attempt::Converged(converged) => {
                     self.commit(frame, &converged)?;
                     weakest = drag;
-                    drag = if drag * FALL < NEGLIGIBLE || step >= STEPS { 0.0 } else { drag * FALL };
+                    drag =
+                        if drag * jump_fall < jump_negligible || step >= jump_steps { 0.0 } else { drag * jump_fall };
                 }
-                failed if drag > STRONGEST || weakest < USELESS || step >= STEPS => {
+                failed if drag > jump_strongest || weakest < jump_useless || step >= jump_steps => {
                     observer(&Event::Detail(&format!("    drag over stiffness (! failed):{way}")))?;
                     return Ok(failed);
                 }
                 // Close to where equilibrium ends little drives the motion: less drag lets it go.
-                _ if drag == 0.0 => drag = FALL * weakest,
-                _ => drag *= RISE,
+                _ if drag == 0.0 => drag = jump_fall * weakest,
+                _ => drag *= jump_rise,
             }
         }
         unreachable!("a failed attempt after many ends the way")

@@ -16,6 +16,7 @@
 
 use super::event::Remedy;
 use super::increments::Increments;
+use crate::controls::Controls;
 use crate::failure::Cause;
 
 /// How an increment is sought.
@@ -75,23 +76,15 @@ pub struct Ladder {
     failures: usize,
     /// Jumps that have failed.
     jumps: usize,
-    /// How much of the path was jumped over of late: [`JUMP`] for each jump, less one for each increment after it.
+    /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
     jumped: usize,
+    controls: Controls,
 }
-
-/// Jumps that are tried where something depends on the way, each four times as long as the last. Where nothing does, neither
-/// friction nor flow, they may become as long as an increment.
-const LONGER: usize = 2;
-
-/// Increments without a jump that make up for one, and as many jumps in succession as there may be: a path of little but
-/// jumps is none, for what lies between depends on the drag.
-const JUMP: usize = 4;
-const MOST_JUMPS: usize = 8;
 
 impl Ladder {
     /// `has_memory` where friction or flow make the state depend on the way to it.
-    pub fn new(can_settle: bool, has_memory: bool) -> Self {
-        let most_jumps = if has_memory { LONGER } else { usize::MAX };
+    pub fn new(can_settle: bool, has_memory: bool, controls: &Controls) -> Self {
+        let most_jumps = if has_memory { controls.jump_tries } else { usize::MAX };
         let way = Way::Newton { settle: false };
         Self {
             can_settle,
@@ -103,6 +96,7 @@ impl Ladder {
             failures: 0,
             jumps: 0,
             jumped: 0,
+            controls: *controls,
         }
     }
 
@@ -127,14 +121,15 @@ impl Ladder {
     /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
     /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
     pub fn is_strict(&self) -> bool {
-        self.way == Way::Jump || self.failures % 2 == 1
+        self.way == Way::Jump || self.failures % self.controls.remedy_period == 1
     }
 
     /// The increment has converged. Says how it was found.
     pub fn succeed(&mut self) -> Found {
         let found = Found { way: self.way(), failures: self.failures };
         self.yields = Some(self.yields() && self.can_yield == Yields::OnceSingular);
-        self.jumped = if self.way == Way::Jump { self.jumped + JUMP } else { self.jumped.saturating_sub(1) };
+        self.jumped =
+            if self.way == Way::Jump { self.jumped + self.controls.jump_weight } else { self.jumped.saturating_sub(1) };
         (self.way, self.failures) = (Way::Newton { settle: false }, 0);
         found
     }
@@ -172,9 +167,9 @@ impl Ladder {
         }
         if short {
             (self.way, self.jumps) = (Way::Jump, 0);
-            return (self.jumped < JUMP * MOST_JUMPS).then_some(Remedy::Jump);
+            return (self.jumped < self.controls.jump_weight * self.controls.jump_run).then_some(Remedy::Jump);
         }
-        self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(2) };
+        self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(self.controls.remedy_period) };
         increments.cut(end, self.failures > 1);
         Some(Remedy::Cut)
     }
@@ -189,9 +184,12 @@ mod tests {
     #[test]
     fn tries_end() {
         for (frictional, min) in [(false, 1e-4), (true, 1e-4), (true, 0.3), (true, 0.5)] {
-            let mut increments =
-                Increments::new(&Increment { initial: 0.5, min, max: 0.5, limits: Limits::default() }, 1.0);
-            let mut ladder = Ladder::new(frictional, frictional);
+            let mut increments = Increments::new(
+                &Increment { initial: 0.5, min, max: 0.5, limits: Limits::default() },
+                1.0,
+                &Controls::default(),
+            );
+            let mut ladder = Ladder::new(frictional, frictional, &Controls::default());
             let (mut sizes, mut ways) = (Vec::new(), Vec::new());
             loop {
                 let end = increments.next().unwrap();
@@ -210,26 +208,33 @@ mod tests {
 
     #[test]
     fn constraints_of_a_singular_matrix_give_way_once() {
-        let mut increments =
-            Increments::new(&Increment { initial: 0.5, min: 0.5, max: 0.5, limits: Limits::default() }, 1.0);
+        let mut increments = Increments::new(
+            &Increment { initial: 0.5, min: 0.5, max: 0.5, limits: Limits::default() },
+            1.0,
+            &Controls::default(),
+        );
         for cause in [Cause::Singular, Cause::Degenerate] {
-            let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true) };
+            let mut ladder =
+                Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true, &Controls::default()) };
             assert_eq!((ladder.fail(&mut increments, 0.5, cause), ladder.yields()), (Some(Remedy::Yield), true));
             ladder.succeed();
             assert!(ladder.yields());
             assert!(ladder.fail(&mut increments, 0.5, cause) != Some(Remedy::Yield) && !ladder.yields());
         }
-        let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true) };
+        let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true, &Controls::default()) };
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }
 
     #[test]
     fn a_singular_matrix_ends_it_unless_friction_may_help() {
-        let mut increments =
-            Increments::new(&Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() }, 1.0);
-        assert_eq!(Ladder::new(false, false).fail(&mut increments, 0.5, Cause::Singular), None);
-        let mut ladder = Ladder::new(true, true);
+        let mut increments = Increments::new(
+            &Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() },
+            1.0,
+            &Controls::default(),
+        );
+        assert_eq!(Ladder::new(false, false, &Controls::default()).fail(&mut increments, 0.5, Cause::Singular), None);
+        let mut ladder = Ladder::new(true, true, &Controls::default());
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Settle));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }

@@ -41,6 +41,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     model.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
+    log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
     let mut recorder = Recorder { log, results, every: scene.output.every, since_written: 0 };

@@ -15,13 +15,6 @@ use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 
-/// Gap over the size of a slave facet that is none.
-pub(super) const NO_GAP: f64 = 1e-9;
-
-/// Force of the scene while nothing acts yet, over the largest nodal stiffness times the element size: far below any force
-/// of interest, well above rounding.
-const FORCE_FLOOR: f64 = 1e-6;
-
 /// A simulation in progress. All ranks make the same calls at the same time; what they are given must be the same.
 pub struct Simulation<'a> {
     pub(super) comm: &'a SimpleCommunicator,
@@ -49,12 +42,13 @@ impl<'a> Simulation<'a> {
         let phases = Phases::default();
         let mut model = Model::new(comm, scene, &phases)?;
         let gaps = preflight::check(comm, scene, &mut model)?;
-        let floors = Balance::floors(comm, &model, FORCE_FLOOR, scene.solver.force_floor);
+        let floors = Balance::floors(comm, &model, scene.solver.force_floor);
         let state = State::first(&model, floors.len());
         let summary = Summary {
             scene: scene.name.clone(),
             elements: model.part.total_solids,
             warnings: model.warnings.clone(),
+            controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
             ..Summary::default()
         };
         let mut simulation =
@@ -210,7 +204,7 @@ impl<'a> Simulation<'a> {
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.
-                let touches = projection.is_some_and(|p| p.gap <= NO_GAP * pair.facet_size);
+                let touches = projection.is_some_and(|p| p.gap <= pair.controls.no_gap * pair.facet_size);
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }

@@ -7,6 +7,7 @@ use super::newton::{Newton, Round, Share, Start};
 use super::state::Progress;
 use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, describe, ending};
 use crate::contact::{Manner, Master, Pair, Status, follow_all, watch_all};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
@@ -19,12 +20,6 @@ use crate::system::{DofMap, Pattern};
 use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
-
-/// Newton iterations of an increment with drag, beyond which more drag is the shorter way.
-const ENOUGH_WITH_DRAG: usize = 7;
-
-/// How far to extrapolate, over the base.
-const FARTHEST: f64 = 2.0;
 
 /// A step under way: what stays the same over it, and how far it is.
 pub(super) struct Frame {
@@ -74,10 +69,10 @@ impl Progress {
 
     /// The unknowns at `end` if they go on as before; `None` while there are no two to go on from. A short last increment, to a
     /// time of the grid, says too little of a long one: what it follows is then part of the base.
-    fn extrapolated(&self, end: f64) -> Option<Vec<f64>> {
+    fn extrapolated(&self, end: f64, farthest: f64) -> Option<Vec<f64>> {
         let [earlier @ .., (last, new)] = &self.past[..] else { return None };
         let ratio = |from: f64| (end - last) / (last - from);
-        let (from, old) = earlier.iter().rev().find(|(from, _)| ratio(*from) <= FARTHEST).or(earlier.first())?;
+        let (from, old) = earlier.iter().rev().find(|(from, _)| ratio(*from) <= farthest).or(earlier.first())?;
         let ratio = ratio(*from);
         Some(old.iter().zip(new).map(|(a, b)| b + (b - a) * ratio).collect())
     }
@@ -156,8 +151,8 @@ impl<'a> Simulation<'a> {
             start: self.state.time,
             poses: self.model.tools.iter().map(|t| t.committed).collect(),
             offsets: vec![Vec3::zeros(); self.model.tools.len()],
-            increments: Increments::new(&step.sizes(), step.duration),
-            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow()),
+            increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls),
+            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
         };
         self.set_up(progress)
@@ -322,10 +317,10 @@ impl<'a> Simulation<'a> {
         let mut watcher = |number, residual, changes| {
             observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes }))
         };
-        // Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a
-        // node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on.
-        let smooth = self.model.tools.iter().all(|t| !t.surface.faceted);
-        let trial = frame.progress.extrapolated(end).filter(|_| smooth || self.model.can_flow());
+        let controls = self.model.controls;
+        let smooth = self.model.can_flow() || self.model.tools.iter().all(|t| !t.surface.faceted);
+        let may_extrapolate = controls.extrapolate > usize::from(!smooth);
+        let trial = frame.progress.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
         let manner = Manner {
             settles: frame.progress.ladder.way() == Way::Newton { settle: true },
@@ -342,7 +337,7 @@ impl<'a> Simulation<'a> {
             tolerance: self.scene.solver.tolerance,
             strict: frame.progress.ladder.is_strict(),
             manner,
-            max_iterations: max_iterations.min(if drag > 0.0 { ENOUGH_WITH_DRAG } else { usize::MAX }),
+            max_iterations: max_iterations.min(if drag > 0.0 { controls.jump_iterations } else { usize::MAX }),
             seen: &self.state.seen,
             floors: &self.floors,
         };
@@ -373,7 +368,7 @@ impl<'a> Simulation<'a> {
             }
             if outcome.reason != Reason::Converged {
                 let reason = told(&outcome.reason, max_iterations);
-                let cause = cause(&outcome.reason, newton.trace.len() <= 1);
+                let cause = cause(&outcome.reason, newton.trace.len() <= 1, controls.singular_residual);
                 break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
@@ -506,21 +501,21 @@ impl<'a> Simulation<'a> {
         })
     }
 
-    /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: a
-    /// quarter of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
+    /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: many
+    /// of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
     /// short against the radius of curvature. Collective.
     fn is_busy(&self) -> bool {
-        const FAR: f64 = 0.3;
+        let Controls { busy_share, busy_turn, .. } = self.model.controls;
         let mut counts = [0.0; 3];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             let (before, now) = (slave.committed.status != Status::Gap, slave.trial.status != Status::Gap);
             counts[0] += f64::from(before || now);
             counts[1] += f64::from(before != now);
             let curvature = slave.trial.projection.map_or(0.0, |p| p.normal_gradient.norm());
-            counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > FAR);
+            counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > busy_turn);
         }
         sum(self.comm, &mut counts);
-        4.0 * counts[1] > counts[0] || counts[2] > 0.0
+        counts[1] > busy_share * counts[0] || counts[2] > 0.0
     }
 
     /// Slave nodes of all ranks that touch, slip, and were calmed. Collective.
@@ -589,11 +584,11 @@ fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> 
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what
 /// it solved is no solution.
-fn cause(reason: &Reason, at_once: bool) -> Cause {
+fn cause(reason: &Reason, at_once: bool, singular_residual: f64) -> Cause {
     let singular = match reason {
         Reason::Linear(LinearFailure::Singular(..)) => true,
         Reason::Linear(LinearFailure::Inaccurate { relative_residual, null_pivots }) => {
-            *null_pivots > 0 || *relative_residual > 1e-2
+            *null_pivots > 0 || *relative_residual > singular_residual
         }
         _ => return Cause::Iteration,
     };

@@ -19,16 +19,6 @@ use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 use std::time::Instant;
 
-/// How far the watch looks, over the size of the slave facets and over how far a node has moved against the master: a way
-/// is seen from its end, with all that is as near to it as half its length. In self-contact, where no way is followed, what
-/// is within a facet is enough.
-const AROUND: f64 = 2.0;
-const AROUND_SELF: f64 = 1.0;
-const FARTHER: f64 = 1.5;
-
-/// What rounds of Uzawa's method may leave of a penetration, times the largest stiffness over the largest residual.
-const UZAWA: f64 = 100.0;
-
 /// What a contact did until now.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
@@ -185,14 +175,14 @@ impl Simulation<'_> {
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its
 /// nodes have gone against the master, at most. Collective.
 fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Vec<f64> {
-    let Model { part, tools, surfaces, pairs, .. } = model;
+    let Model { part, tools, surfaces, pairs, controls, .. } = model;
     let before = |n: u32| part.points[n as usize] + motion.before[n as usize];
     let after = |n: u32| part.points[n as usize] + motion.after[n as usize];
     let mut travels = vec![0.0; pairs.len()];
     for (t, tool) in tools.iter_mut().enumerate() {
         let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
         let nodes = || of_tool().flat_map(|pair| &pair.slaves).map(|slave| slave.node);
-        let poses = watch::turning(&tool.committed, &tool.trial);
+        let poses = watch::turning(&tool.committed, &tool.trial, controls.watch_turn);
         let way = |n: u32| match poses.is_empty() {
             true => (tool.trial.inward(&after(n)) - tool.committed.inward(&before(n))).norm(),
             false => {
@@ -218,12 +208,12 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
 
 /// How far to look around nodes that have gone so far.
 fn reach(pair: &Pair, travel: f64) -> f64 {
-    let around = if pair.is_self() { AROUND_SELF } else { AROUND };
-    around * pair.facet_size + FARTHER * travel
+    let around = if pair.is_self() { pair.controls.watch_around_self } else { pair.controls.watch_around };
+    around * pair.facet_size + pair.controls.watch_farther * travel
 }
 
-fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance {
-    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel) }
+fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'_> {
+    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel), controls: &pair.controls }
 }
 
 /// Judges the slave nodes of a pair, of which none has gone farther than `travel`. Collective.
@@ -238,7 +228,10 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let (mut masters, mut poses) = (Vec::new(), Vec::new());
     match pair.master {
-        Master::Tool(t) => poses = watch::turning(&model.tools[t].committed, &model.tools[t].trial),
+        Master::Tool(t) => {
+            let tool = &model.tools[t];
+            poses = watch::turning(&tool.committed, &tool.trial, model.controls.watch_turn);
+        }
         Master::Surface(k) => masters = model.surfaces[k].places(comm, |n| place(motion.before, n)),
     }
     let judge = |s: usize| {
@@ -276,7 +269,7 @@ fn explained(model: &Model, pair: &Pair, s: usize, residual: f64) -> f64 {
     residual / slave.measure()
         + match pair.method {
             Enforcement::Penalty => slave.trial.force.norm() / slave.law.penalty,
-            Enforcement::Uzawa => pair.tolerance.unwrap_or(UZAWA * residual / model.stiffness),
+            Enforcement::Uzawa => pair.tolerance.unwrap_or(pair.controls.uzawa_tolerance * residual / model.stiffness),
             _ => 0.0,
         }
 }

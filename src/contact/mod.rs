@@ -36,6 +36,7 @@ pub use self_contact::{Avoided, Outlook};
 pub use tool::{Tool, watch_all};
 pub use watch::Sight;
 
+use crate::controls::Controls;
 use crate::partition::Gather;
 use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
@@ -74,6 +75,9 @@ pub struct Pair {
     pub facet_size: f64,
     /// Both sides are on one body: only faces that look at each other can meet.
     pub within_body: bool,
+    /// Cosine between the normals of what meets in self-contact, at most.
+    pub facing: f64,
+    pub controls: Controls,
     /// Within a body the outward unit normals of the slave nodes at the last converged increment.
     pub outward: Vec<Vec3>,
     pub discretization: Discretization,
@@ -104,18 +108,18 @@ impl Pair {
         }
         let outlook = match self.is_self() {
             true => self.outlook(slave, position),
-            false => Outlook { x: position, outward: None, avoided: None },
+            false => Outlook { x: position, outward: None, avoided: None, facing: self.facing },
         };
         let found = surface.shapes().closest_of(position, self.reach, warm, &outlook)?;
-        let found = surface.shapes().beside_edge(position, &found).unwrap_or(found);
-        let stays = surface.shapes().stays(position, warm, &found, surface.facet_size);
+        let found = surface.shapes().beside_edge(position, &found, self.controls.edge_beside).unwrap_or(found);
+        let stays = surface.shapes().stays(position, warm, &found, (surface.facet_size, self.controls.kink_same));
         Some(stays.unwrap_or(found))
             .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
     /// What slave node `slave` can meet from `x`: within a body only what looks at it.
     pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
-        Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave) }
+        Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave), facing: self.facing }
     }
 
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
@@ -138,7 +142,10 @@ impl Pair {
 
     /// How far a slave node may move in one iteration.
     pub fn longest_step(&self) -> f64 {
-        self.avoided.iter().map(Avoided::longest_step).fold(1.5 * self.facet_size, f64::min)
+        self.avoided
+            .iter()
+            .map(|avoided| self.controls.self_step * avoided.deep())
+            .fold(self.controls.step_facets * self.facet_size, f64::min)
     }
 
     /// Multipliers that a slave node may have as unknowns: none when they are held, one without friction, three with.
@@ -151,26 +158,12 @@ impl Pair {
     }
 }
 
-/// Gap over the size of a slave facet that is but rounding: bodies that are meshed to touch are as far apart as the mesh file
-/// rounds.
-pub const TOUCHING: f64 = 1e-4;
-
-/// The projection of a slave node in the first iteration of a step: a gap that is but rounding is closed. A body that only a
-/// force drives would have no support otherwise. Further iterations see the gap as it is.
-pub fn touching(projection: Projection, facet_size: f64) -> Projection {
-    let closed = projection.gap < TOUCHING * facet_size;
+/// The projection of a slave node in the first iteration of a step: a gap `below` so much, which is but rounding, is closed. A
+/// body that only a force drives would have no support otherwise. Further iterations see the gap as it is.
+pub fn touching(projection: Projection, below: f64) -> Projection {
+    let closed = projection.gap < below;
     Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
 }
-
-/// Compliance of constraints that give way, over that of the automatic penalty: always in self-contact, where slave nodes that
-/// meet each other make the same condition twice. More leaves an error when it is tightened there, in the forces about a
-/// third of it; with 3e-4 facets without friction slide off each other, tip from tip, long before they do with this.
-pub const SLACK: f64 = 1e-3;
-
-/// That of self-contact where Newton's method has failed. A strip that closes onto itself in 54 ways (faceted and smoothed,
-/// mu = 0, 0.2 and 1, in 10 to 40 increments): with 1e-3 alone 7 fail; with this after 1e-4, 3e-4 or 1e-3 none; with 3e-3 and
-/// 1e-2 after 1e-3 none and one, and twice the cuts.
-pub const WIDE_SLACK: f64 = 3e-2;
 
 /// In which way an increment is sought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -181,7 +174,8 @@ pub struct Manner {
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
     pub automatic: bool,
-    /// The constraints of multipliers give way until they are tightened, by [`SLACK`], in self-contact by [`WIDE_SLACK`].
+    /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
+    /// [`Controls`].
     pub yields: bool,
 }
 
@@ -359,15 +353,15 @@ impl Slave {
     }
 
     /// Begins an increment from the last converged one.
-    pub fn begin(&mut self, manner: &Manner) {
+    pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         self.trial = Trial { status, yields, ..Trial::default() };
         let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {
-            (true, true) => WIDE_SLACK,
-            (true, false) | (false, true) => SLACK,
+            (true, true) => controls.wide_slack,
+            (true, false) | (false, true) => controls.slack,
             (false, false) => 0.0,
         };
         let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
@@ -379,10 +373,11 @@ impl Slave {
 
     /// Reduces the friction penalty, with local unknowns all of the augmentation; `false` when it is low. The solution does
     /// not depend on it.
-    pub fn calm(&mut self, method: Enforcement) -> bool {
-        let can = self.law.friction > 0.0 && self.law.tangential > 1e-3 * self.augmentation;
+    pub fn calm(&mut self, method: Enforcement, controls: &Controls) -> bool {
+        let least = controls.calm_least * self.augmentation;
+        let can = self.law.friction > 0.0 && self.law.tangential > least;
         if can {
-            self.law.tangential *= 0.1;
+            self.law.tangential *= controls.calm_factor;
             if method.holds_multipliers() {
                 self.law.normal = self.law.tangential;
             }

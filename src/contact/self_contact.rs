@@ -2,7 +2,7 @@
 //!
 //! Every node of the surface is a slave against the patches of the same surface: two passes by nature. A node meets no
 //! patch of the facets around it, nor one that shares a node with these. What it meets looks back at it: the angle
-//! between its own outward normal and that of the patch is more than 120 degrees. And it is less than half the thickness
+//! between the opposite of its own outward normal and that of the patch is less than `self_facing`. And it is less than half the thickness
 //! below the patch: deeper, it is the far side of the sheet that the patch bounds, like the nodes opposite in Fig. 31 of
 //! Neto, Oliveira and Menezes.
 //!
@@ -12,18 +12,13 @@
 //! not part of the surface, nothing is excluded by depth.
 
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::parallel::{Parcels, exchange};
 use crate::partition::owner;
 use crate::surface::projection::{Extent, Foot};
 use crate::surface::{Admission, MovingPatch, Patch, PatchSet, Piece, Polygon};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
-
-/// Cosine between the normals of what meets, at most.
-const FACING: f64 = -0.5;
-
-/// Thickness over the longest edge up to which sheets are measured: no search looks deeper into a thicker one.
-const THICK: f64 = 8.0;
 
 /// What a node must not meet on its own surface.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,12 +76,14 @@ impl Across {
 }
 
 impl Avoided {
-    /// Whether the node at `x`, which looks `outward` (a unit vector), may meet a patch at a point with its unit normal.
-    pub fn allows(&self, x: &Vec3, outward: &Vec3, id: u32, point: &Vec3, normal: &Vec3) -> bool {
-        outward.dot(normal) < FACING && (x - point).dot(normal) > -self.deep && self.around.binary_search(&id).is_err()
+    /// Whether a node may meet a patch at a point with its unit normal.
+    fn allows(&self, look: &Outlook, outward: &Vec3, id: u32, point: &Vec3, normal: &Vec3) -> bool {
+        outward.dot(normal) < look.facing
+            && (look.x - point).dot(normal) > -self.deep
+            && self.around.binary_search(&id).is_err()
     }
 
-    /// Whether it may be that [`Self::allows`] some point of a patch, by a margin of 30 degrees.
+    /// Whether the node may meet some point of a patch, by a margin: its normal need only look back at all.
     pub fn may_allow(&self, outward: &Vec3, id: u32, extent: &Extent) -> bool {
         extent.may_face(outward) && self.around.binary_search(&id).is_err()
     }
@@ -97,14 +94,14 @@ impl Avoided {
         outward.dot(&normal) < 0.0 && self.around.binary_search(&patch.id).is_err()
     }
 
-    /// How far the node may go in one iteration without a danger of coming out on the other side of a sheet.
-    pub fn longest_step(&self) -> f64 {
-        0.5 * self.deep
+    /// Least depth below a patch from which the node is on the other side of its sheet.
+    pub fn deep(&self) -> f64 {
+        self.deep
     }
 
-    /// The depth by a given thickness, which stays.
-    pub fn with_thickness(self, thickness: f64) -> Self {
-        Self { deep: 0.5 * thickness, across: Vec::new(), ..self }
+    /// The depth by a given thickness, which stays, and a share of it.
+    pub fn with_thickness(self, thickness: f64, share: f64) -> Self {
+        Self { deep: share * thickness, across: Vec::new(), ..self }
     }
 
     /// The nodes that its thickness depends on, by global numbers.
@@ -112,11 +109,11 @@ impl Avoided {
         self.across.iter().flat_map(Across::nodes)
     }
 
-    /// Takes the thickness of the sheet with these nodes at `place`. Where it is folded over, the last one stays.
-    pub fn follow(&mut self, place: impl Fn(u64) -> Vec3) {
+    /// Takes a share of the thickness of the sheet with these nodes at `place`. Where it is folded over, the last one stays.
+    pub fn follow(&mut self, share: f64, place: impl Fn(u64) -> Vec3) {
         let least = self.across.iter().map(|across| across.thickness(&place)).fold(f64::INFINITY, f64::min);
         if least > 0.0 && least.is_finite() {
-            self.deep = 0.5 * least;
+            self.deep = share * least;
         }
     }
 }
@@ -128,6 +125,8 @@ pub struct Outlook<'a> {
     pub outward: Option<&'a Vec3>,
     /// In self-contact what it must not meet.
     pub avoided: Option<&'a Avoided>,
+    /// Cosine between the normals of what meets in self-contact, at most.
+    pub facing: f64,
 }
 
 impl Admission<Patch> for Outlook<'_> {
@@ -142,14 +141,14 @@ impl Admission<Patch> for Outlook<'_> {
         let Some(outward) = self.outward else { return true };
         let normal = nearest.local.area_vector().normalize();
         match self.avoided {
-            Some(avoided) => avoided.allows(self.x, outward, patch.id, &nearest.local.point, &normal),
+            Some(avoided) => avoided.allows(self, outward, patch.id, &nearest.local.point, &normal),
             None => outward.dot(&normal) < 0.0,
         }
     }
 }
 
 /// What the nodes of a surface avoid, by their global numbers: from its patches, with nodes at `place`.
-pub fn avoided(patches: &[MovingPatch], place: impl Fn(u64) -> Vec3) -> BTreeMap<u64, Avoided> {
+pub fn avoided(patches: &[MovingPatch], controls: &Controls, place: impl Fn(u64) -> Vec3) -> BTreeMap<u64, Avoided> {
     let own = |patch: &MovingPatch| patch.nodes[..patch.count as usize].to_vec();
     let mut at_node: BTreeMap<u64, Vec<usize>> = BTreeMap::new();
     for (k, patch) in patches.iter().enumerate() {
@@ -157,7 +156,7 @@ pub fn avoided(patches: &[MovingPatch], place: impl Fn(u64) -> Vec3) -> BTreeMap
     }
     let straight = |patch: &MovingPatch| patch.straight(&patch.nodes.iter().map(|&n| place(n)).collect::<Vec<_>>());
     let facets = PatchSet::new(patches.iter().map(straight).collect());
-    let longest = THICK * facets.pieces().iter().map(longest_edge).fold(0.0, f64::max);
+    let longest = controls.self_thick * facets.pieces().iter().map(longest_edge).fold(0.0, f64::max);
     let index: BTreeMap<u32, usize> = patches.iter().enumerate().map(|(k, patch)| (patch.id, k)).collect();
     let across: Vec<Option<Across>> = (patches.iter())
         .map(|patch| {
@@ -175,7 +174,7 @@ pub fn avoided(patches: &[MovingPatch], place: impl Fn(u64) -> Vec3) -> BTreeMap
         around.dedup();
         let across = beside.iter().filter_map(|&k| across[k]).collect();
         let mut avoided = Avoided { around, deep: f64::INFINITY, across };
-        avoided.follow(&place);
+        avoided.follow(controls.self_depth, &place);
         avoided
     };
     at_node.iter().map(|(&n, beside)| (n, of_node(beside))).collect()
@@ -276,13 +275,13 @@ mod tests {
         mesh.point_ids = (0..mesh.points.len() as u64).collect();
         let numbers: Vec<u64> = mesh.point_ids.clone();
         let points = mesh.points.iter().map(|x| Vec3::from(*x)).collect();
-        (MovingPatch::all(&mesh, &numbers, Smoothing::Facet, 40.0, &[]).unwrap(), points)
+        (MovingPatch::all(&mesh, &numbers, Smoothing::Facet, 40.0, &[], &Controls::default()).unwrap(), points)
     }
 
     #[test]
     fn thickness_goes_through_the_sheet_not_across_the_gap() {
         let (patches, points) = sheets();
-        let avoided = avoided(&patches, |n| points[n as usize]);
+        let avoided = avoided(&patches, &Controls::default(), |n| points[n as usize]);
         // The facets of the lower side look down, those of the upper side up.
         assert!(patches[0].straight(&[0, 2, 3, 1].map(|n| points[n])).normal([0.5, 0.5]).y < 0.0);
         for n in 0..44 {
@@ -296,41 +295,42 @@ mod tests {
     #[test]
     fn thickness_follows_the_sheet() {
         let (patches, mut points) = sheets();
-        let mut avoided = avoided(&patches, |n| points[n as usize]);
+        let mut avoided = avoided(&patches, &Controls::default(), |n| points[n as usize]);
         // Stretched to double its length at half its thickness, and turned.
         let turn = nalgebra::Rotation3::new(Vec3::new(0.3, -0.2, 0.5));
         points.iter_mut().for_each(|x| *x = turn * Vec3::new(2.0 * x.x, 0.5 * x.y, x.z));
         for (n, avoided) in &mut avoided {
             let packed: Vec<_> = avoided.across.iter().map(|a| Across::from_numbers(&a.to_numbers())).collect();
             assert_eq!(avoided.across, packed);
-            avoided.follow(|n| points[n as usize]);
+            avoided.follow(0.5, |n| points[n as usize]);
             let expected = if *n < 44 { 0.5 } else { f64::INFINITY };
             assert!(avoided.deep == expected || (avoided.deep - expected).abs() < 1e-12, "{n}: {}", avoided.deep);
         }
         // Sheared along itself it keeps its thickness.
         points.iter_mut().for_each(|x| *x += turn * Vec3::x() * (turn.inverse() * *x).y);
         let node = avoided.get_mut(&32).unwrap();
-        node.follow(|n| points[n as usize]);
+        node.follow(0.5, |n| points[n as usize]);
         assert!((node.deep - 0.5).abs() < 1e-12, "{}", node.deep);
-        let mut given = node.clone().with_thickness(6.0);
-        given.follow(|n| points[n as usize]);
+        let mut given = node.clone().with_thickness(6.0, 0.5);
+        given.follow(0.5, |n| points[n as usize]);
         assert_eq!(given.deep, 3.0);
     }
 
     #[test]
     fn a_node_meets_what_looks_at_it_and_is_neither_beside_it_nor_across_the_sheet() {
         let (patches, points) = sheets();
-        let avoided = avoided(&patches, |n| points[n as usize]);
+        let avoided = avoided(&patches, &Controls::default(), |n| points[n as usize]);
         let (up, down) = (Vec3::y(), -Vec3::y());
         // A node amid the upper side of the lower sheet; facets run from right to left there.
         let (node, x) = (&avoided[&32], points[32]);
+        let look = Outlook { x: &x, outward: None, avoided: None, facing: -0.5 };
         assert_eq!(node.around, [13, 14, 15, 16]);
-        assert!(node.allows(&x, &up, 24, &(x + up), &down), "the other sheet");
-        assert!(node.allows(&x, &up, 24, &(x - up * 0.9), &down), "the other sheet, penetrated");
-        assert!(!node.allows(&x, &up, 5, &(x - up * 2.0), &down), "the other side of its own sheet");
-        assert!(!node.allows(&x, &up, 17, &x, &up), "what looks the same way");
-        assert!(!node.allows(&x, &up, 14, &x, &down), "what is beside it");
-        let thick = node.clone().with_thickness(6.0);
-        assert!(thick.allows(&x, &up, 5, &(x - up * 2.0), &down));
+        assert!(node.allows(&look, &up, 24, &(x + up), &down), "the other sheet");
+        assert!(node.allows(&look, &up, 24, &(x - up * 0.9), &down), "the other sheet, penetrated");
+        assert!(!node.allows(&look, &up, 5, &(x - up * 2.0), &down), "the other side of its own sheet");
+        assert!(!node.allows(&look, &up, 17, &x, &up), "what looks the same way");
+        assert!(!node.allows(&look, &up, 14, &x, &down), "what is beside it");
+        let thick = node.clone().with_thickness(6.0, 0.5);
+        assert!(thick.allows(&look, &up, 5, &(x - up * 2.0), &down));
     }
 }

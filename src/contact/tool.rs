@@ -2,6 +2,7 @@
 
 use super::{Master, Pair, Pose};
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::scene;
 use crate::surface::Projection;
@@ -24,10 +25,10 @@ impl Tool {
     ///
     /// # Errors
     /// A surface that cannot be read, on all ranks.
-    pub fn new(comm: &SimpleCommunicator, tool: &scene::Tool) -> Result<Self> {
+    pub fn new(comm: &SimpleCommunicator, tool: &scene::Tool, controls: &Controls) -> Result<Self> {
         Ok(Self {
             name: tool.name.value.clone(),
-            surface: Surface::new(comm, tool, tool.smoothing.value)?,
+            surface: Surface::new(comm, tool, tool.smoothing.value, controls)?,
             committed: Pose::default(),
             trial: Pose::default(),
         })

@@ -24,37 +24,16 @@
 use super::deformable::frame;
 use super::{BodySurface, Pair, Pose};
 use crate::Vec3;
-use crate::surface::{Parametric, Polygon, Projection};
+use crate::controls::Controls;
+use crate::surface::{EXTENSION, Parametric, Polygon, Projection};
 use crate::tool::Surface;
 
-/// Depth over the size of a slave facet from which a penetration is one. Contact is at nodes: between them a facet that
-/// touches a radius of ten of its lengths is 1/80 of its length inside, and no finer is the shape of the body known.
-const DEEP: f64 = 0.01;
-
-/// Lift of the way over the size of a slave facet: by so much it may cut a corner. What turns more in one increment than
-/// its chord and this lift allow is no longer followed by it.
-const LIFT: f64 = 0.1;
-
-/// Cosine of the turn of the normal up to which a way along the surface is taken for one without looking.
-const ALONG: f64 = 0.5;
-
-/// Turn of a tool, 5 degrees, of which a node's way in its frame is taken for straight.
-const PART: f64 = 0.0873;
-
-/// Shortest step along a way, over the size of a facet; a step over the distance to the surface; and a length that is a
-/// point, over the size of a facet.
-const STEP: f64 = 0.01;
+/// A step along a way over the distance to the surface, within which nothing is.
 const SHARE: f64 = 0.9;
+
+/// A length that is a point, and what two projections of the same point may differ by, over the size of a facet.
 const POINT: f64 = 1e-6;
-
-/// Depth over the size of a facet below which a node may be beside an end for all it matters, and what two projections of
-/// the same point may differ by.
-const NONE: f64 = 1e-9;
 const ROUNDED: f64 = 1e-6;
-
-/// How deep a node may be in a patch of a body while it stays on the extension of the last one: see [`Pair::project`]. The
-/// extension, over the size of a facet, times the sine of the greatest angle there.
-const LINGERS: f64 = 0.05 * 0.436;
 
 /// On which side of the master a node is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -101,7 +80,7 @@ impl Finding {
 
 /// What is no finding, and how far to look.
 #[derive(Clone, Copy, Debug)]
-pub struct Allowance {
+pub struct Allowance<'a> {
     /// Size of the slave facets.
     pub facet: f64,
     /// How deep the law of contact lets the node be.
@@ -109,6 +88,7 @@ pub struct Allowance {
     /// The farthest that any node has gone over the ground; distance within which the ground is known around the node.
     pub travel: f64,
     pub reach: f64,
+    pub controls: &'a Controls,
 }
 
 /// Where a node began, on the ground as it is now.
@@ -128,10 +108,10 @@ pub enum Ground<'a> {
     Body(&'a BodySurface, &'a Pair, usize),
 }
 
-/// Poses of a tool on its way from one to another, in parts of which it turns by no more than 5 degrees; none where it does
-/// not turn.
-pub fn turning(begin: &Pose, end: &Pose) -> Vec<Pose> {
-    let parts = (begin.angle(end) / PART).ceil();
+/// Poses of a tool on its way from one to another, in parts of which it turns by no more than `part`, radians; none where
+/// it does not turn.
+pub fn turning(begin: &Pose, end: &Pose, part: f64) -> Vec<Pose> {
+    let parts = (begin.angle(end) / part).ceil();
     if parts < 2.0 {
         return Vec::new();
     }
@@ -188,11 +168,15 @@ impl Ground<'_> {
         is_inside.then(|| -(x - foot.point).dot(&patch.normal(foot.xi)))
     }
 
-    /// How deep a node may be while it stays on the extension of another piece than the nearest.
-    fn lingers(&self, at: &Projection) -> f64 {
+    /// How deep a node may be while it stays on the extension of another piece than the nearest, see [`Pair::project`]: the
+    /// extension times the sine of the greatest angle there.
+    fn lingers(&self, at: &Projection, controls: &Controls) -> f64 {
         match self {
             Self::Tool(surface) => surface.lingers(at.patch),
-            Self::Body(surface, ..) => LINGERS * surface.facet_size,
+            Self::Body(surface, ..) => {
+                let cosine = 1.0 - controls.kink_same;
+                EXTENSION * (1.0 - cosine * cosine).sqrt() * surface.facet_size
+            }
         }
     }
 }
@@ -212,7 +196,7 @@ impl Seen {
     fn new(ground: &Ground, x: &Vec3, may: &Allowance) -> Self {
         let nearest = ground.nearest(x, may.reach);
         let gap = nearest.map_or(may.reach, |p| p.gap);
-        let depth = if gap < -NONE * may.facet { ground.depth(x, -gap).unwrap_or(0.0) } else { 0.0 };
+        let depth = if gap < -may.controls.no_gap * may.facet { ground.depth(x, -gap).unwrap_or(0.0) } else { 0.0 };
         let allowed = nearest.filter(|_| depth > 0.0).map_or(0.0, |p| allowed(ground, &p, may));
         Self { gap, nearest, depth, allowed }
     }
@@ -232,17 +216,18 @@ impl Seen {
     }
 
     /// Whether the nearest point has moved along the surface since the `last` sight, as the node went here from its start.
-    fn is_along(&self, last: &Sight, start: &Start, to: &Vec3, facet: f64) -> bool {
+    fn is_along(&self, last: &Sight, start: &Start, to: &Vec3, may: &Allowance) -> bool {
         let (Some(n), Some(m)) = (start.normal, self.nearest.map(|p| p.normal)) else { return false };
         let way = (to - m * self.gap) - (start.place - n * last.gap);
         let [rises, bends] = [way.dot(&(n + m)) / 2.0, way.dot(&(n - m)) / 8.0];
-        way.norm() <= facet && n.dot(&m) >= ALONG && rises.abs().max(bends.abs()) <= LIFT * facet
+        let Controls { watch_along, watch_lift, .. } = *may.controls;
+        way.norm() <= may.facet && n.dot(&m) >= watch_along && rises.abs().max(bends.abs()) <= watch_lift * may.facet
     }
 }
 
 /// Depth behind the surface up to which a node is not behind it, with its nearest point there.
 fn allowed(ground: &Ground, nearest: &Projection, may: &Allowance) -> f64 {
-    DEEP * may.facet + may.explained + ground.lingers(nearest)
+    may.controls.watch_deep * may.facet + may.explained + ground.lingers(nearest, may.controls)
 }
 
 /// What is seen of a node at `x` before anything has moved.
@@ -279,7 +264,7 @@ pub fn judge(
         };
     }
     let travel: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-    let clear = travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may.facet);
+    let clear = travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may);
     let through = !clear && goes_through(ground, way, may, true);
     (front, through.then_some(Finding::Through(travel)))
 }
@@ -318,7 +303,7 @@ fn goes_through(ground: &Ground, way: &[Vec3], may: &Allowance, lift_end: bool) 
 /// A place a little farther off the surface, if it is near; in a corner off both its sides.
 fn lift(ground: &Ground, x: &Vec3, may: &Allowance) -> Vec3 {
     const SIDES: usize = 3;
-    let lift = LIFT * may.facet;
+    let lift = may.controls.watch_lift * may.facet;
     let mut x = *x;
     for _ in 0..SIDES {
         match ground.nearest(&x, lift).filter(|p| p.gap >= -allowed(ground, p, may)) {
@@ -338,7 +323,7 @@ fn crosses(ground: &Ground, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowan
     let mut done = 0.0;
     while done < length {
         // Not all of it, which would end on the surface, by rounding on either side.
-        let step = (SHARE * here.gap.abs()).max(STEP * may.facet);
+        let step = (SHARE * here.gap.abs()).max(may.controls.watch_step * may.facet);
         done = (done + step).min(length);
         let there = look(&(from + along * done));
         if is_between(&here, &there, &look, POINT * may.facet) {

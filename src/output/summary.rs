@@ -7,6 +7,7 @@ use crate::parallel::agree;
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 
 /// The outcome of a run. Counts are of the whole model, over all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,6 +46,8 @@ pub struct Summary {
     pub linear_solver: String,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
+    /// The controls that differ from their defaults.
+    pub controls: BTreeMap<&'static str, f64>,
 }
 
 impl Summary {
@@ -93,6 +96,7 @@ impl Summary {
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
             "warnings": self.warnings,
+            "controls": self.controls,
         });
         format!("{value:#}\n")
     }
@@ -123,7 +127,7 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses search_fetches \
-             wall_s phases_s peak_memory_mb matrix linear_solver warnings"
+             wall_s phases_s peak_memory_mb matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();
         promised.sort();

@@ -145,6 +145,11 @@
 //! | `tolerance` = `1e-10` | largest residual over the largest force, below 0.01 |
 //! | `max_iterations` = `15` | Newton iterations before an increment is cut |
 //! | `force_floor` = by the stiffness | the force that counts while there is none |
+//!
+//! ## `[controls]`: for experts
+//!
+//! The numbers that decide whether a solution is found, by their names in [`Controls::TABLE`]; their defaults are measured,
+//! and docs/controls.md has what each does.
 
 mod contacts;
 mod descriptions;
@@ -167,6 +172,7 @@ pub(crate) use references::body_of;
 
 use crate::Vec3;
 pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
+use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::solid::element::Formulation;
 pub use crate::solid::material::{Hardening, Hill, MaterialModel};
@@ -203,6 +209,7 @@ pub struct Scene {
     pub steps: Vec<Step>,
     pub output: Output,
     pub solver: Solver,
+    pub controls: Controls,
 }
 
 /// A deformable body.

@@ -8,11 +8,12 @@ use super::{
     materials, overrides, steps, tools,
 };
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
-const KEYS: [&str; 8] = ["title", "body", "material", "tool", "contact", "step", "output", "solver"];
+const KEYS: [&str; 9] = ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -106,6 +107,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         steps: steps::read(&root, &names)?,
         output: output(&root, &names)?,
         solver: solver(&root)?,
+        controls: controls(&root)?,
     })
 }
 
@@ -261,4 +263,20 @@ fn solver(root: &Table) -> Result<Solver> {
     solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
     solver.force_floor = table.optional("force_floor", Item::positive)?;
     Ok(solver)
+}
+
+fn controls(root: &Table) -> Result<Controls> {
+    let mut controls = Controls::default();
+    let names: Vec<&str> = Controls::TABLE.iter().map(|control| control.name).collect();
+    let Some(table) = root.optional("controls", |item| item.table(&names))? else { return Ok(controls) };
+    for control in Controls::TABLE {
+        let value = |item: &Item| {
+            let help = format!("it is in: {}; by default {:?}", control.unit, control.default);
+            item.number_that_is(&control.admitted(), |value| control.admits(value), &help)
+        };
+        if let Some(value) = table.optional(control.name, value)? {
+            controls.set(control.name, value);
+        }
+    }
+    Ok(controls)
 }

@@ -372,7 +372,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
     assert_eq!(
         message("[material.steel]", "[materials.steel]"),
         "in/test.toml:12:2: unknown key `materials` in the scene\n  | [materials.steel]\n  \
-         help: did you mean `material`? (known: title, body, material, tool, contact, step, output, solver)"
+         help: did you mean `material`? (known: title, body, material, tool, contact, step, output, solver, controls)"
     );
     assert_eq!(
         message("{ set = \"slab.bottom\" }", "{ group = \"slab.bottom\" }"),
@@ -864,4 +864,21 @@ fn plastic_materials_are_physical() {
     assert!(
         hill("{ f = 1, g = 1, h = 1, n = 1, x = [1, 1, 0], y = [-2, -2, 0] }").ends_with("has x and y along one line")
     );
+}
+
+#[test]
+fn controls_are_for_experts() {
+    use crate::controls::Controls;
+    assert_eq!(scene(&[]).controls, Controls::default());
+    let changed = scene(&["controls.jump_drag=0.2", "controls.outer_rounds=30"]).controls;
+    assert_eq!(changed, Controls { jump_drag: 0.2, outer_rounds: 30, ..Controls::default() });
+    let told = |table: &str| refusal(read(&format!("{SCENE}\n[controls]\n{table}\n"), &[]));
+    let unknown = told("jump_drog = 0.2");
+    assert!(unknown.contains(":1: unknown key `jump_drog` in controls"), "{unknown}");
+    assert!(unknown.contains("did you mean `jump_drag`?"), "{unknown}");
+    let below = told("jump_drag = 0.0");
+    assert!(below.contains("controls.jump_drag must be a number from 1e-6 to 100.0, not 0.0"), "{below}");
+    assert!(below.contains("help: it is in: largest nodal stiffness; by default 0.1"), "{below}");
+    assert!(told("outer_rounds = 1.5").contains("must be an integer from 1.0 to 10000.0, not 1.5"));
+    assert!(told("jump_drag = \"much\"").contains("controls.jump_drag must be a number, not"));
 }

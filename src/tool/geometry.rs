@@ -3,6 +3,7 @@
 use super::normals::from_surface;
 use super::shape::Shape;
 use crate::cad::{self, Cad};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::mesh;
 use crate::scene::{self, CadFile, Description, NormalSource, Smoothing, ToolMesh};
@@ -49,10 +50,10 @@ impl Described {
 ///
 /// # Errors
 /// Files that cannot be read or hold no surface, fillets that do not fit.
-pub fn describe(tool: &scene::Tool, description: Description) -> Result<Described> {
+pub fn describe(tool: &scene::Tool, description: Description, controls: &Controls) -> Result<Described> {
     let missing = || Error::input(&tool.name.at, format!("the tool has no `{}`", description.key()), "");
     match description {
-        Description::Mesh(smoothing) => of_mesh(tool, tool.mesh.as_ref().ok_or_else(missing)?, smoothing),
+        Description::Mesh(smoothing) => of_mesh(tool, tool.mesh.as_ref().ok_or_else(missing)?, smoothing, controls),
         Description::Nurbs => of_cad(tool, tool.nurbs.as_ref().ok_or_else(missing)?, "NURBS face"),
         Description::Bezier => of_cad(tool, tool.bezier.as_ref().ok_or_else(missing)?, "Bézier face"),
         _ => {
@@ -62,7 +63,7 @@ pub fn describe(tool: &scene::Tool, description: Description) -> Result<Describe
     }
 }
 
-fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<Described> {
+fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing, controls: &Controls) -> Result<Described> {
     let mesh = mesh::load(&of.source, mesh::Purpose::Tool)?;
     if smoothing == Smoothing::Facet {
         let patches = patches_from_mesh(&mesh, smoothing, &NormalOptions::default(), tool.flip)?;
@@ -70,6 +71,7 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<De
         return Ok(Described { warnings: mesh.warnings, ..Described::plain(Geometry::Patches(patches), summary) });
     }
     let mut options = NormalOptions {
+        controls: *controls,
         feature_angle: tool.feature_angle,
         sharp: of.sharp.iter().map(|group| group.value.clone()).collect(),
         symmetry: of.symmetry.iter().map(|plane| (plane.point, plane.normal)).collect(),
@@ -82,7 +84,7 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing) -> Result<De
             format!("normals weighted by {}", weight.key())
         }
         NormalSource::Description(other) => {
-            let described = describe(tool, other.value)?;
+            let described = describe(tool, other.value, controls)?;
             warnings.extend(described.warnings);
             let (given, distance) = from_surface(&mesh, &described.geometry.whole(), other.value.key(), &other.at)?;
             options.given = Some(given);

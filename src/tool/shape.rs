@@ -1,6 +1,7 @@
 //! A surface that points are projected onto: one of several kinds behind one type.
 
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::surface::{Analytic, FaceSet, PatchSet, Piece, PieceSet, Projection};
 
 /// The whole of a surface, or what is near.
@@ -23,11 +24,17 @@ impl Shape {
 
     /// The closest point for a node that comes from `warm`: where patches meet at a slight angle it stays on the extension
     /// of its own for a while, or an iteration could go to and fro between them.
-    pub fn contact(&self, x: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+    pub fn contact(
+        &self,
+        x: &Vec3,
+        reach: f64,
+        warm: Option<(u32, [f64; 2])>,
+        controls: &Controls,
+    ) -> Option<Projection> {
         let found = self.closest(x, reach, warm)?;
         let stays = match self {
-            Self::Patches(patches) => stays(patches, x, warm, &found),
-            Self::Faces(faces) => stays(faces, x, warm, &found),
+            Self::Patches(patches) => stays(patches, x, warm, &found, controls),
+            Self::Faces(faces) => stays(faces, x, warm, &found, controls),
             Self::Analytic(_) => None,
         };
         Some(stays.unwrap_or(found))
@@ -45,13 +52,14 @@ impl Shape {
 
     /// How far a node that stays on the extension of another piece may be behind `piece`, see [`Self::contact`]: the way
     /// beyond the edge times the sine of the greatest angle there, for pieces of a size.
-    pub fn lingers(&self, piece: u32) -> f64 {
+    pub fn lingers(&self, piece: u32, controls: &Controls) -> f64 {
         let size = match self {
             Self::Patches(patches) => patches.get(piece).map(size),
             Self::Faces(faces) => faces.get(piece).map(size),
             Self::Analytic(_) => None,
         };
-        size.unwrap_or(0.0) * LINGER * (1.0 - KINK.start * KINK.start).sqrt()
+        let cosine = 1.0 - controls.kink_most;
+        size.unwrap_or(0.0) * controls.kink_linger * (1.0 - cosine * cosine).sqrt()
     }
 
     /// The normal at the point next to `x`, ends of the surface included, and its distance. Where pieces meet at an angle
@@ -67,11 +75,6 @@ impl Shape {
 
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-6;
-/// How far beyond its edge a patch keeps a node at a kink, in its own parameters: enough for iterations to settle, and so
-/// little that the gap hardly changes as the node changes over.
-const LINGER: f64 = 0.01;
-/// Cosines of angles between the normals on both sides of an edge, 3 degrees to 1e-3, at which it is a slight kink.
-const KINK: std::ops::Range<f64> = 1.0 - 1.37e-3..1.0 - 5e-7;
 
 /// The projection onto the extension of the piece that a node comes from, if `found` is across a slight kink. How much
 /// the normals differ tells nothing of it but on the edge itself: beyond it a flat is not along an arc, however smooth
@@ -81,16 +84,19 @@ fn stays<P: Piece>(
     x: &Vec3,
     warm: Option<(u32, [f64; 2])>,
     found: &Projection,
+    controls: &Controls,
 ) -> Option<Projection> {
     let (id, _) = warm.filter(|(id, _)| *id != found.patch)?;
     let (own, other) = (set.get(id)?, set.get(found.patch)?);
     let edge = own.closest(x);
     let kink = own.normal(edge.xi).dot(&other.normal(other.closest(&edge.point).xi));
-    if !KINK.contains(&kink) {
+    let Controls { kink_most, kink_least, kink_linger, kink_same, .. } = *controls;
+    if !(1.0 - kink_most..1.0 - kink_least).contains(&kink) {
         return None;
     }
     let (low, high) = own.bounds();
-    set.stays(x, warm, found, 0.5 * (high - low).norm()).filter(|p| own.overshoot(p.xi) <= LINGER)
+    let kept = set.stays(x, warm, found, (0.5 * (high - low).norm(), kink_same));
+    kept.filter(|p| own.overshoot(p.xi) <= kink_linger)
 }
 
 /// Diagonal of the box of a piece.
@@ -142,7 +148,8 @@ mod tests {
                 for x in way {
                     let x = Vec3::new(x, y, shape.closest(&Vec3::new(x, y, 0.0), 1.0, None).unwrap().point.z);
                     let [there, kept] =
-                        [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm)].map(Option::unwrap);
+                        [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm, &Controls::default())]
+                            .map(Option::unwrap);
                     angle = angle.max(kept.normal.angle(&there.normal));
                     assert!((kept.gap - there.gap).abs() <= 0.003 * angle);
                     if warm.is_some_and(|(patch, _)| patch != kept.patch) {
@@ -178,7 +185,8 @@ mod tests {
         let way = || (-50..=50).map(|k| 10.0 + 0.0013 * f64::from(k));
         for x in way().chain(way().rev()) {
             let x = Vec3::new(x, -0.001, 0.5);
-            let [there, kept] = [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm)].map(Option::unwrap);
+            let [there, kept] =
+                [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm, &Controls::default())].map(Option::unwrap);
             assert_eq!(kept, there);
             warm = Some((kept.patch, kept.xi));
         }

@@ -6,6 +6,7 @@
 use super::geometry::{Geometry, describe};
 use super::shape::Shape;
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::parallel::{agree, any, first_word, max};
 use crate::partition::parcels::{self, bounds, collect, hull, strayed};
@@ -28,6 +29,7 @@ pub struct Surface {
     pub summary: String,
     /// What the user should know of it.
     pub warnings: Vec<String>,
+    controls: Controls,
 }
 
 /// Every piece within the distance `complete` of the points is near.
@@ -49,10 +51,15 @@ impl Surface {
     ///
     /// # Errors
     /// Those of [`describe`], on all ranks.
-    pub fn new(comm: &SimpleCommunicator, tool: &scene::Tool, description: Description) -> Result<Self> {
+    pub fn new(
+        comm: &SimpleCommunicator,
+        tool: &scene::Tool,
+        description: Description,
+        controls: &Controls,
+    ) -> Result<Self> {
         let root = comm.rank() == 0;
         let here = root || !description.has_file();
-        let described = agree(comm, if here { describe(tool, description).map(Some) } else { Ok(None) })?;
+        let described = agree(comm, if here { describe(tool, description, controls).map(Some) } else { Ok(None) })?;
         let words = described.as_ref().map(|d| [vec![d.summary.clone()], d.warnings.clone()].concat().join("\n"));
         let words = first_word(comm, words.filter(|_| root)).unwrap_or_default();
         let mut lines = words.lines().map(str::to_string);
@@ -70,6 +77,7 @@ impl Surface {
             seen: None,
             faceted: description == Description::Mesh(Smoothing::Facet),
             summary,
+            controls: *controls,
             warnings: lines.collect(),
         })
     }
@@ -107,7 +115,11 @@ impl Surface {
     /// Closest point to a point that is watched, within its reach; `warm` is the piece and parameters of the last projection.
     /// Facets stay facets: only on smooth surfaces does a node keep to its patch.
     pub fn project(&self, point: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
-        if self.faceted { self.near.closest(point, reach, warm) } else { self.near.contact(point, reach, warm) }
+        if self.faceted {
+            self.near.closest(point, reach, warm)
+        } else {
+            self.near.contact(point, reach, warm, &self.controls)
+        }
     }
 
     /// What this rank can project onto, complete for what is watched.
@@ -157,7 +169,7 @@ impl Surface {
 
     /// How far a node that keeps to its piece at a slight kink may be behind its neighbour `piece`.
     pub fn lingers(&self, piece: u32) -> f64 {
-        if self.faceted { 0.0 } else { self.near.lingers(piece) }
+        if self.faceted { 0.0 } else { self.near.lingers(piece, &self.controls) }
     }
 
     /// Closest points to all points that the ranks hold, each rank its own, within `reach`. Collective.

@@ -264,6 +264,9 @@ impl Case {
         let mut arguments = vec!["run".to_string(), scene.to_str().unwrap().into(), "--out".into()];
         arguments.push(folder.path().join("out").to_str().unwrap().into());
         arguments.extend(self.arguments.iter().cloned());
+        for entry in std::env::var("NAGATA_CONTROLS").unwrap_or_default().split_whitespace() {
+            arguments.extend(["--set".into(), entry.into()]);
+        }
         let (code, hung, stdout, stderr) = nagata(folder.path(), self.ranks, &arguments, self.limit);
         let out = folder.path().join("out");
         let summary = fs::read_to_string(out.join("summary.json")).ok();

@@ -38,7 +38,8 @@ fn all() -> Vec<case::Case> {
     .concat()
 }
 
-/// `scripts/test --extremes`. `NAGATA_EXTREMES` keeps only the cases whose names contain one of its words.
+/// `scripts/test --extremes`. `NAGATA_EXTREMES` keeps only the cases whose names contain one of its words;
+/// `NAGATA_CONTROLS`, such as "controls.reach_facets=1", is set in all scenes, here and in the quick cases.
 #[test]
 #[ignore = "extremes"]
 fn table() {

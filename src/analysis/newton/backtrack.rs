@@ -10,15 +10,12 @@
 
 use super::Newton;
 use crate::contact::{Slave, Trial};
+use crate::controls::Controls;
 use crate::parallel::{any, sum};
 use mpi::topology::SimpleCommunicator;
 
-/// Decrease of the squared residual over that of its tangent.
+/// Decrease of the squared residual over that of its tangent (Dennis and Schnabel, algorithm A6.3.1).
 const DECREASE: f64 = 1e-4;
-/// Shortest step over the full one.
-const SHORTEST: f64 = 0.01;
-/// Iterates below the largest residual of which the next must fall, where it need not fall below each.
-pub(super) const MEMORY: usize = 8;
 
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
@@ -30,6 +27,7 @@ pub struct Tried {
 impl Newton<'_> {
     /// Part of `step` from `x` by which the residual falls below those of the last iterates. Collective.
     pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
+        let Controls { line_search_shortest, line_search_least, line_search_most, .. } = self.model.controls;
         let start = self.squared_residual;
         self.recent.push(start);
         let highest = self.recent.iter().rev().take(self.memory).copied().fold(0.0, f64::max);
@@ -37,7 +35,7 @@ impl Newton<'_> {
         let mut factor = 1.0;
         let mut best = self.try_step(x, step, factor, &trials);
         while best > highest - 2.0 * DECREASE * factor * start {
-            if factor <= SHORTEST {
+            if factor <= line_search_shortest {
                 factor = 1.0;
                 self.try_step(x, step, factor, &trials);
                 break;
@@ -45,7 +43,8 @@ impl Newton<'_> {
             // r^2 = start (1 - 2 t) + bend t^2.
             let bend = (best - start * (1.0 - 2.0 * factor)) / (factor * factor);
             let lowest = start / bend;
-            factor *= if lowest.is_finite() { (lowest / factor).clamp(0.1, 0.5) } else { 0.1 };
+            let part = if lowest.is_finite() { lowest / factor } else { 0.0 };
+            factor *= part.clamp(line_search_least, line_search_most);
             best = self.try_step(x, step, factor, &trials);
         }
         factor

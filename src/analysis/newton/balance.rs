@@ -7,7 +7,7 @@
 //!
 //! No residual gets below what rounding leaves of it: of the forces of a body its stiffness times its displacements, or
 //! times the size of its elements; of a contact its penalty times the coordinates. Where the tolerance asks for more, that
-//! much is let through, but not more than [`CAP`] of the forces: a body that is strained, but loaded by less than
+//! much is let through, but not more than `rounding_cap` of the forces: a body that is strained, but loaded by less than
 //! its own forces round to, has no result.
 
 use super::Newton;
@@ -16,20 +16,6 @@ use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::system::DofMap;
 use mpi::topology::SimpleCommunicator;
-
-/// What rounding leaves of a sum of some ten products of three factors.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
-/// Share of the largest force so far that residuals are compared with as long as there is less: after a press of 1e6 N,
-/// 1 N is still right to 1e-8 at the default tolerance.
-const EASED: f64 = 1e-4;
-
-/// Share of the forces below which rounding may excuse a residual: what users take for exact.
-const CAP: f64 = 1e-6;
-
-/// Element forces over what they round to at most, from which a body counts as strained: of one that is not they are some
-/// hundredths of it.
-const STRAINED: f64 = 1.0;
 
 /// The forces of one group, all ranks together after [`Balance::judge`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,12 +45,14 @@ pub struct Balance {
     /// Group of each local unknown.
     group_of: Vec<u32>,
     limits: Vec<f64>,
+    eased_share: f64,
 }
 
 impl Balance {
-    /// The floors of all groups, N: `share` of the stiffness times the size of an element, or what is given. That of a contact
+    /// The floors of all groups, N: a share of the stiffness times the size of an element, or what is given. That of a contact
     /// is its augmentation: a thin sheet is much stiffer across than what it rests on feels. Collective.
-    pub fn floors(comm: &SimpleCommunicator, model: &Model, share: f64, given: Option<f64>) -> Vec<f64> {
+    pub fn floors(comm: &SimpleCommunicator, model: &Model, given: Option<f64>) -> Vec<f64> {
+        let share = model.controls.force_floor_share;
         let of_body = |b: usize| given.unwrap_or(share * model.bodies[b].stiffness * model.size);
         let largest = (0..model.bodies.len()).map(of_body).fold(0.0, f64::max);
         let bodies = (0..model.bodies.len()).map(of_body);
@@ -92,7 +80,8 @@ impl Balance {
             of_tool.iter().for_each(|&e| give(e, model.bodies.len() + model.pairs.len() + t));
         }
         let groups = vec![Group::default(); floors.len()];
-        Self { groups, seen, limits: vec![0.0; floors.len()], floors, group_of }
+        let eased_share = model.controls.eased_share;
+        Self { groups, seen, limits: vec![0.0; floors.len()], floors, group_of, eased_share }
     }
 
     /// Begins another iterate.
@@ -129,7 +118,7 @@ impl Balance {
     }
 
     fn actual(&self, group: usize) -> f64 {
-        self.groups[group].force.max(EASED * self.seen[group])
+        self.groups[group].force.max(self.eased_share * self.seen[group])
     }
 
     /// The largest residual over its scale.
@@ -213,16 +202,21 @@ impl Newton<'_> {
         }
     }
 
+    /// What rounding leaves of a sum of products, over these.
+    fn epsilon(&self) -> f64 {
+        self.model.controls.rounding * f64::EPSILON
+    }
+
     /// What rounding leaves of the internal forces of a body, N.
     fn own_rounding(&self, body: usize) -> f64 {
-        ROUNDING * self.model.bodies[body].stiffness * self.balance.groups[body].far.max(self.model.size)
+        self.epsilon() * self.model.bodies[body].stiffness * self.balance.groups[body].far.max(self.model.size)
     }
 
     /// What rounding leaves of the residuals of a group, N.
     pub(super) fn rounding(&self, group: usize) -> f64 {
         let bodies = self.model.bodies.len();
         let groups = &self.balance.groups;
-        let of_pair = |p: usize| ROUNDING * groups[bodies + p].penalty * groups[bodies + p].far;
+        let of_pair = |p: usize| self.epsilon() * groups[bodies + p].penalty * groups[bodies + p].far;
         let touches =
             |p: &usize, b: usize| self.model.pairs[*p].body == b || self.model.pairs[*p].master_body == Some(b);
         let pairs = 0..self.model.pairs.len();
@@ -232,7 +226,7 @@ impl Newton<'_> {
             return pairs.filter(|p| touches(p, group) && acts(p)).map(of_pair).fold(body, f64::max);
         }
         if group < bodies + self.model.pairs.len() {
-            return ROUNDING * groups[group].measure * groups[group].far;
+            return self.epsilon() * groups[group].measure * groups[group].far;
         }
         let tool = Master::Tool(group - bodies - self.model.pairs.len());
         pairs
@@ -250,7 +244,11 @@ impl Newton<'_> {
     fn set_limits(&mut self) {
         let capped = |g: usize| {
             let rounding = self.rounding(g);
-            if self.is_strained(g) { rounding.min(CAP * self.balance.actual(g)) } else { rounding }
+            if self.is_strained(g) {
+                rounding.min(self.model.controls.rounding_cap * self.balance.actual(g))
+            } else {
+                rounding
+            }
         };
         self.balance.limits = (0..self.balance.groups.len()).map(capped).collect();
     }
@@ -259,7 +257,7 @@ impl Newton<'_> {
     fn is_strained(&self, group: usize) -> bool {
         let is_body = group < self.model.bodies.len();
         let Group { element, acts, .. } = self.balance.groups[group];
-        is_body && element > STRAINED * self.own_rounding(group) && acts > 0.0
+        is_body && element > self.model.controls.strained * self.own_rounding(group) && acts > 0.0
     }
 
     /// A body whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal forces
@@ -272,7 +270,7 @@ impl Newton<'_> {
             let rest = total.iter().fold(0.0f64, |most, t| most.max(t.abs()));
             let rounds = residual > self.balance.limits[b] && residual <= self.rounding(b);
             let lost = if rounds { residual } else { rest };
-            (rounds || converged && rest > CAP * forces).then(|| {
+            (rounds || converged && rest > self.model.controls.rounding_cap * forces).then(|| {
                 format!(
                     "what rounding leaves of the forces of body `{}`, {lost:.1e}, is too much of the {forces:.1e} that act on it: {}",
                     self.model.bodies[b].name,

@@ -45,7 +45,8 @@ impl Newton<'_> {
                 let held = carried.map(|can| !can);
                 let guide = Guide { held, drawn: [0, 1, 2].map(|d| locked[d] && !held[d]) };
                 let felt = projection.filter(|p| guide.gives_way(&p.normal)).map(|p| element::framed(p, pair.tangent));
-                let felt = felt.map(|p| if first { touching(p, pair.facet_size) } else { p });
+                let felt =
+                    felt.map(|p| if first { touching(p, pair.controls.touching_gap * pair.facet_size) } else { p });
                 let sigma = slave.local.at(&(position - tool.trial.translation), |_| None);
                 let multiplier = slave.multiplier(pair.method, lambda, tool.trial.rotation * slave.held.carried, sigma);
                 let anchor = slave.slip_origin(&tool.trial);
@@ -146,10 +147,10 @@ impl Newton<'_> {
     /// Reduces the friction penalty of nodes whose status or slip direction flips again and again: they overshoot the
     /// friction cone from one side to the other. The solution does not depend on the penalty, only the path to it.
     pub(super) fn calm(&mut self) {
-        const PATIENCE: u32 = 3;
+        let controls = self.model.controls;
         for pair in &mut self.model.pairs {
             for slave in &mut pair.slaves {
-                if slave.trial.flips >= PATIENCE && slave.calm(pair.method) {
+                if slave.trial.flips as usize >= controls.calm_flips && slave.calm(pair.method, &controls) {
                     slave.trial.flips = 0;
                     self.calmed.push(slave.node);
                 }
@@ -173,7 +174,7 @@ impl Newton<'_> {
             }
             max(self.comm, &mut longest);
             if longest[0] > pair.reach {
-                pair.reach = 1.5 * longest[0];
+                pair.reach = pair.controls.reach_farther * longest[0];
                 lost = true;
             }
         }

@@ -97,7 +97,9 @@ impl Newton<'_> {
                 let moves = [0, 1, 2].map(|d| self.conditions.move_of(node as u32, d));
                 let mut meeting = meet(pair, surface, s, &position, &moves, &unknown);
                 if first {
-                    meeting.contact = meeting.contact.map(|(p, origin)| (touching(p, pair.facet_size), origin));
+                    meeting.contact = meeting
+                        .contact
+                        .map(|(p, origin)| (touching(p, pair.controls.touching_gap * pair.facet_size), origin));
                 }
                 let e = self.workspace.evaluate(surface, &meeting, false);
                 self.meetings[p][s] = Some(meeting);
@@ -232,7 +234,7 @@ impl Newton<'_> {
             let masters = surfaces[k].travel(|n| part.points[n as usize], |n| part.points[n as usize] + motion(n));
             let travel = relative_travel(self.comm, slaves, masters);
             if travel > pair.reach {
-                pair.reach = 1.5 * travel;
+                pair.reach = pair.controls.reach_farther * travel;
                 widen = true;
             }
         }
@@ -288,7 +290,8 @@ fn meet(
     let slave = &mut pair.slaves[s];
     slave.trial.projection = projection;
     let guide = projection.map_or(Guide::default(), |p| guide(surface, &p, moves));
-    slave.trial.yields = pair.is_second && projection.is_some_and(|p| repeats(surface, &p, slave.trial.yields));
+    slave.trial.yields = pair.is_second
+        && projection.is_some_and(|p| repeats(surface, &p, slave.trial.yields, pair.controls.repeat_distance));
     let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
     let contact = felt.map(|p| (p, slip_origin(surface, slave, &p)));
     let sigma = slave.local.at(position, |n| surface.position(n));
@@ -306,14 +309,13 @@ fn meet(
 /// Whether a slave node stands where a node of the master does: in the other pass that one is kept out of this one's
 /// surface already, and the same condition twice would leave open how the two share the force. One that `yields` goes on
 /// to do so until it is twice as far away, so that iterations do not go to and fro.
-fn repeats(surface: &BodySurface, at: &Projection, yields: bool) -> bool {
-    const SAME: f64 = 0.05;
+fn repeats(surface: &BodySurface, at: &Projection, yields: bool, distance: f64) -> bool {
     let Some((patch, stencil)) = surface.patch(at.patch) else { return false };
     let count = patch.count as usize;
     let place = |k: usize| surface.positions()[stencil[k % count] as usize];
     let edge = |k: usize| (place(k + 1) - place(k)).norm();
     let shortest = (0..count).map(edge).fold(f64::INFINITY, f64::min);
-    let near = if yields { 2.0 * SAME } else { SAME } * shortest;
+    let near = if yields { 2.0 } else { 1.0 } * distance * shortest;
     (0..count).any(|k| (place(k) - at.point).norm() < near)
 }
 

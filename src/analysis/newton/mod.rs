@@ -40,10 +40,6 @@ use rounds::Rounds;
 pub use share::Share;
 use std::time::Instant;
 
-/// Iterations in which what touches sticks, at most. Two bring bodies along with a tool that turns, four where that strains
-/// them; contacts that open and close while all others stick may go to and fro for ever, and settle as soon as they may slip.
-const SETTLING: usize = 5;
-
 /// Told the number of each iterate, its residual over the forces that that counts against, and how many contact nodes changed
 /// their status.
 pub type Watcher<'a> = dyn FnMut(usize, f64, usize) -> crate::error::Result<()> + 'a;
@@ -151,8 +147,9 @@ impl<'a> Newton<'a> {
         let values = vec![0.0; pattern.columns.len()];
         let tools = model.tools.len();
         let owned = model.part.owned;
+        let controls = model.controls;
         for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.begin(&start.manner);
+            slave.begin(&start.manner, &controls);
         }
         let away = |(k, p): (usize, &Prescribed)| {
             p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
@@ -202,7 +199,7 @@ impl<'a> Newton<'a> {
             moves,
             squared_residual: f64::INFINITY,
             recent: Vec::new(),
-            memory: if start.strict { 1 } else { backtrack::MEMORY },
+            memory: if start.strict { 1 } else { controls.line_search_memory },
             evaluated_at: Vec::new(),
             values,
         };
@@ -419,7 +416,7 @@ impl Problem for Newton<'_> {
         if !residual.is_finite() {
             return Ok(Verdict::Diverged);
         }
-        let settled = small || self.settling && iteration >= SETTLING;
+        let settled = small || self.settling && iteration >= self.model.controls.settling_iterations;
         if settled && !(self.predicting && self.moves) {
             return Ok(Verdict::Converged);
         }
@@ -427,9 +424,7 @@ impl Problem for Newton<'_> {
         if self.interrupted || iteration >= self.max_iterations {
             return Ok(Verdict::Diverged);
         }
-        if iteration >= 2 {
-            self.calm();
-        }
+        self.calm();
         Ok(Verdict::Iterate)
     }
 
@@ -455,7 +450,7 @@ impl Problem for Newton<'_> {
         max(self.comm, &mut longest);
         let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
-        for _ in 0..6 {
+        for _ in 0..self.model.controls.step_halvings {
             if !self.would_invert(x, step, factor, !(self.plastic && judged)) {
                 break;
             }

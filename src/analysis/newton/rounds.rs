@@ -15,6 +15,7 @@
 
 use super::Newton;
 use crate::contact::{Compliance, Pair, Slave, Status};
+use crate::controls::Controls;
 use crate::parallel::{first_word, max};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
@@ -44,20 +45,6 @@ pub struct Rounds {
     settled: bool,
 }
 
-/// Residual over the largest force at which an active set that has not settled changes.
-const LOOSE: f64 = 1e-3;
-
-/// Most rounds of an increment.
-const MOST: usize = 60;
-
-/// Most rounds in which the same constraints are tightened. Each leaves [`crate::contact::SLACK`] of the error, where it leads
-/// anywhere.
-const MOST_TIGHTER: usize = 40;
-
-/// Uzawa's automatic tolerance over that of Newton's method: penetration and slip of sticking nodes, times the largest
-/// nodal stiffness, over the largest force.
-const UZAWA: f64 = 100.0;
-
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
@@ -65,13 +52,16 @@ impl Newton<'_> {
             self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
             return self.again();
         }
+        let Controls { uzawa_tolerance, outer_rounds, .. } = self.model.controls;
         let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.model.pairs.iter().enumerate() {
             let limit = self.balance.limit(self.model.bodies.len() + p, tolerance);
             let (worst, allowed) = match pair.method {
-                Enforcement::Uzawa => (&mut open, pair.tolerance.unwrap_or(UZAWA * limit / self.model.stiffness)),
+                Enforcement::Uzawa => {
+                    (&mut open, pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.model.stiffness))
+                }
                 Enforcement::Lagrange => (&mut wrong, limit),
                 _ => continue,
             };
@@ -93,8 +83,8 @@ impl Newton<'_> {
         let worst = if is_open { open } else { wrong };
         let here = worst.1.filter(|_| worst.0 == if is_open { largest[0] } else { largest[1] });
         let here = here.map(|at| self.lacks(at));
-        if self.rounds.count > MOST {
-            return Round::Failed(self.told(here, &format!("{MOST} rounds of contact forces do not settle")));
+        if self.rounds.count > outer_rounds {
+            return Round::Failed(self.told(here, &format!("{outer_rounds} rounds of contact forces do not settle")));
         }
         if is_open {
             of_method(&mut self.model.pairs, Enforcement::Uzawa).for_each(|slave| slave.held = slave.taken_over());
@@ -132,7 +122,7 @@ impl Newton<'_> {
             return Round::Done;
         }
         self.rounds.tightened += 1;
-        if self.rounds.tightened > MOST_TIGHTER {
+        if self.rounds.tightened > self.model.controls.outer_rounds {
             let worst = worst.filter(|_| left == most[0]).map(|(p, s, way)| (p, s, format!("off by {way:.1e}")));
             return Round::Contradicts(self.told(worst, "conditions of contacts contradict each other"));
         }
@@ -148,7 +138,7 @@ impl Newton<'_> {
     /// Largest residual of a converged iterate over the forces that it counts against.
     pub(super) fn tolerance_now(&self) -> f64 {
         let sets = !self.rounds.settled && self.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
-        if sets || self.settling { self.tolerance.max(LOOSE) } else { self.tolerance }
+        if sets || self.settling { self.tolerance.max(self.model.controls.loose_tolerance) } else { self.tolerance }
     }
 
     /// Changes the active set where violations exceed a tolerance, or, one node at a time, are as large as the `largest` over

@@ -10,7 +10,7 @@
 //! one is inside it, and no slave is inside with all its nodes.
 
 use super::sight::Sight;
-use crate::contact::{Master, TOUCHING};
+use crate::contact::Master;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -36,7 +36,12 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
             let cosine = sight.outward.dot(&normal);
             let kind = match () {
                 _ if cosine < 0.0 => 0,
-                _ if cosine > SAME && known && gap <= (TOUCHING * pair.facet_size).max(0.5 * sight.depth) => 1,
+                _ if cosine > SAME
+                    && known
+                    && gap <= (pair.controls.touching_gap * pair.facet_size).max(0.5 * sight.depth) =>
+                {
+                    1
+                }
                 _ if cosine > SAME => 2,
                 _ => continue,
             };
@@ -44,7 +49,7 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
         }
         max(comm, &mut least);
         let master = model.master_name(pair);
-        let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -TOUCHING * pair.facet_size);
+        let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -pair.controls.touching_gap * pair.facet_size);
         if let Master::Tool(t) = pair.master
             && model.tools[t].surface.is_closed(comm)
             && !any(comm, sights.iter().any(in_front))
@@ -56,7 +61,7 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
             return Err(Error::input(&contact.master.at, what, help(contact)));
         }
         let [facing, behind, away] = least.map(|l| -l);
-        if behind.is_finite() && behind < facing - TOUCHING * pair.facet_size {
+        if behind.is_finite() && behind < facing - pair.controls.touching_gap * pair.facet_size {
             let what = format!(
                 "contact `{}`: {master} looks away from `{}` where they are nearest, {behind:.3e} apart, so that it would \
                  pass through without a force",

@@ -2,7 +2,6 @@
 //!
 //! A node that begins farther inside than the reach of its contact is never found there, and has no force.
 
-use super::super::simulation::NO_GAP;
 use super::sight::Sight;
 use super::worst;
 use crate::contact::Pair;
@@ -30,8 +29,11 @@ pub fn check(
         let gaps = || sights.iter().filter_map(Sight::gap);
         let depths = || sights.iter().enumerate().filter_map(|(s, x)| Some((pair.slaves[s].node, -x.contact?.gap)));
         let count = |more: f64| depths().filter(|(_, depth)| *depth > more * pair.facet_size).count() as f64;
-        let mut counts =
-            [count(NO_GAP), count(DEEP), gaps().filter(|g| g.abs() <= NO_GAP * pair.facet_size).count() as f64];
+        let mut counts = [
+            count(pair.controls.no_gap),
+            count(DEEP),
+            gaps().filter(|g| g.abs() <= pair.controls.no_gap * pair.facet_size).count() as f64,
+        ];
         let mut ends =
             [gaps().map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max), depths().map(|(_, d)| d).fold(0.0, f64::max)];
         sum(comm, &mut counts);

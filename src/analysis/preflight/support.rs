@@ -16,7 +16,6 @@ use super::super::conditions::Conditions;
 use super::rigid::{Free, RigidMotions, Side, sides};
 use super::sight::Sight;
 use crate::Vec3;
-use crate::contact::TOUCHING;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{max, sum};
@@ -66,7 +65,11 @@ pub fn check(
                     }
                 };
                 let comes = at.normal.dot(&(drifts[body] * first - master)).min(0.0);
-                (at.gap + comes <= TOUCHING * pair.facet_size).then_some((x, at.normal, pair.friction > 0.0))
+                (at.gap + comes <= pair.controls.touching_gap * pair.facet_size).then_some((
+                    x,
+                    at.normal,
+                    pair.friction > 0.0,
+                ))
             };
             touched.touch_pair(pair, sides[p], state);
         }
@@ -153,7 +156,7 @@ fn apart(
         let mut least = [sights[p].iter().filter_map(Sight::gap).map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max)];
         max(comm, &mut least);
         let concerned = |f: &Free| f.index == sides[p].0 || sides[p].1 == Side::Body(f.index);
-        if free.iter().any(concerned) && -least[0] > TOUCHING * pair.facet_size {
+        if free.iter().any(concerned) && -least[0] > pair.controls.touching_gap * pair.facet_size {
             nearest.push(format!("`{}` begins with a gap of {:.3e}", pair.name, -least[0]));
         }
     }

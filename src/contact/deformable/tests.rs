@@ -1,6 +1,7 @@
 use super::*;
 use crate::contact::element;
 use crate::contact::law::LAW;
+use crate::controls::Controls;
 use crate::mesh::Mesh;
 use crate::scene::Smoothing;
 use crate::surface::projection::{descend, on_edge, on_surface};
@@ -45,7 +46,7 @@ fn noise(k: usize) -> f64 {
 impl Pair {
     fn new(mesh: &Mesh, smoothing: Smoothing, [now, before]: [usize; 2]) -> Self {
         let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
-        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0, &[]).unwrap();
+        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0, &[], &Controls::default()).unwrap();
         let mut points: Vec<Vec3> = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
         let mut pair = Self {
             patches,

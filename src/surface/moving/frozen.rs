@@ -1,6 +1,7 @@
 //! What is decided on the initial mesh: the edges, and the rules of the nodal normals.
 
 use super::{MovingPatch, Neighbour, NormalRule};
+use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::mesh::Mesh;
 use crate::surface::Smoothing;
@@ -21,11 +22,13 @@ pub fn patches(
     smoothing: Smoothing,
     feature_angle_deg: f64,
     planes: &[(Vec3, Vec3)],
+    controls: &Controls,
 ) -> Result<Vec<MovingPatch>> {
     let facets = Facets::new(mesh, false)?;
     let on_boundary = boundary_nodes(&facets);
     let whole = Whole::new(mesh, &facets, planes)?;
-    let means = || Means::new(&whole.facets, Weight::Sine, feature_angle_deg.to_radians(), |_, _| false);
+    let feature_angle = feature_angle_deg.to_radians();
+    let means = || Means::new(&whole.facets, Weight::Sine, feature_angle, controls, |_, _| false);
     let means = (smoothing == Smoothing::Nagata).then(means);
     let edges = means.as_ref().map_or_else(|| facet_edges(&facets), |means| means.normals.edges.clone());
     let fans = means.as_ref().map(|means| Fans::new(mesh, &facets, &whole, means)).transpose()?;

@@ -28,6 +28,7 @@ use super::patch::Patch;
 use super::piece::Edge;
 use super::smoothing::Smoothing;
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::mesh::Mesh;
 
@@ -64,8 +65,9 @@ impl MovingPatch {
         smoothing: Smoothing,
         feature_angle_deg: f64,
         planes: &[(Vec3, Vec3)],
+        controls: &Controls,
     ) -> Result<Vec<Self>> {
-        frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes)
+        frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes, controls)
     }
 
     /// The patch with its nodes at `positions`.

@@ -1,5 +1,6 @@
 use super::*;
 use crate::Mat3;
+use crate::controls::Controls;
 use crate::mesh::Mesh;
 use crate::surface::test_meshes::{cubed_sphere, grid, indenter, indenter_normal, strip};
 use crate::surface::{NormalOptions, Polygon, patches_from_mesh};
@@ -11,7 +12,7 @@ fn numbers(mesh: &Mesh) -> Vec<u64> {
 }
 
 fn patches(mesh: &Mesh, smoothing: Smoothing) -> Vec<MovingPatch> {
-    MovingPatch::all(mesh, &numbers(mesh), smoothing, 50.0, &[]).unwrap()
+    MovingPatch::all(mesh, &numbers(mesh), smoothing, 50.0, &[], &Controls::default()).unwrap()
 }
 
 fn positions(patch: &MovingPatch, mesh: &Mesh) -> Vec<Vec3> {
@@ -67,7 +68,8 @@ fn mirrored_samples() -> Vec<(MovingPatch, Vec<Vec3>)> {
     let mut samples = Vec::new();
     for triangles in [false, true] {
         let mesh = grid(3, 3, triangles, dome);
-        let all = MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &PLANES).unwrap();
+        let all =
+            MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &PLANES, &Controls::default()).unwrap();
         for f in [0, 1, 2, 6] {
             let patch = all[if triangles { 2 * f } else { f }].clone();
             let mut x = positions(&patch, &mesh);
@@ -287,7 +289,8 @@ fn in_symmetry_planes_patches_are_those_of_the_whole() {
     };
     let part = grid(3, 3, false, dome);
     let whole = grid(6, 6, false, |s, t| dome(2.0 * s - 1.0, 2.0 * t - 1.0));
-    let planar = MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES).unwrap();
+    let planar =
+        MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES, &Controls::default()).unwrap();
     let of_whole = patches(&whole, Smoothing::Nagata);
     for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
         let (here, there) = (&planar[3 * j + i], &of_whole[6 * (j + 3) + i + 3]);
@@ -411,9 +414,10 @@ fn too_many_facets_around_a_node_are_refused() {
     let facets: Vec<[u32; 3]> = (0..count).map(|k| [0, 1 + k, 1 + (k + 1) % count]).collect();
     let facets: Vec<&[u32]> = facets.iter().map(|f| &f[..]).collect();
     let mesh = crate::surface::test_meshes::mesh_of(points, &facets);
-    let error = MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &[]).unwrap_err();
+    let error =
+        MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Nagata, 50.0, &[], &Controls::default()).unwrap_err();
     assert!(error.to_string().contains("more than 64 facets meet at a node of facet 1"), "{error}");
-    assert!(MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Facet, 50.0, &[]).is_ok());
+    assert!(MovingPatch::all(&mesh, &numbers(&mesh), Smoothing::Facet, 50.0, &[], &Controls::default()).is_ok());
 }
 
 fn unit() -> impl Strategy<Value = Vec3> {

@@ -4,12 +4,10 @@ use super::super::facets::Facets;
 use super::groups::Groups;
 use super::tangents;
 use crate::Vec3;
+use crate::controls::Controls;
 use nalgebra::{Matrix2, Vector2};
+use std::f64::consts::PI;
 
-/// Fans with a smaller angle around their node are at corners, radians.
-const CORNER: f64 = 150.0 * std::f64::consts::PI / 180.0;
-/// Open fans with a larger angle see the surface all around, radians.
-const AROUND: f64 = 270.0 * std::f64::consts::PI / 180.0;
 /// Conditions along directions closer together than this, as a ratio of eigenvalues, count as one.
 const CUT: f64 = 1e-3;
 
@@ -37,8 +35,9 @@ pub fn extrapolate_ends(
     counts: &[[bool; 4]],
     normals: &mut [Vec3],
     largest: f64,
+    controls: &Controls,
 ) -> Vec<Option<End>> {
-    let (mean, mut ranks) = (normals.to_vec(), end_ranks(facets, fans));
+    let (mean, mut ranks) = (normals.to_vec(), end_ranks(facets, fans, controls));
     let mut ends: Vec<Option<End>> = (0..fans.count).map(|_| None).collect();
     // Fans along an end with neighbours in two directions first: then they are neighbours for the others.
     for (rank, all) in [(1, false), (1, true), (2, true)] {
@@ -68,12 +67,13 @@ pub fn extrapolate_ends(
 }
 
 /// 0 for fans that need no extrapolation, 1 along the ends of the surface, 2 at their corners.
-fn end_ranks(facets: &Facets, fans: &Groups) -> Vec<u8> {
+fn end_ranks(facets: &Facets, fans: &Groups, controls: &Controls) -> Vec<u8> {
+    let [corner, around] = [controls.end_corner, controls.end_around].map(|degrees| degrees * PI / 180.0);
     let mut angles = vec![0.0; fans.count];
     facets.corners().for_each(|(f, k)| angles[fans.of(f, k)] += facets.corner(f, k).1);
     let rank = |fan: usize| match angles[fan] {
-        angle if !fans.open[fan] || angle > AROUND => 0,
-        angle if angle > CORNER => 1,
+        angle if !fans.open[fan] || angle > around => 0,
+        angle if angle > corner => 1,
         _ => 2,
     };
     (0..fans.count).map(rank).collect()

@@ -46,6 +46,7 @@ use super::facets::Facets;
 use super::nagata::is_inflected;
 use super::piece::Edge;
 use crate::Vec3;
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::mesh::Mesh;
 use ends::End;
@@ -87,7 +88,7 @@ impl Normals {
         };
         let feature_angle = options.feature_angle.to_radians();
         let normals = match &options.given {
-            None => Means::new(&whole.facets, options.weight, feature_angle, is_sharp).normals,
+            None => Means::new(&whole.facets, options.weight, feature_angle, &options.controls, is_sharp).normals,
             Some(given) => {
                 let corners = whole.spread(given::sorted(mesh, facets, given)?);
                 given::normals(&whole.facets, &corners, feature_angle, is_sharp)
@@ -109,14 +110,21 @@ impl Normals {
 impl Means {
     /// Mean normals with the rules for junctions and ends; edges that turn by more than `feature_angle` (radians) or
     /// are said to be (facet, number) are sharp.
-    pub fn new(facets: &Facets, weight: Weight, feature_angle: f64, is_sharp: impl Fn(usize, usize) -> bool) -> Self {
+    pub fn new(
+        facets: &Facets,
+        weight: Weight,
+        feature_angle: f64,
+        controls: &Controls,
+        is_sharp: impl Fn(usize, usize) -> bool,
+    ) -> Self {
         let turns = |f: usize, k: usize| facets.turn(f, k).is_some_and(|turn| turn > feature_angle);
         let mut edges = kinds(facets, |f, k| turns(f, k) || is_sharp(f, k));
-        let junctions = straight::classify(facets, &mut edges);
+        let junctions = straight::classify(facets, &mut edges, controls);
         let fans = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth);
         let mut normals = fans.mean(facets, weight, |_| true);
-        let counts = straight::straight_sides(facets, weight, &edges, &junctions, &fans, &mut normals);
-        let ends = ends::extrapolate_ends(facets, &fans, &counts, &mut normals, feature_angle);
+        let sides = (&edges[..], &junctions[..]);
+        let counts = straight::straight_sides(facets, weight, sides, &fans, &mut normals, controls);
+        let ends = ends::extrapolate_ends(facets, &fans, &counts, &mut normals, feature_angle, controls);
         let normals = Normals { corners: fans.spread(facets, &normals), edges };
         Self { normals, fans, counts, ends }
     }
@@ -146,7 +154,8 @@ mod tests {
 
     fn normals(mesh: &Mesh) -> (Facets, Normals) {
         let facets = Facets::new(mesh, false).unwrap();
-        let normals = Means::new(&facets, Weight::default(), 40f64.to_radians(), |_, _| false).normals;
+        let normals =
+            Means::new(&facets, Weight::default(), 40f64.to_radians(), &Controls::default(), |_, _| false).normals;
         (facets, normals)
     }
 
@@ -164,7 +173,7 @@ mod tests {
     fn rms_errors(mesh: &Mesh, exact: impl Fn(&Vec3) -> Vec3) -> Vec<f64> {
         let facets = Facets::new(mesh, false).unwrap();
         let error = |weight: Weight| {
-            let normals = Means::new(&facets, weight, 90f64.to_radians(), |_, _| false).normals;
+            let normals = Means::new(&facets, weight, 90f64.to_radians(), &Controls::default(), |_, _| false).normals;
             let errors = facets.corners().map(|(f, k)| (normals.corners[f][k], exact(facets.point(f, k))));
             let inside: Vec<f64> =
                 errors.filter(|(_, n)| *n != Vec3::zeros()).map(|(m, n)| (m - n).norm_squared()).collect();
@@ -273,7 +282,8 @@ mod tests {
         let profile: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 1.0], [3.0, 2.0], [3.0, 3.0]];
         for triangles in [false, true] {
             let facets = Facets::new(&strip(&profile, 2, triangles), false).unwrap();
-            let normals = Means::new(&facets, Weight::default(), 50f64.to_radians(), |_, _| false).normals;
+            let normals =
+                Means::new(&facets, Weight::default(), 50f64.to_radians(), &Controls::default(), |_, _| false).normals;
             for (f, k) in facets.corners() {
                 let exact = if facets.point(f, k).x > 2.5 { Vec3::x() } else { -Vec3::y() };
                 assert!((normals.corners[f][k] - exact).norm() < 1e-14);

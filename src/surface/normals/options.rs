@@ -2,6 +2,7 @@
 
 use super::weight::Weight;
 use crate::Vec3;
+use crate::controls::Controls;
 
 /// How nodal normals are found.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +18,18 @@ pub struct NormalOptions {
     /// Normals known from elsewhere, for each facet of the mesh those at its nodes; sign and length mean nothing. They
     /// take the place of the mean and of the rules for junctions and ends.
     pub given: Option<Vec<[Vec3; 4]>>,
+    pub controls: Controls,
 }
 
 impl Default for NormalOptions {
     fn default() -> Self {
-        Self { weight: Weight::default(), feature_angle: 40.0, sharp: Vec::new(), symmetry: Vec::new(), given: None }
+        Self {
+            weight: Weight::default(),
+            feature_angle: 40.0,
+            sharp: Vec::new(),
+            symmetry: Vec::new(),
+            given: None,
+            controls: Controls::default(),
+        }
     }
 }

@@ -5,14 +5,13 @@ use super::super::piece::Edge;
 use super::groups::Groups;
 use super::weight::Weight;
 use crate::Vec3;
+use crate::controls::Controls;
 
-/// Angle of two facets below which the surface does not turn between them, radians.
+/// Angle of two facets below which the surface does not turn between them, radians: above the rounding of mesh files.
 const NO_TURN: f64 = 1e-4;
-/// A turn that is this small beside the one at the junction counts as none.
-const COPLANAR: f64 = 0.02;
 
 /// Makes the edges between two straight sides sharp; returns the junctions as (facet, edge) on the straight side.
-pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]]) -> Vec<(usize, usize)> {
+pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -> Vec<(usize, usize)> {
     let around = facets.around_nodes();
     let (mut junctions, mut creases) = (Vec::new(), Vec::new());
     for (f, k) in facets.corners() {
@@ -21,7 +20,8 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]]) -> Vec<(usize, usize)>
         if edges[f][k] != Edge::Smooth || turn < NO_TURN {
             continue;
         }
-        match (is_straight(facets, &around, f, k, turn), is_straight(facets, &around, g, j, turn)) {
+        let none = controls.coplanar * turn;
+        match (is_straight(facets, &around, f, k, none), is_straight(facets, &around, g, j, none)) {
             (true, true) => creases.extend([(f, k), (g, j)]),
             (true, false) => junctions.push((f, k)),
             (false, true) => junctions.push((g, j)),
@@ -34,9 +34,9 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]]) -> Vec<(usize, usize)>
     junctions
 }
 
-/// Whether facet `f` goes on in its plane behind its edge `k`, across which the surface turns by `turn`.
-fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usize, turn: f64) -> bool {
-    let coplanar = |g: usize| angle(&facets.normals[f], &facets.normals[g]) <= COPLANAR * turn;
+/// Whether facet `f` goes on in its plane behind its edge `k`, where a turn of `none` counts as none.
+fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usize, none: f64) -> bool {
+    let coplanar = |g: usize| angle(&facets.normals[f], &facets.normals[g]) <= none;
     if facets.count(f) == 4 {
         return facets.across[f][(k + 2) % 4].is_some_and(|(g, _)| coplanar(g));
     }
@@ -53,10 +53,10 @@ fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usi
 pub fn straight_sides(
     facets: &Facets,
     weight: Weight,
-    edges: &[[Edge; 4]],
-    junctions: &[(usize, usize)],
+    (edges, junctions): (&[[Edge; 4]], &[(usize, usize)]),
     fans: &Groups,
     normals: &mut [Vec3],
+    controls: &Controls,
 ) -> Vec<[bool; 4]> {
     let mut is_junction = vec![[false; 4]; facets.nodes.len()];
     let mut other_side = Vec::with_capacity(junctions.len());
@@ -93,8 +93,11 @@ pub fn straight_sides(
             }
         }
     }
-    let kept: Vec<bool> =
-        side.iter().zip(&misfit).map(|(side, m)| *side != Vec3::zeros() && m[1] >= 0.2 * m[0]).collect();
+    let kept: Vec<bool> = side
+        .iter()
+        .zip(&misfit)
+        .map(|(side, m)| *side != Vec3::zeros() && m[1] >= controls.straight_misfit * m[0])
+        .collect();
     for fan in (0..fans.count).filter(|fan| kept[*fan]) {
         normals[fan] = side[fan];
     }

@@ -47,15 +47,10 @@ use crate::Vec3;
 use search::{Question, Search};
 use tree::Tree;
 
-/// How far beyond a sharp edge a piece may be used, in its own parameters.
-const BESIDE: f64 = 0.5;
 /// Cosine of the angle between the normals of a piece and of its edge, above which the edge is none.
 const ALIGNED: f64 = 1.0 - 1e-12;
 /// Distance, over the size of a piece, below which pieces touch.
 const TOUCH: f64 = 1e-9;
-/// How much projections onto a piece and its neighbour may differ, in place over the size of facets and in the cosine
-/// between the normals, to be of the same place.
-const SAME: f64 = 0.1;
 
 /// Pieces with a search tree over their boxes.
 pub struct PieceSet<P> {
@@ -195,17 +190,25 @@ impl<P: Piece> PieceSet<P> {
     }
 
     /// The point of contact on the extension of the piece of the last projection `warm`, where `found` is on another: as
-    /// long as both are of the same place, for facets of a `size`.
-    pub fn stays(&self, x: &Vec3, warm: Option<(u32, [f64; 2])>, found: &Projection, size: f64) -> Option<Projection> {
+    /// long as both are of the same place: for facets of a size they may differ in place by a part `apart` of it, and in the
+    /// cosine between the normals by as much.
+    pub fn stays(
+        &self,
+        x: &Vec3,
+        warm: Option<(u32, [f64; 2])>,
+        found: &Projection,
+        (size, apart): (f64, f64),
+    ) -> Option<Projection> {
         let same =
-            |p: &Projection| (p.point - found.point).norm() < SAME * size && p.normal.dot(&found.normal) > 1.0 - SAME;
+            |p: &Projection| (p.point - found.point).norm() < apart * size && p.normal.dot(&found.normal) > 1.0 - apart;
         let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
         self.on_piece(x, id, xi).filter(same)
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
-    /// around it, extended, whose side `x` is farthest from. `None` when `at` is on no such edge, or too far away.
-    pub fn beside_edge(&self, x: &Vec3, at: &Projection) -> Option<Projection> {
+    /// around it, extended by so much of its own parameters, whose side `x` is farthest from. `None` when `at` is on no such
+    /// edge, or too far away.
+    pub fn beside_edge(&self, x: &Vec3, at: &Projection, extension: f64) -> Option<Projection> {
         let own = self.get(at.patch)?;
         if at.gap <= 0.0 || own.overshoot(at.xi) > 0.0 || own.normal(at.xi).dot(&at.normal) > ALIGNED {
             return None;
@@ -215,7 +218,7 @@ impl<P: Piece> PieceSet<P> {
         let extended = |k: usize| {
             let (piece, extent) = (&self.pieces[k], &self.extents[k]);
             let core = piece.core(extent, &at.point, None);
-            let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[BESIDE; 4], core.xi))?;
+            let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[extension; 4], core.xi))?;
             let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
             let xi = foot.xi;
             (foot.limits == 0).then(|| Projection {

@@ -56,7 +56,7 @@ fn faces_edges_and_corners_of_a_cube() {
 #[test]
 fn the_sides_of_an_edge_reach_beyond_it() {
     let cube = cube(false);
-    let beside = |x: [f64; 3]| cube.beside_edge(&Vec3::from(x), &project(&cube, x));
+    let beside = |x: [f64; 3]| cube.beside_edge(&Vec3::from(x), &project(&cube, x), 0.5);
     let p = beside([0.3, 1.01, 1.02]).unwrap();
     assert!((p.gap - 0.02).abs() < 1e-15 && (p.normal - Vec3::z()).norm() < 1e-14);
     assert!((p.point - Vec3::new(0.3, 1.01, 1.0)).norm() < 1e-14);
@@ -65,7 +65,7 @@ fn the_sides_of_an_edge_reach_beyond_it() {
     assert!(beside([0.3, 0.9, 1.02]).is_none(), "above a side");
     assert!(beside([0.3, 0.99, 0.98]).is_none(), "inside");
     assert!(beside([0.3, 1.6, 1.6]).is_none(), "beyond the extension");
-    check_derivatives(&Vec3::new(0.3, 1.01, 1.02), |x| cube.beside_edge(x, &cube.closest(x, 1.0, None).unwrap()));
+    check_derivatives(&Vec3::new(0.3, 1.01, 1.02), |x| cube.beside_edge(x, &cube.closest(x, 1.0, None).unwrap(), 0.5));
 }
 
 /// A blade of 20 degrees: the point is behind the plane of one side and yet outside.

@@ -1,0 +1,391 @@
+//! The controls: every number that decides whether a solution is found, which one, or when it counts.
+//!
+//! Each is written once, below, with its unit or what it is relative to, its default, the range that makes sense, and its
+//! reason: a source or a measurement. The expert table `[controls]` of a scene sets them by name; `log.txt` records all of
+//! them. docs/controls.md has what half and twice of each does to the scenes in inputs/ (`scripts/studies/controls.py`).
+//!
+//! Not controls, and left where they are used, are
+//!
+//! - tolerances of rounding, by which equal numbers are seen to be equal, and ends of local iterations that go on to
+//!   rounding: closest points, return mapping, enhanced modes;
+//! - numbers of which half and twice did nothing in any scene, and which bound nothing that could go wrong: the sufficient
+//!   decrease of the line search, slivers of increments, how far a slip origin or a mate may lie aside, samples of ways;
+//! - numbers that cost time alone: margins of what is fetched, candidates of the sparsity pattern, which is built anew where
+//!   it lacks some, leaves of search trees;
+//! - the extension of patches ([`crate::surface::EXTENSION`]), which is part of what a surface is, and what CAD files are
+//!   read by;
+//! - limits by which warnings before a run are worded;
+//! - what the user decides: `[solver]`, increments, penalties, feature angles.
+
+/// What is known of a control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Control {
+    pub group: &'static str,
+    /// What the scene calls it.
+    pub name: &'static str,
+    /// Its unit, or what it is relative to.
+    pub unit: &'static str,
+    pub default: f64,
+    /// The least and the largest value that it may have.
+    pub range: [f64; 2],
+    pub is_integer: bool,
+    /// A source or a measurement.
+    pub reason: &'static str,
+}
+
+impl Control {
+    /// Whether it may have this value.
+    pub fn admits(&self, value: f64) -> bool {
+        let [low, high] = self.range;
+        (low..=high).contains(&value) && (!self.is_integer || value.fract() == 0.0)
+    }
+
+    /// What it may be, in words.
+    pub fn admitted(&self) -> String {
+        let [low, high] = self.range;
+        format!("{} from {low:?} to {high:?}", if self.is_integer { "an integer" } else { "a number" })
+    }
+}
+
+/// A type of a control.
+trait Number {
+    const IS_INTEGER: bool;
+    fn of(value: f64) -> Self;
+    fn value(self) -> f64;
+}
+
+impl Number for f64 {
+    const IS_INTEGER: bool = false;
+
+    fn of(value: f64) -> Self {
+        value
+    }
+
+    fn value(self) -> f64 {
+        self
+    }
+}
+
+impl Number for usize {
+    const IS_INTEGER: bool = true;
+
+    fn of(value: f64) -> Self {
+        value as Self
+    }
+
+    fn value(self) -> f64 {
+        self as f64
+    }
+}
+
+/// Writes the struct, its defaults and its table from one list of `name: type = default, range, unit, reason`.
+macro_rules! controls {
+    ($($group:literal {
+        $($name:ident: $kind:ident = $default:expr, [$low:expr, $high:expr], $unit:literal, $reason:literal;)*
+    })*) => {
+        /// The controls of a run; see [`Controls::TABLE`].
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        pub struct Controls {
+            $($(
+                #[doc = concat!($reason, " In: ", $unit, ".")]
+                pub $name: $kind,
+            )*)*
+        }
+
+        impl Default for Controls {
+            fn default() -> Self {
+                Self { $($($name: $default,)*)* }
+            }
+        }
+
+        impl Controls {
+            /// All of them, by groups.
+            pub const TABLE: &'static [Control] = &[$($(Control {
+                group: $group,
+                name: stringify!($name),
+                unit: $unit,
+                default: $default as f64,
+                range: [$low as f64, $high as f64],
+                is_integer: <$kind as Number>::IS_INTEGER,
+                reason: $reason,
+            },)*)*];
+
+            /// The value of a control; `None` if there is none of this name.
+            pub fn get(&self, name: &str) -> Option<f64> {
+                match name {
+                    $($(stringify!($name) => Some(self.$name.value()),)*)*
+                    _ => None,
+                }
+            }
+
+            /// Sets a control. `false`, and nothing is set, if there is none of this name or it does not admit the value.
+            pub fn set(&mut self, name: &str, value: f64) -> bool {
+                let known = Self::TABLE.iter().find(|control| control.name == name);
+                if !known.is_some_and(|control| control.admits(value)) {
+                    return false;
+                }
+                match name {
+                    $($(stringify!($name) => self.$name = Number::of(value),)*)*
+                    _ => {}
+                }
+                true
+            }
+        }
+    };
+}
+
+controls! {
+    "newton" {
+        settling_iterations: usize = 5, [1, 100], "iterations",
+            "Iterations in which what touches sticks, at most. Two bring bodies along with a tool that turns, four where that strains them; contacts that open and close while all others stick may go to and fro for ever, and settle as soon as they may slip.";
+        calm_flips: usize = 3, [1, 100], "changes in succession",
+            "A node whose status or slip direction changes so often overshoots the friction cone from one side to the other: its friction penalty is reduced. The solution does not depend on it, only the path to it.";
+        calm_factor: f64 = 0.1, [0.001, 0.9], "times the friction penalty",
+            "By how much it is reduced each time.";
+        calm_least: f64 = 1e-3, [1e-9, 1.0], "friction penalty over the augmentation",
+            "A penalty below is not reduced further: slip directions turn the more slowly the lower it is.";
+        step_facets: f64 = 1.5, [0.1, 100.0], "longest edge of the slave facets",
+            "How far a slave node may move in one iteration: farther, and it may come out behind what it should meet. Which of several solutions facets find that fold onto each other without friction depends on it: 0.75 changes their forces by 3e-3.";
+        step_halvings: usize = 6, [0, 60], "halvings",
+            "How often a step that turns an element inside out is halved before it is taken even so, and the increment fails.";
+        line_search_shortest: f64 = 0.01, [1e-6, 1.0], "shortest step over the full one",
+            "When no step down to this one helps, the full step is taken.";
+        line_search_memory: usize = 8, [1, 1000], "iterates",
+            "The residual must fall below the largest of so many (Grippo, Lampariello and Lucidi 1986). It need not fall below the last one: where contact changes it rises on the way to a solution.";
+        line_search_least: f64 = 0.1, [0.001, 0.25], "next step over the last",
+            "Dennis and Schnabel 1983, algorithm A6.3.1.";
+        line_search_most: f64 = 0.5, [0.25, 0.95], "next step over the last",
+            "Dennis and Schnabel 1983, algorithm A6.3.1.";
+        rounding: f64 = 64.0, [1.0, 1e6], "machine epsilons",
+            "What rounding leaves of a sum of some ten products of three factors: no residual gets below.";
+        rounding_cap: f64 = 1e-6, [1e-12, 1e-2], "force that acts on a body",
+            "Above this share rounding excuses no residual, for it is what users take for exact: the run ends with the reason.";
+        strained: f64 = 1.0, [1e-3, 1e3], "element forces over what they round to",
+            "A body with more counts as strained; of one that is not they are some hundredths of it.";
+        eased_share: f64 = 1e-4, [0.0, 1.0], "largest force so far",
+            "Residuals are compared with this share of it as long as there is less: after a press of 1e6 N, 1 N is still right to 1e-8 at the default tolerance.";
+        force_floor_share: f64 = 1e-6, [1e-14, 1e-2], "largest nodal stiffness times the element size",
+            "The force that counts while nothing acts yet: far below any of interest, well above rounding. `force_floor` of the table `solver` replaces it.";
+        loose_tolerance: f64 = 1e-3, [1e-10, 0.1], "residual over the largest force",
+            "Enough to change an active set that is not the last one, or to end settling; measured to take four fifths of the iterations.";
+        outer_rounds: usize = 60, [1, 10000], "rounds",
+            "Most rounds of held multipliers, of active sets, and of constraints that are tightened. Each leaves a thousandth of the error with the automatic penalty and with `slack`, where it leads anywhere.";
+        uzawa_tolerance: f64 = 100.0, [1.0, 1e6], "tolerance of Newton's method",
+            "Automatic tolerance of Uzawa's method: penetration and slip of sticking nodes, times the largest nodal stiffness, over the largest force.";
+        singular_residual: f64 = 1e-2, [1e-8, 1.0], "residual of the linear solution over its right-hand side",
+            "A solution with more is none: the matrix counts as singular.";
+    }
+    "increments" {
+        easy_iterations: usize = 6, [1, 1000], "iterations",
+            "After no more the next increment may grow.";
+        hard_iterations: usize = 10, [1, 1000], "iterations",
+            "After more the next increment shrinks.";
+        increment_growth: f64 = 1.5, [1.0, 10.0], "times the increment",
+            "How much an increment grows after an easy one, up to the scene's largest.";
+        increment_cut: f64 = 0.5, [0.05, 0.9], "times the increment",
+            "After a hard increment and the first failure; its square after the second; one over its square is how much longer the next jump is tried.";
+        short_increment: f64 = 0.00390625, [1e-9, 1.0], "the scene's largest increment",
+            "Below, a shorter one hardly serves, and a jump is tried: what sticks is then carried along by so little that the jump does not disturb its friction.";
+        busy_share: f64 = 0.25, [0.0, 1.0], "contact nodes",
+            "Where more of them change sides the next increment is not longer.";
+        busy_turn: f64 = 0.3, [0.01, 10.0], "slip over the radius of curvature, radians",
+            "Where a node slid farther, its path is no longer short against the radius and the next increment is not longer.";
+        extrapolate: usize = 1, [0, 2], "0 never, 1 not for elastic bodies on facets, 2 always",
+            "Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on. Ironing with faceted fillets in 90 increments takes 13 % fewer iterations with 2, but other branches of the chatter: forces differ by up to 3 % in between.";
+        extrapolate_farthest: f64 = 2.0, [0.1, 100.0], "the increments that it goes on from",
+            "A short last increment, to a time of the grid, says too little of a long one: what it follows is then part of the base.";
+        remedy_period: usize = 2, [1, 100], "failures",
+            "An increment that fails is tried by turns: in plastic bodies with the last residual alone (`line_search_memory`) after the first failure of each period, with contacts that settle after its last. Neither serves both contacts that come and go and flow that overshoots.";
+    }
+    "jumps" {
+        jump_drag: f64 = 0.1, [1e-6, 100.0], "largest nodal stiffness",
+            "Drag of the first step of a jump: so much that its motion is small against the size of the structure.";
+        jump_fall: f64 = 0.25, [0.01, 0.9], "times the drag",
+            "How it falls after each step.";
+        jump_rise: f64 = 8.0, [1.1, 1000.0], "times the drag",
+            "How it rises after a step that failed: by more than it falls, or the same step would come back.";
+        jump_negligible: f64 = 1e-4, [1e-12, 1.0], "largest nodal stiffness",
+            "Below, the next step is without drag.";
+        jump_useless: f64 = 1e-9, [1e-15, 1e-2], "largest nodal stiffness",
+            "When a drag below has led nowhere, the jump has failed.";
+        jump_strongest: f64 = 100.0, [1.0, 1e6], "largest nodal stiffness",
+            "When a drag beyond fails, the jump has failed.";
+        jump_steps: usize = 100, [1, 10000], "steps",
+            "Most steps of a jump.";
+        jump_iterations: usize = 7, [1, 1000], "iterations",
+            "Most iterations of a step with drag: beyond, more drag is the shorter way.";
+        jump_tries: usize = 2, [1, 100], "jumps",
+            "Jumps that are tried at an increment where friction or flow make it depend on its length, each longer than the last. Where nothing does, they may become as long as an increment.";
+        jump_weight: usize = 4, [1, 100], "increments",
+            "Increments without a jump that make up for one.";
+        jump_run: usize = 8, [1, 100], "jumps",
+            "Jumps in succession that end the run: a path of little but jumps is none, for what lies between depends on the drag.";
+    }
+    "contact" {
+        augmentation: f64 = 0.2, [1e-3, 10.0], "stiffness with which the slave node, or a softer master, resists contact",
+            "Measured to be robust over loading, reversal and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions turn slowly. Twice and half change the number of iterations, and with it increments; and which of several solutions facets find that fold onto each other without friction, 3e-3 apart.";
+        uzawa_penalty: f64 = 1000.0, [1.0, 1e6], "the same stiffness",
+            "Automatic penalty of Uzawa's method: Newton's method does not mind it, and each round divides the error by about as much.";
+        penalty_method: f64 = 100.0, [1.0, 1e6], "the same stiffness",
+            "Automatic penalty of the penalty method: penetrations of some hundredths of what the nodes around give way. It is part of the model that the user chooses with this method, and the result depends on it: twice and half change the forces of a cap on a block by 3e-3 and 5e-3.";
+        touching_gap: f64 = 1e-4, [1e-12, 0.01], "longest edge of the slave facets",
+            "A gap below is but rounding of a mesh file, and closed in the first iteration of a step: a body that only a force drives would have no support otherwise. Further iterations see the gap as it is.";
+        no_gap: f64 = 1e-9, [1e-15, 1e-6], "longest edge of the slave facets",
+            "A gap below is none: an active set begins with what touches, and a node so deep behind a master may be beside it.";
+        slack: f64 = 1e-3, [1e-6, 0.1], "compliance over that of the automatic penalty",
+            "Of constraints that give way: always in self-contact, where slave nodes that meet each other make the same condition twice. More leaves an error when it is tightened there, in the forces about a third of it; with 3e-4 facets without friction slide off each other, tip from tip, long before they do with this. From 0.9 to 1.7 times as much the forces of the strip in inputs/ change by 6e-4 of the change of slack, so that what is left of it is 6e-7; half and twice find other solutions of its folds, 8e-5 and 5e-3 away.";
+        wide_slack: f64 = 3e-2, [1e-6, 1.0], "compliance over that of the automatic penalty",
+            "That of self-contact where Newton's method has failed. A strip that closes onto itself in 54 ways (faceted and smoothed, mu = 0, 0.2 and 1, in 10 to 40 increments): with 1e-3 alone 7 fail; with this after 1e-4, 3e-4 or 1e-3 none; with 3e-3 and 1e-2 after 1e-3 none and one, and twice the cuts. Twice and half change the forces of frictionless facets by 8e-4 and 2e-4, for which fold rests on which then differs.";
+        two_pass_bulge: f64 = 0.99, [0.0, 1.0], "bulge of a Nagata patch",
+            "Share of it that patches take with two passes. Smooth surfaces that share the whole of it may curve together without any node entering the other side: on flat faces the conditions of two passes would depend on each other: with all of it the patch test takes 55 more iterations and is off by 4e-4.";
+        repeat_distance: f64 = 0.05, [0.0, 0.45], "shortest edge of the master patch",
+            "A slave node of a second pass that is nearer to a node of the master leaves the contact to that one, up to twice as far away: the same condition twice would leave open how the two share the force.";
+        friction_steep: f64 = 0.5, [0.0, 1.0], "share of a velocity that is normal to the contacts",
+            "Below, friction is what holds a body: that of a wedge of 30 degrees. Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.";
+    }
+    "kinks" {
+        kink_linger: f64 = 0.01, [0.0, 0.05], "patch parameters",
+            "How far beyond its edge a patch of a tool keeps a node at a kink: enough for iterations to settle, and so little that the gap hardly changes as the node changes over. The blank of the full square cup slides along kinks of 1.5 degrees and chatters on them without it; ironing and a blank of 12 by 12 elements do bit for bit the same with none.";
+        kink_least: f64 = 5e-7, [0.0, 1e-3], "1 - cosine of the angle between the normals of both sides",
+            "0.06 degrees: below, an edge is smooth, as the joint of a flat and an arc is to the rounding of a mesh.";
+        kink_most: f64 = 1.37e-3, [1e-6, 1.0], "1 - cosine of the angle between the normals of both sides",
+            "3 degrees: beyond, the gap would change too much as the node changes over.";
+        kink_same: f64 = 0.1, [0.0, 0.5], "facets, and 1 - cosine",
+            "How much projections onto a patch and its neighbour may differ, in place and normal, to be of the same place.";
+        edge_beside: f64 = 0.5, [0.0, 2.0], "patch parameters",
+            "How far beyond a sharp edge of a body a patch is used.";
+    }
+    "search" {
+        reach_facets: f64 = 2.0, [0.5, 100.0], "longest edge of the slave facets",
+            "How far a slave node may be from the master and still be watched, where the scene does not say. A node that moves farther than that widens it. Less, and facets that fold onto each other without friction find another of their solutions, 3e-3 away.";
+        reach_farther: f64 = 1.5, [1.0, 10.0], "way of the farthest slave node",
+            "The reach after a node moved farther than it: more than its way, so that the same solution fits. With 1 facets that fold onto each other without friction find another of their solutions, 3e-3 away.";
+    }
+    "self_contact" {
+        self_facing: f64 = 60.0, [5.0, 89.0], "degrees",
+            "What meets looks back: the angle between the normal of a node and the opposite of that of the patch, at most. Sides of a fold that closes are nearly opposite, patches around a bend are not.";
+        self_thick: f64 = 8.0, [1.0, 1000.0], "longest edge",
+            "Thickness up to which sheets are measured: no search looks deeper into a thicker one.";
+        self_depth: f64 = 0.5, [0.05, 0.95], "thickness of the sheet",
+            "A node deeper below a patch is on the other side of its sheet: what comes from either side is told apart best in the middle.";
+        self_step: f64 = 0.5, [0.05, 10.0], "depth that `self_depth` allows",
+            "How far a node may go in one iteration without a danger of coming out on the other side of a sheet.";
+    }
+    "watch" {
+        watch_deep: f64 = 0.01, [1e-6, 1.0], "longest edge of the slave facets",
+            "From there a penetration is one. Contact is at nodes: between them a facet that touches a radius of ten of its lengths is 1/80 of its length inside, and no finer is the shape of the body known.";
+        watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",
+            "Lift of the way of a node: by so much it may cut a corner. What turns more in one increment than its chord and this lift allow is no longer followed by it.";
+        watch_along: f64 = 0.5, [0.0, 0.99], "cosine of the turn of the normal",
+            "Up to there a way along the surface is taken for one without looking.";
+        watch_turn: f64 = 0.0873, [0.001, 0.5], "radians",
+            "Turn of a tool, 5 degrees, of which a node's way in its frame is taken for straight.";
+        watch_step: f64 = 0.01, [1e-4, 1.0], "longest edge of the slave facets",
+            "Shortest step along a way.";
+        watch_around: f64 = 2.0, [0.5, 100.0], "longest edge of the slave facets",
+            "How far the watch looks, besides `watch_farther`.";
+        watch_around_self: f64 = 1.0, [0.5, 100.0], "longest edge of the slave facets",
+            "The same in self-contact, where no way is followed: what is within a facet is enough.";
+        watch_farther: f64 = 1.5, [1.0, 100.0], "way of the farthest slave node",
+            "How far the watch looks: a way is seen from its end, with all that is as near to it as half its length.";
+    }
+    "normals" {
+        end_corner: f64 = 150.0, [10.0, 180.0], "degrees",
+            "Facets around a node at an end of the surface that fill a smaller angle are at a corner, and follow the others: half a turn less what a kink of 30 degrees in the end takes away.";
+        end_around: f64 = 270.0, [181.0, 360.0], "degrees",
+            "Facets that fill a larger angle see the surface all around, and their mean needs no extrapolation.";
+        coplanar: f64 = 0.02, [1e-6, 0.5], "turn at the junction",
+            "A turn that is this small beside the one at the junction counts as none.";
+        straight_misfit: f64 = 0.2, [0.0, 10.0], "misfit of the normal of the straight side",
+            "Where mean normals carry the curvature on so much better, they stay: the middle of an S-bend.";
+    }
+}
+
+impl Controls {
+    /// Names, values and defaults of those that differ from their defaults.
+    pub fn changed(&self) -> impl Iterator<Item = (&'static str, f64, f64)> + '_ {
+        let values = Self::TABLE.iter().filter_map(|c| Some((c.name, self.get(c.name)?, c.default)));
+        values.filter(|(_, value, default)| value != default)
+    }
+
+    /// All of them for the log: a line for each group, those that differ from their defaults with these.
+    pub fn describe(&self) -> String {
+        let mut text = "controls:".to_string();
+        let mut group = "";
+        for control in Self::TABLE {
+            if control.group != group {
+                group = control.group;
+                text += &format!("\n  {group}:");
+            }
+            let value = self.get(control.name).unwrap_or(control.default);
+            let short = |value: f64| if control.is_integer { format!("{value}") } else { format!("{value:?}") };
+            text += &format!(" {} = {}", control.name, short(value));
+            if value != control.default {
+                text += &format!(" (changed from {})", short(control.default));
+            }
+            text.push(',');
+        }
+        text.replace(",\n", "\n").trim_end_matches(',').to_string()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_control_has_a_name_a_range_and_a_reason_of_its_own() {
+        for (k, control) in Controls::TABLE.iter().enumerate() {
+            let Control { name, unit, reason, .. } = control;
+            assert!(Controls::TABLE[..k].iter().all(|other| other.name != *name), "{name}");
+            assert!(control.admits(control.default), "{name}");
+            assert!(!unit.is_empty() && reason.len() > 20 && reason.ends_with('.'), "{name}");
+            assert_eq!(Controls::default().get(name), Some(control.default));
+        }
+    }
+
+    #[test]
+    fn controls_are_set_by_name_within_their_ranges() {
+        for control in Controls::TABLE {
+            let mut controls = Controls::default();
+            let [low, high] = control.range;
+            for value in [low, high] {
+                assert!(controls.set(control.name, value), "{}", control.name);
+                assert_eq!(controls.get(control.name), Some(value));
+            }
+            for value in [low - 1.0, high + 1.0, f64::NAN] {
+                assert!(!controls.set(control.name, value), "{}", control.name);
+            }
+            assert_eq!(controls.set(control.name, low + 0.5), control.admits(low + 0.5));
+            assert_eq!(controls.get("no such control"), None);
+        }
+        assert!(!Controls::default().set("no such control", 1.0));
+    }
+
+    /// The documentation has a row for each control, with its default and its reason.
+    #[test]
+    fn the_documentation_has_all_controls() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/controls.md");
+        let text = std::fs::read_to_string(path).unwrap();
+        let rows: Vec<Vec<&str>> = (text.lines().filter(|line| line.starts_with("| `")))
+            .map(|line| line.trim_matches(['|', ' ']).split(" | ").collect())
+            .collect();
+        assert_eq!(rows.len(), Controls::TABLE.len());
+        for (row, control) in rows.iter().zip(Controls::TABLE) {
+            assert_eq!((row[0].trim_matches('`'), row[1].parse()), (control.name, Ok(control.default)));
+            assert_eq!((row[2], row[3]), (control.unit, control.reason), "{}", control.name);
+        }
+    }
+
+    #[test]
+    fn what_was_changed_is_marked() {
+        let mut controls = Controls::default();
+        assert!(controls.changed().next().is_none() && !controls.describe().contains("changed"));
+        assert!(controls.set("jump_drag", 0.2) && controls.set("outer_rounds", 30.0));
+        let changed: Vec<_> = controls.changed().collect();
+        assert_eq!(changed, [("outer_rounds", 30.0, 60.0), ("jump_drag", 0.2, 0.1)]);
+        let text = controls.describe();
+        assert!(text.contains("\n  jumps: jump_drag = 0.2 (changed from 0.1), jump_fall = 0.25,"), "{text}");
+        assert!(text.contains(" outer_rounds = 30 (changed from 60),") && text.lines().count() == 10, "{text}");
+    }
+}
