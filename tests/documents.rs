@@ -1,0 +1,476 @@
+//! The documents against the program: docs/scene.md has the keys that the reader accepts, no more and no fewer; links
+//! point to what exists; scenes that the documents show or name can be run.
+
+mod common;
+
+use common::nagata;
+use nagata::scene::parse;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn text_of(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// README.md and all documents, relative to the root.
+fn documents() -> Vec<PathBuf> {
+    let mut found = vec![PathBuf::from("README.md")];
+    let mut folders = vec![PathBuf::from("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(root().join(&folder)).unwrap() {
+            let path = folder.join(entry.unwrap().file_name());
+            match path.extension() {
+                _ if root().join(&path).is_dir() => folders.push(path),
+                Some(end) if end == "md" => found.push(path),
+                _ => {}
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// A scene with all tables that the reader knows, to which the keys that are asked about are added.
+const BASE: &str = r#"
+[body.m]
+mesh = "m.msh"
+material = "e"
+[body.b]
+material = "e"
+block = { box = { size = [1, 1, 1] }, elements = [1, 1, 1] }
+[material.e]
+model = "neo-hookean"
+young = 1
+poisson = 0.3
+[material.h]
+model = "hill"
+young = 1
+poisson = 0.3
+yield_stress = 1
+hill = { f = 0.5, g = 0.5, h = 0.5, n = 1.5 }
+[tool.t]
+mesh = "t.msh"
+nurbs = "t.igs"
+[contact.t]
+slave = "b.a"
+master = "t"
+method = "uzawa"
+[contact.b]
+slave = "b.a"
+master = "m.a"
+[contact.s]
+slave = "b.a"
+master = "b.a"
+[[step]]
+name = "s"
+increments = 1
+fix = [{ set = "b" }]
+move = [{ target = "t", by = [0, 0, 0] }, { target = "b.a", by = [0, 0, 0] }]
+force = [{ target = "m", total = [0, 0, 0] }]
+pressure = [{ set = "b.a", value = 0 }]
+body_force = [{ body = "b", per_volume = [0, 0, 0] }]
+"#;
+
+/// Tables of the schema, as the headings of docs/scene.md call them, with places in the base scene where their keys can be
+/// asked for, and overrides that clear the way.
+const PLACES: &[(&str, &str, &[&str])] = &[
+    ("body.NAME", "body.m", &[]),
+    ("body.NAME", "body.b", &[]),
+    ("body.NAME.block", "body.b.block", &["body.b.block={ elements = [1, 1, 1] }"]),
+    ("body.NAME.block", "body.b.block", &[]),
+    ("body.NAME.block.box", "body.b.block.box", &[]),
+    ("body.NAME.block.sector", "body.b.block.sector", &[SECTOR]),
+    ("material.NAME", "material.h", &[]),
+    ("material.NAME.hardening", "material.h.hardening", &["material.h.hardening={}"]),
+    (
+        "material.NAME.hardening",
+        "material.h.hardening",
+        &["material.h={ model = \"j2\", young = 1, poisson = 0.3 }", "material.h.hardening={}"],
+    ),
+    ("material.NAME.hardening.swift", "material.h.hardening.swift", &[SWIFT, "material.h.yield_stress=1"]),
+    (
+        "material.NAME.hardening.swift",
+        "material.h.hardening.swift",
+        &[SWIFT, "material.h={ model = \"j2\", young = 1, poisson = 0.3 }", SWIFT],
+    ),
+    ("material.NAME.hardening.voce", "material.h.hardening.voce", &[VOCE]),
+    ("material.NAME.hill", "material.h.hill", &[]),
+    ("tool.NAME", "tool.t", &[]),
+    ("tool.NAME.plane", "tool.t.plane", &["tool.t.plane={ point = [0, 0, 0], normal = [0, 0, 1] }"]),
+    ("tool.NAME.cylinder", "tool.t.cylinder", &["tool.t.cylinder={ point = [0, 0, 0], axis = [0, 0, 1], radius = 1 }"]),
+    ("tool.NAME.cone", "tool.t.cone", &["tool.t.cone={ apex = [0, 0, 0], axis = [0, 0, 1], angle = 1 }"]),
+    ("tool.NAME.sphere", "tool.t.sphere", &["tool.t.sphere={ center = [0, 0, 0], radius = 1 }"]),
+    (
+        "tool.NAME.torus",
+        "tool.t.torus",
+        &["tool.t.torus={ center = [0, 0, 0], axis = [0, 0, 1], radius = 2, tube = 1 }"],
+    ),
+    ("tool.NAME.profile", "tool.t.profile", &["tool.t.profile={ points = [[0, 1], [0, 0], [1, 0]] }"]),
+    (
+        "tool.NAME.profile.extrude",
+        "tool.t.profile.extrude",
+        &["tool.t.profile={ points = [[0, 1], [0, 0], [1, 0]], extrude = {} }"],
+    ),
+    (
+        "tool.NAME.profile.revolve",
+        "tool.t.profile.revolve",
+        &[
+            "tool.t.profile={ points = [[0, 1], [0, 0], [1, 0]] }",
+            "tool.t.profile.revolve={ point = [0, 0, 0], axis = [0, 0, 1] }",
+        ],
+    ),
+    ("tool.NAME.symmetry", "tool.t.symmetry.0", &["tool.t.symmetry=[{ point = [0, 0, 0], normal = [0, 0, 1] }]"]),
+    ("contact.NAME", "contact.t", &[]),
+    ("contact.NAME", "contact.b", &[]),
+    ("contact.NAME", "contact.s", &[]),
+    ("step", "step.s", &[]),
+    ("step", "step.0", &["step=[{}]"]),
+    ("step.increment", "step.0.increment", &["step=[{ increment = {} }]"]),
+    ("step.fix", "step.s.fix.0", &[]),
+    ("step.move", "step.s.move.0", &[]),
+    ("step.move", "step.s.move.1", &[]),
+    (
+        "step.move.rotate",
+        "step.s.move.0.rotate",
+        &["step.s.move.0.rotate={ point = [0, 0, 0], axis = [0, 0, 1], angle = 1 }"],
+    ),
+    ("step.force", "step.s.force.0", &[]),
+    ("step.force", "step.s.force.0", &["step.s.force.0.target=t"]),
+    ("step.pressure", "step.s.pressure.0", &[]),
+    ("step.body_force", "step.s.body_force.0", &[]),
+    ("output", "output", &["output={}"]),
+    ("solver", "solver", &["solver={}"]),
+];
+
+const SECTOR: &str = "body.b.block={ sector = { radii = [1, 2], angles = [0, 90], length = 1 }, elements = [1, 1, 1] }";
+const SWIFT: &str = "material.h.hardening={ swift = { k = 1, n = 1 } }";
+const VOCE: &str = "material.h.hardening={ voce = { saturation = 2, rate = 1 } }";
+
+/// What the reader says to the base scene with these overrides; empty when it accepts it.
+fn said(overrides: &[&str]) -> String {
+    let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+    parse("base.toml", BASE, Path::new(""), &overrides).map(|_| String::new()).unwrap_or_else(|error| error.to_string())
+}
+
+/// What it says when `place.key` is `value`.
+fn answer(place: &str, way: &[&str], key: &str, value: &str) -> String {
+    let ask = format!("{place}.{key}={value}");
+    said(&[way, &[ask.as_str()]].concat())
+}
+
+/// The words behind "known: " in a help.
+fn known(text: &str) -> BTreeSet<String> {
+    let list = text.split("known: ").nth(1).unwrap_or_else(|| panic!("lists nothing: {text}"));
+    assert!(!list.contains(" more"), "the list is cut short, ask for it in two parts: {text}");
+    list.trim_end_matches([')', '\n']).split(", ").map(str::to_string).collect()
+}
+
+/// A key as docs/scene.md has it: whether it must be given, and the words it may be.
+struct Row {
+    must: bool,
+    words: BTreeSet<String>,
+    is_table: bool,
+}
+
+/// The tables of keys of docs/scene.md under their headings.
+fn described() -> BTreeMap<String, BTreeMap<String, Row>> {
+    let (mut tables, mut heading) = (BTreeMap::<String, BTreeMap<String, Row>>::new(), None);
+    for line in text_of(&root().join("docs/scene.md")).lines() {
+        if line.starts_with('#') {
+            heading = line.split('`').nth(1).map(str::to_string);
+        }
+        let (Some(heading), Some(row)) = (&heading, line.strip_prefix("| `")) else { continue };
+        let cells: Vec<&str> = row.split(" |").collect();
+        assert_eq!(cells.len(), 5, "four columns: {line}");
+        let (key, must) = cells[0].split_once('`').unwrap();
+        let words = cells[1].split('`').skip(1).step_by(2).filter_map(|code| code.strip_prefix('"')?.strip_suffix('"'));
+        let row = Row {
+            must: must.trim() == "*",
+            words: words.map(str::to_string).collect(),
+            is_table: matches!(cells[1].trim(), "table" | "list of tables"),
+        };
+        let repeated = tables.entry(heading.clone()).or_default().insert(key.to_string(), row);
+        assert!(repeated.is_none(), "`{key}` stands twice in {heading}");
+    }
+    tables
+}
+
+/// The keys that the reader accepts, by table: asked for with one that it does not.
+fn accepted() -> BTreeMap<String, BTreeSet<String>> {
+    let mut tables = BTreeMap::new();
+    for (table, place, way) in PLACES {
+        let text = answer(place, way, "zz9", "1");
+        assert!(text.contains("unknown key `zz9`"), "{place}: {text}");
+        let keys = known(&text);
+        assert_eq!(tables.entry(table.to_string()).or_insert(keys.clone()), &keys, "{place}");
+    }
+    tables
+}
+
+#[test]
+fn the_scene_document_has_the_keys_that_the_reader_accepts() {
+    assert_eq!(said(&[]), "", "the base scene must be right but for what is asked");
+    let (described, accepted) = (described(), accepted());
+    let sorted = |table: &BTreeMap<String, Row>| table.keys().cloned().collect::<BTreeSet<_>>();
+    for (table, keys) in &accepted {
+        let in_document = described.get(table).map(sorted).unwrap_or_default();
+        let missing: Vec<_> = keys.difference(&in_document).collect();
+        let invented: Vec<_> = in_document.difference(keys).collect();
+        assert!(missing.is_empty(), "docs/scene.md, `{table}`: the reader accepts {missing:?}");
+        assert!(invented.is_empty(), "docs/scene.md, `{table}`: the reader does not know {invented:?}");
+    }
+    let headings: BTreeSet<_> = described.keys().collect();
+    assert_eq!(headings, accepted.keys().collect(), "tables described and tables that can be asked");
+    // The tables at the top.
+    let text = said(&["zz9=1"]);
+    let top: BTreeSet<String> = known(&text);
+    let mut heads: BTreeSet<String> =
+        headings.iter().map(|table| table.split('.').next().unwrap().to_string()).collect();
+    heads.insert("title".into());
+    // A table may have a document of its own, which is named.
+    let text = text_of(&root().join("docs/scene.md"));
+    heads.extend(top.iter().filter(|table| text.contains(&format!("`docs/{table}.md`"))).cloned());
+    assert_eq!(heads, top);
+}
+
+/// Every key is asked with a table, a list of tables, and a word. So no table inside another is left out of the document,
+/// and neither is a word that may be chosen.
+#[test]
+fn the_scene_document_has_the_tables_and_words_that_the_reader_accepts() {
+    let described = described();
+    for (table, keys) in &described {
+        for (key, row) in keys {
+            let places = || PLACES.iter().filter(|(name, ..)| name == table);
+            let asked = |value: &str| -> Vec<String> {
+                places().map(|(_, place, way)| answer(place, way, key, value)).collect()
+            };
+            let [one, list, three] =
+                ["{ zz9 = 1 }", "[{ zz9 = 1 }]", "[{ zz9 = 1 }, { zz9 = 1 }, { zz9 = 1 }]"].map(asked);
+            let list = [list, three].concat(); // some lists are as long as others
+            let has_keys = |answers: &[String]| answers.iter().any(|text| text.contains("unknown key `zz9`"));
+            let refused = |answers: &[String]| answers.iter().any(|text| text.contains(" must be "));
+            let is_table = has_keys(&one) || has_keys(&list);
+            assert!(is_table || (refused(&one) && refused(&list)), "{table}.{key} cannot be asked: {one:#?} {list:#?}");
+            assert_eq!(is_table, row.is_table, "{table}.{key} has a table for its value");
+            let inner = format!("{table}.{key}");
+            assert!(!is_table || described.contains_key(&inner), "docs/scene.md has no section `{inner}`");
+            if is_table {
+                continue;
+            }
+            let words = asked("\"zz9\"");
+            let choices = words.iter().find(|text| text.contains("cannot be \"zz9\"")).map(|text| known(text));
+            assert_eq!(row.words, choices.unwrap_or_default(), "words of {table}.{key}");
+        }
+    }
+}
+
+/// What must be given: without it the reader says that the table has none.
+#[test]
+fn the_scene_document_marks_what_must_be_given() {
+    /// Tables that are right, in the places where they are read; of keys of which one must be given the one that the
+    /// reader asks for.
+    const RIGHT: &[(&str, &str, &str)] = &[
+        ("body.NAME", "body.m", "mesh = 'm.msh', material = 'e'"),
+        ("body.NAME.block", "body.b.block", "box = { size = [1, 1, 1] }, elements = [1, 1, 1]"),
+        ("body.NAME.block.box", "body.b.block.box", "size = [1, 1, 1]"),
+        ("body.NAME.block.sector", "body.b.block.sector", "radii = [1, 2], angles = [0, 90], length = 1"),
+        (
+            "material.NAME",
+            "material.h",
+            "model = 'hill', young = 1, poisson = 0.3, yield_stress = 1, hill = { f = 1, g = 1, h = 1, n = 1 }",
+        ),
+        ("material.NAME.hardening.swift", "material.h.hardening.swift", "k = 1, n = 1"),
+        ("material.NAME.hardening.voce", "material.h.hardening.voce", "saturation = 2, rate = 1"),
+        ("material.NAME.hill", "material.h.hill", "f = 1, g = 1, h = 1, n = 1"),
+        ("tool.NAME.plane", "tool.t.plane", "point = [0, 0, 0], normal = [0, 0, 1]"),
+        ("tool.NAME.cylinder", "tool.t.cylinder", "point = [0, 0, 0], axis = [0, 0, 1], radius = 1"),
+        ("tool.NAME.cone", "tool.t.cone", "apex = [0, 0, 0], axis = [0, 0, 1], angle = 1"),
+        ("tool.NAME.sphere", "tool.t.sphere", "center = [0, 0, 0], radius = 1"),
+        ("tool.NAME.torus", "tool.t.torus", "center = [0, 0, 0], axis = [0, 0, 1], radius = 2, tube = 1"),
+        ("tool.NAME.profile", "tool.t.profile", "points = [[0, 1], [0, 0], [1, 0]]"),
+        ("tool.NAME.profile.revolve", "tool.t.profile.revolve", "point = [0, 0, 0], axis = [0, 0, 1]"),
+        ("tool.NAME.symmetry", "tool.t.symmetry.0", "point = [0, 0, 0], normal = [0, 0, 1]"),
+        ("contact.NAME", "contact.t", "slave = 'b.a', master = 't'"),
+        ("step", "step.0", "increments = 1"),
+        ("step.fix", "step.s.fix.0", "set = 'b'"),
+        ("step.move", "step.s.move.0", "target = 't', by = [0, 0, 0]"),
+        ("step.move.rotate", "step.s.move.0.rotate", "point = [0, 0, 0], axis = [0, 0, 1], angle = 1"),
+        ("step.force", "step.s.force.0", "target = 't', total = [0, 0, 0], directions = 'x'"),
+        ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
+        ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
+    ];
+    // Keys in the place of others.
+    let instead = BTreeMap::from([("block", "mesh"), ("sector", "box"), ("increment", "increments")]);
+    for (table, keys) in described() {
+        let marked: BTreeSet<&str> = keys.iter().filter(|(_, row)| row.must).map(|(key, _)| key.as_str()).collect();
+        let Some((_, place, entries)) = RIGHT.iter().find(|(name, ..)| *name == table) else {
+            assert!(marked.is_empty(), "{table} has {marked:?}: no right table of it is known here");
+            continue;
+        };
+        let (.., way) = PLACES.iter().find(|(name, ..)| *name == table).unwrap();
+        let all = entries_of(entries);
+        for (left_out, _) in &all {
+            let kept: Vec<String> =
+                all.iter().filter(|(key, _)| key != left_out).map(|(key, value)| format!("{key} = {value}")).collect();
+            let text = said(&[*way, &[format!("{place}={{ {} }}", kept.join(", ")).as_str()]].concat());
+            let missed = [" has no ", "must have one of", "does not say how"].iter().any(|word| text.contains(word));
+            let of_one = table == "step.move" && left_out == "by";
+            assert_eq!(missed, marked.contains(left_out.as_str()) || of_one, "{table}.{left_out}: {text}");
+        }
+        let given: BTreeSet<&str> = all.iter().map(|(key, _)| key.as_str()).collect();
+        let lonely: Vec<_> = marked.iter().filter(|key| !given.contains(instead.get(*key).unwrap_or(key))).collect();
+        assert!(lonely.is_empty(), "{table} does not miss {lonely:?}");
+    }
+}
+
+/// The entries of the inside of an inline table.
+fn entries_of(text: &str) -> Vec<(String, String)> {
+    let table: toml::Table = format!("all = {{ {text} }}").parse().unwrap();
+    let all = table["all"].as_table().unwrap();
+    all.iter().map(|(key, value)| (key.clone(), value.to_string())).collect()
+}
+
+#[test]
+fn links_of_the_documents_point_to_what_exists() {
+    let (mut count, mut stale) = (0, Vec::new());
+    for document in documents() {
+        let text = text_of(&root().join(&document));
+        let folder = root().join(&document).parent().unwrap().to_path_buf();
+        for target in links(&text).into_iter().filter(|target| !target.contains("://")) {
+            count += 1;
+            let (path, anchor) = target.split_once('#').unwrap_or((target, ""));
+            let file = if path.is_empty() { root().join(&document) } else { folder.join(path) };
+            if !file.exists() || (!anchor.is_empty() && !anchors(&text_of(&file)).contains(anchor)) {
+                stale.push(format!("{}: {target}", document.display()));
+            }
+        }
+        assert_eq!(text.lines().filter(|line| line.starts_with("```")).count() % 2, 0, "{}", document.display());
+    }
+    assert!(stale.is_empty(), "links that point to nothing: {stale:#?}");
+    assert!(count > 100, "{count} links");
+}
+
+/// The targets of the links and pictures of a text, outside of its code blocks.
+fn links(text: &str) -> Vec<&str> {
+    let (mut found, mut in_code) = (Vec::new(), false);
+    for line in text.lines() {
+        in_code ^= line.starts_with("```");
+        if in_code || line.starts_with("    ") {
+            continue;
+        }
+        found.extend(line.split("](").skip(1).filter_map(|rest| rest.split(')').next()));
+    }
+    found
+}
+
+/// What the headings of a text are linked by.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let letter = |c: char| match c {
+        ' ' => Some('-'),
+        _ if c.is_alphanumeric() || "-_".contains(c) => Some(c.to_ascii_lowercase()),
+        _ => None,
+    };
+    let mut in_code = false;
+    let mut heading = |line: &&str| {
+        in_code ^= line.starts_with("```");
+        !in_code && line.starts_with('#')
+    };
+    text.lines()
+        .filter(|line| heading(line))
+        .map(|line| line.trim_start_matches('#').trim().chars().filter_map(letter).collect())
+        .collect()
+}
+
+/// All pictures are shown somewhere.
+#[test]
+fn pictures_of_the_documents_are_shown() {
+    let documents = documents();
+    let mut shown = BTreeSet::new();
+    for document in &documents {
+        let folder = root().join(document).parent().unwrap().to_path_buf();
+        let text = text_of(&root().join(document));
+        shown.extend(links(&text).iter().filter_map(|link| folder.join(link).canonicalize().ok()));
+    }
+    let folders: BTreeSet<PathBuf> = documents.iter().map(|d| root().join(d).parent().unwrap().to_path_buf()).collect();
+    for folder in folders.iter().filter(|folder| folder.starts_with(root().join("docs"))) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|end| end == "png") {
+                assert!(shown.contains(&path.canonicalize().unwrap()), "{} is shown nowhere", path.display());
+            }
+        }
+    }
+}
+
+/// What docs/trouble.md quotes stands in the sources, but for `...` and capital letters in the place of names and numbers.
+#[test]
+fn messages_of_the_documents_are_those_of_the_program() {
+    let mut sources = String::new();
+    let mut folders = vec![root().join("src"), root().join("ffi/src")];
+    while let Some(folder) = folders.pop() {
+        for path in fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "rs") {
+                sources += &text_of(&path);
+            }
+        }
+    }
+    // Strings that go on in the next line.
+    let pieces: Vec<&str> = sources.split("\\\n").collect();
+    let sources = pieces.iter().enumerate().map(|(k, piece)| if k == 0 { piece } else { piece.trim_start() });
+    let sources = sources.collect::<String>();
+    let (mut quotes, mut strange, mut is_quoted) = (0, Vec::new(), false);
+    let text = text_of(&root().join("docs/trouble.md"));
+    for line in text.lines() {
+        let first = line.split('|').nth(1).unwrap_or_default();
+        if matches!(first.trim(), "the log says" | "message" | "warning" | "") {
+            is_quoted = !first.is_empty();
+        }
+        for quote in first.split('`').skip(1).step_by(2).filter(|_| is_quoted) {
+            quotes += 1;
+            let place = |word: &&str| *word == "..." || word.len() == 1 && word.starts_with(|c: char| c.is_uppercase());
+            let words: Vec<&str> = quote.split(' ').collect();
+            let parts = words.split(|word| place(&word.trim_end_matches([',', ':']))).map(|part| part.join(" "));
+            strange.extend(parts.filter(|part| !sources.contains(part)).map(|part| format!("{quote}: {part}")));
+        }
+    }
+    assert!(strange.is_empty(), "docs/trouble.md quotes what no source has: {strange:#?}");
+    assert!(quotes > 60, "{quotes} quotes");
+}
+
+/// Whole scenes begin with their title. Those of the tutorial stand in files, and the documents show the same.
+#[test]
+fn scenes_of_the_documents_can_be_run() {
+    let scratch = tempfile::tempdir().unwrap();
+    let files: Vec<PathBuf> = fs::read_dir(root().join("docs/tutorial"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|end| end == "toml"))
+        .collect();
+    let texts: Vec<String> = files.iter().map(|path| text_of(path)).collect();
+    let mut scenes = files.clone();
+    for document in documents() {
+        let shown = text_of(&root().join(&document));
+        for (k, block) in shown.split("\n```toml\n").skip(1).enumerate() {
+            let block = format!("{}\n", block.split("\n```").next().unwrap());
+            if block.starts_with("title = ") && !texts.contains(&block) {
+                assert!(!document.ends_with("tutorial.md"), "no file of docs/tutorial/ is as shown:\n{block}");
+                let path = scratch.path().join(format!("{}-{k}.toml", document.file_stem().unwrap().display()));
+                fs::write(&path, block).unwrap();
+                scenes.push(path);
+            }
+        }
+    }
+    assert!(scenes.len() > files.len() && files.len() >= 4, "{scenes:?}");
+    for scene in &scenes {
+        let run = nagata(root(), 1, &["check", scene.to_str().unwrap()], scratch.path().into());
+        assert_eq!(run.code, 0, "{}: {}", scene.display(), run.stderr);
+        assert!(run.stdout.contains("dofs"), "{}", run.stdout);
+    }
+}
