@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -16,14 +15,23 @@ NAGATA = BUILT / "nagata"
 IN_MPI_ENVIRONMENT = '. "$0"; mpi_environment; unset OPENBLAS_CORETYPE; exec "$@"'
 
 
-class Process:
-    """A command that is run to its end, with its exit code, wall time and CPU time."""
+LIMIT = 124  # exit code of a process that has reached its limit
 
-    def __init__(self, command, **options):
-        before, start = cpu_of_children(), time.monotonic()
-        self.done = subprocess.run([str(word) for word in command], check=False, **options)
-        self.code = self.done.returncode
-        self.wall, self.cpu = time.monotonic() - start, cpu_of_children() - before
+
+class Process:
+    """A command that is run to its end, or for so many seconds: exit code, wall and CPU time in seconds, the memory of
+    its largest process in MB."""
+
+    def __init__(self, command, limit=None, environment=None, **options):
+        command = ["timeout", "--foreground", limit, *command] if limit else command
+        start = time.monotonic()
+        # The one who waits learns what a process and its children have used.
+        options["env"] = {**os.environ, **(environment or {})}
+        process = subprocess.Popen([str(word) for word in command], **options)
+        _, status, usage = os.wait4(process.pid, 0)
+        self.wall, self.cpu = time.monotonic() - start, usage.ru_utime + usage.ru_stime
+        self.code = process.returncode = os.waitstatus_to_exitcode(status)
+        self.peak = usage.ru_maxrss / 1024
 
 
 class Run(Process):
@@ -49,12 +57,6 @@ class Run(Process):
 def on_ranks(ranks, *command):
     """A command on so many MPI ranks."""
     return ["bash", "-c", IN_MPI_ENVIRONMENT, LIBRARY, "mpirun", "--quiet", "-n", ranks, *command]
-
-
-def cpu_of_children():
-    """CPU seconds, user and system, of all processes that were waited for: mpirun and through it all ranks."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
 
 
 def setup():
