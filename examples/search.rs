@@ -1,6 +1,6 @@
 //! What the search for contact costs: `mpirun -n RANKS search nagata|facet N...` for wavy surfaces of N x N patches that
-//! move with their nodes, and as many slave nodes above them, as CSV; `scripts/study-search` makes tables of it. Ranks own
-//! strips of the surface, and the slave nodes above those of other ranks: none has what it needs.
+//! move with their nodes, and as many slave nodes above them, as CSV; `scripts/studies/search.py` makes tables of it. Ranks
+//! own strips of the surface, and the slave nodes above those of other ranks: none has what it needs.
 
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;

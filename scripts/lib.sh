@@ -2,9 +2,18 @@
 # shellcheck shell=bash
 
 # shellcheck disable=SC2034 # for the scripts that source this
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+{
+    root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+    target=$(cd "$root" && realpath -m "${CARGO_TARGET_DIR:-target}")
+    nagata=$target/release/nagata
+    ruff_folder=$target/ruff
+}
 
-say() { echo "scripts/${0##*/}: $*" >&2; }
+say() {
+    local script
+    script=$(realpath -- "$0")
+    echo "${script#"$root"/}: $*" >&2
+}
 
 # Prints the comment block under the first line of the calling script: its usage.
 usage() { awk 'NR > 1 && !/^#/ { exit } NR > 1 { sub(/^# ?/, ""); print }' "$0"; }

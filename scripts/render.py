@@ -16,12 +16,14 @@ KINDS = ("body", "contact", "tool")  # the part of a grid's name before the firs
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/render")
     parser.add_argument("results")
-    parser.add_argument("png")
+    parser.add_argument("--out")
     parser.add_argument("--field", default="displacement")
     parser.add_argument("--time", type=float, nargs="+", default=[None])
     parser.add_argument("--view", choices=("xy", "xz", "yz", "iso"))
     parser.add_argument("--zoom", type=float, default=1.0)
-    return parser.parse_args()
+    args = parser.parse_args()
+    args.out = args.out or os.path.normpath(args.results) + ".png"
+    return args
 
 
 def read(results, time):
@@ -227,7 +229,7 @@ def main():
         place = 2 * place + 2
         draw(view, size, sources, time, args)
     picture = [size[0] * len(sources), size[1]]
-    simple.SaveScreenshot(args.png, layout, ImageResolution=picture, SeparatorWidth=0, CompressionLevel=9)
+    simple.SaveScreenshot(args.out, layout, ImageResolution=picture, SeparatorWidth=0, CompressionLevel=9)
 
 
 main()

@@ -78,7 +78,7 @@ fn check_balance_and_cone(run: &Run, contact: &str, outside: &str, nodes: &[Node
     assert!(nodes.iter().all(|n| n.lean < 0.4 * (1.0 + 1e-8)));
 }
 
-/// `scripts/disk-in-plate-theory`, friction 0.4, Poisson's ratio 0.3, plate fixed at ten radii: degrees, p R/Q, s R/Q
+/// `scripts/studies/disk-theory.py`, friction 0.4, Poisson's ratio 0.3, plate fixed at ten radii: degrees, p R/Q, s R/Q
 /// when the contact reaches to 60 degrees; s is largest at 41.5 degrees.
 const THEORY: [(f64, f64, f64); 12] = [
     (0.0, 0.6146, 0.0),

@@ -23,7 +23,7 @@ fn push(scene: &str, ranks: usize, increments: usize, more: &[&str]) -> Run {
     bench(scene).solve(ranks, &[&set, more].concat())
 }
 
-/// Radius of the bore as `scripts/make-extrusion` has it.
+/// Radius of the bore as `scripts/meshes/extrusion.py` has it.
 fn bore(x: f64) -> f64 {
     let beyond = (x - LENGTH).max(0.0);
     RADIUS - 0.035 * if beyond < 20.0 { beyond * beyond / 40.0 } else { beyond - 10.0 }

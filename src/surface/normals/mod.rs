@@ -5,7 +5,7 @@
 //!    its corners, (52). The default [`Weight::Sine`] is exact on spheres however irregular the mesh, and on cylinders
 //!    and bodies of revolution when their facets follow the lines of curvature, however unequal. On general surfaces
 //!    all weights have errors of the same order, 2 on regular meshes and 1 on irregular ones; in the mean over the surfaces
-//!    of `scripts/study-normals` those of the default are the least: the RMS error of the normals is 1.2 times that of
+//!    of `scripts/studies/normals.py` those of the default are the least: the RMS error of the normals is 1.2 times that of
 //!    the best weight for each mesh (`edge` 1.3, `angle` and `root-edge` 1.5, others 1.7 to 2.2), and the largest error
 //!    of shape of the patches 1.3 times (others 2.4 to 5). A fan that is open takes the normals of whole facets, which
 //!    are less one-sided than those of their corners.
