@@ -1,9 +1,10 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3 -B
 """Half and twice of each control (src/controls.rs), over short forms of the scenes in inputs/, as a table in Markdown.
 
 A control is tried in the scenes in which it is used. Forces are all in history.csv, at the last time and the largest of
 each column, relative to the largest force of all; iterations, cuts and failures are sums over these scenes. A change of
-the forces above 1e-6 at the same times is one of the result; with other increments, what depends on the path changes. `--extremes` also runs the quick cases of tests/extremes with each control.
+the forces above 1e-6 at the same times is one of the result; with other increments, what depends on the path changes.
+`--extremes` also runs the quick cases of tests/extremes with each control.
 
     scripts/studies/controls.py [--only NAME ...] [--scenes NAME ...] [--factors 0.5 2] [--jobs 2] [--extremes]
                                 [--out FILE] [--doc docs/controls.md]
@@ -22,6 +23,9 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
+               "SCOTCH_PTHREAD_NUMBER": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
+               "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
 # A block is drawn over the edge of a table, from which its nodes go at once.
 EDGE = """
@@ -113,7 +117,8 @@ USED = [
     ("watch_turn", "turning"), ("watch_*", "at-once sharp turning"), ("end_*", "kinks"),
     ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),
     ("extrapolate*", "plain faceted sharp plastic self"), ("augmentation", "plain sharp self driven lagrange"),
-    ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"), ("*", "at-once sharp self plastic faceted"),
+    ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"),
+    ("*", "at-once sharp self plastic faceted"),
 ]
 
 
@@ -193,26 +198,24 @@ def number(value):
     return f"{value:g}"
 
 
-def main():
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", nargs="+", help="names of controls, or patterns")
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--factors", nargs="+", type=float, default=[0.5, 2.0])
-    parser.add_argument("--jobs", type=int, default=1)
-    parser.add_argument("--extremes", action="store_true")
+    parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
+    parser.add_argument("--extremes", action="store_true", help="also the quick cases of tests/extremes")
     parser.add_argument("--binary", default=str(ROOT / "target/release/nagata"))
     parser.add_argument("--out", type=Path, help="also write the table here")
-    parser.add_argument("--doc", type=Path, help="write the documentation of the controls here, with the table's columns")
+    parser.add_argument("--doc", type=Path, help="write the tables of docs/controls.md here")
     parser.add_argument("--results", type=Path, help="keep the results here, and go on from them")
-    args = parser.parse_args()
-    for key, value in {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OPENBLAS_NUM_THREADS": "1",
-                       "SCOTCH_PTHREAD_NUMBER": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
-                       "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}.items():
-        os.environ.setdefault(key, value)
-    known = json.loads(args.results.read_text()) if args.results and args.results.exists() else {}
+    return parser.parse_args()
+
+
+def settings(args):
+    """Names of controls with the values to try."""
     tried = []
-    for control in controls():
-        _, name, _, default, (low, high), is_integer, _ = control
+    for _, name, _, default, (low, high), is_integer, _ in controls():
         if args.only and not any(fnmatch.fnmatch(name, pattern) for pattern in args.only):
             continue
         for factor in args.factors:
@@ -221,10 +224,15 @@ def main():
             value = min(max(value, low), high)
             if value != default and (name, value) not in tried:
                 tried.append((name, value))
+    return tried
+
+
+def run_all(args, tried):
+    """The outcome of each scene with each setting."""
+    known = json.loads(args.results.read_text()) if args.results and args.results.exists() else {}
     jobs = [(scene, []) for scene in args.scenes]
     for name, value in tried:
-        entry = f"controls.{name}={value!r}"
-        jobs += [(scene, [entry]) for scene in used_in(name, args.scenes)]
+        jobs += [(scene, [entry_of(name, value)]) for scene in used_in(name, args.scenes)]
 
     def result(job):
         key = " ".join([job[0], *job[1]])
@@ -234,29 +242,47 @@ def main():
                 args.results.write_text(json.dumps(dict(known)))
         return key, known[key]
 
+    done = {}
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
-        done = {}
         for k, (key, outcome) in enumerate(pool.map(result, jobs)):
             done[key] = outcome
-            print(f"{k + 1}/{len(jobs)} {key}: {outcome[0]}, {outcome[2]} iterations, {outcome[3]} cuts", file=sys.stderr)
+            print(f"{k + 1}/{len(jobs)} {key}: {outcome[0]}, {outcome[2]} iterations", file=sys.stderr)
+    return done
+
+
+def entry_of(name, value):
+    return f"controls.{name}={value!r}"
+
+
+def row_of(entry, value, scenes, done):
+    """Changes by a setting, as cells."""
+    pairs = [(s, done[s], done[f"{s} {entry}"]) for s in scenes]
+    converged = [(s, a, b) for s, a, b in pairs if a[0] == b[0] == 0]
+    both = [(difference(a[1], b[1]), s) for s, a, b in converged]
+    worst, where = max(both, default=(0.0, ""))
+    # Other increments are another discretization in time.
+    alike = [change for change, (_, a, b) in zip(both, converged) if list(a[4]) == list(b[4])]
+    same = max(alike, default=(0.0, ""))
+    more = [sum(b[k] - a[k] for _, a, b in pairs) for k in (2, 3)]
+    total = sum(a[2] for _, a, _ in pairs)
+    failed = sum(b[0] != 0 for _, _, b in pairs) - sum(a[0] != 0 for _, a, _ in pairs)
+    word = lambda change: f"{figure(change[0])} {change[1]}" if change[0] > 1e-9 else figure(change[0])
+    return [number(value), word(same), word((worst, where)) if worst > same[0] and worst > 1e-9 else "",
+            f"{100.0 * more[0] / total:+.0f} %" if more[0] else "0", f"{more[1]:+d}" if more[1] else "0",
+            f"{failed:+d}" if failed else "0"]
+
+
+def main():
+    args = arguments()
+    for key, value in ENVIRONMENT.items():
+        os.environ.setdefault(key, value)
+    tried = settings(args)
+    done = run_all(args, tried)
     bad = extremes([]) if args.extremes else 0
     table = {}
     for name, value in tried:
-        entry = f"controls.{name}={value!r}"
-        scenes = used_in(name, args.scenes)
-        pairs = [(s, done[s], done[f"{s} {entry}"]) for s in scenes]
-        converged = [(s, a, b) for s, a, b in pairs if a[0] == b[0] == 0]
-        both = [(difference(a[1], b[1]), s) for s, a, b in converged]
-        worst, where = max(both, default=(0.0, ""))
-        # Other increments are another discretization in time.
-        same = max(((d, s) for (d, s), (_, a, b) in zip(both, converged) if list(a[4]) == list(b[4])), default=(0.0, ""))
-        more = [sum(b[k] - a[k] for _, a, b in pairs) for k in (2, 3)]
-        total = sum(a[2] for _, a, _ in pairs)
-        failed = sum(b[0] != 0 for _, _, b in pairs) - sum(a[0] != 0 for _, a, _ in pairs)
-        word = lambda change: f"{figure(change[0])} {change[1]}" if change[0] > 1e-9 else figure(change[0])
-        row = [number(value), word(same), word((worst, where)) if worst > same[0] and worst > 1e-9 else "",
-               f"{100.0 * more[0] / total:+.0f} %" if more[0] else "0", f"{more[1]:+d}" if more[1] else "0",
-               f"{failed:+d}" if failed else "0"]
+        entry = entry_of(name, value)
+        row = row_of(entry, value, used_in(name, args.scenes), done)
         if args.extremes:
             worse = extremes([entry]) - bad
             row.append(f"{worse:+d}" if worse else "0")
@@ -282,8 +308,8 @@ def document(path, table):
         if group != last:
             last = group
             lines += ["", f"## {group}", "",
-                      "| control | default | in | reason | tried | change of forces | with other increments | iterations | cuts "
-                      "| failures |", "|---" * 10 + "|"]
+                      "| control | default | in | reason | tried | change of forces | with other increments "
+                      "| iterations | cuts | failures |", "|---" * 10 + "|"]
         rows = table.get(name, [])
         cells = ["<br>".join(row[k] for row in rows) for k in range(6)]
         lines.append("| " + " | ".join([f"`{name}`", number(default), unit, reason, *cells]) + " |")

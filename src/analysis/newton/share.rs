@@ -65,9 +65,15 @@ impl Newton<'_> {
     fn trial_changes(&mut self, x: &[f64], step: &[f64], r: f64, trials: &[Trial]) -> f64 {
         self.try_step(x, step, r, trials);
         let mut counts = [0.0; 2];
-        for slave in self.slaves() {
-            counts[0] += 1.0;
-            counts[1] += f64::from((slave.committed.status == Status::Gap) != (slave.trial.status == Status::Gap));
+        for pair in &self.model.pairs {
+            let none = self.model.controls.touching_gap * pair.facet_size;
+            for slave in &pair.slaves {
+                let [apart, now_apart] = [slave.committed.status, slave.trial.status].map(|s| s == Status::Gap);
+                // What stands on the master without a force, as bodies that are meshed to touch, touches already.
+                let stands = apart && slave.accepted.projection.is_some_and(|p| p.gap <= none);
+                counts[0] += 1.0;
+                counts[1] += f64::from(apart != now_apart && !stands);
+            }
         }
         sum(self.comm, &mut counts);
         if counts[1] > 1.0 { counts[1] / counts[0] } else { 0.0 }
