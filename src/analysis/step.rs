@@ -3,7 +3,7 @@
 use super::conditions::Conditions;
 use super::increments::Increments;
 use super::ladder::{Ladder, Way, Yields};
-use super::newton::{Newton, Round, Share, Start};
+use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
 use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, describe, ending};
 use crate::contact::{Manner, Master, Pair, Status, follow_all, watch_all};
@@ -329,8 +329,6 @@ impl<'a> Simulation<'a> {
             yields: frame.progress.ladder.yields(),
         };
         let start = Start {
-            start_poses: &frame.progress.poses,
-            committed: &self.state.u,
             offsets: &frame.progress.offsets,
             s: end,
             share,
@@ -342,15 +340,17 @@ impl<'a> Simulation<'a> {
             floors: &self.floors,
         };
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
-        let mut newton = Newton::new(
-            self.comm,
-            &mut self.model,
-            &frame.dofs,
-            &mut frame.pattern,
-            &frame.progress.conditions,
-            &self.phases,
-            (&start, &mut watcher),
-        );
+        let system = System {
+            comm: self.comm,
+            model: &mut self.model,
+            dofs: &frame.dofs,
+            pattern: &mut frame.pattern,
+            conditions: &frame.progress.conditions,
+            phases: &self.phases,
+            start_poses: &frame.progress.poses,
+            committed: &self.state.u,
+        };
+        let mut newton = Newton::new(system, (&start, &mut watcher));
         newton.set_drag(drag);
         match trial {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
@@ -359,16 +359,16 @@ impl<'a> Simulation<'a> {
         let attempt = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
-            if let Some(error) = newton.stopped.take() {
+            if let Some(error) = newton.course.stopped.take() {
                 return Err(error);
             }
             let at = (name.as_str(), self.state.time);
-            if let Some(error) = ending::at_once(self.comm, at, newton.interrupted, &outcome.reason) {
+            if let Some(error) = ending::at_once(self.comm, at, newton.course.interrupted, &outcome.reason) {
                 return Err(error);
             }
             if outcome.reason != Reason::Converged {
                 let reason = told(&outcome.reason, max_iterations);
-                let cause = cause(&outcome.reason, newton.trace.len() <= 1, controls.singular_residual);
+                let cause = cause(&outcome.reason, newton.course.trace.len() <= 1, controls.singular_residual);
                 break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
@@ -395,8 +395,8 @@ impl<'a> Simulation<'a> {
                 }
             }
         };
-        self.summary.outer_iterations += newton.rounds.count;
-        self.summary.pattern_rebuilds += newton.rebuilds;
+        self.summary.outer_iterations += newton.course.rounds.count;
+        self.summary.pattern_rebuilds += newton.course.rebuilds;
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
@@ -557,29 +557,29 @@ impl<'a> Simulation<'a> {
 fn converged(newton: &Newton, x: &[f64]) -> Converged {
     Converged {
         end: newton.s,
-        u: newton.u.clone(),
-        forces: newton.forces.clone(),
-        tool_forces: newton.tool_forces.clone(),
-        offsets: newton.offsets.clone(),
+        u: newton.found.u.clone(),
+        forces: newton.found.forces.clone(),
+        tool_forces: newton.found.tool_forces.clone(),
+        offsets: newton.found.offsets.clone(),
         multipliers: newton.multipliers(x),
-        seen: newton.balance.accepted(),
+        seen: newton.found.balance.accepted(),
         limits: newton.limits(),
-        limit: newton.balance.limit_of_all(newton.tolerance),
-        trace: newton.trace.clone(),
-        changes: newton.changes.clone(),
-        calmed: newton.calmed.clone(),
-        rounds: newton.rounds.count + newton.rounds.tightened,
+        limit: newton.limit(),
+        trace: newton.course.trace.clone(),
+        changes: newton.course.changes.clone(),
+        calmed: newton.course.calmed.clone(),
+        rounds: newton.course.rounds.count + newton.course.rounds.tightened,
     }
 }
 
 /// What is told of an iterate that is no solution.
 fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> Failed {
-    let (trace, changes) = (newton.trace.clone(), newton.changes.clone());
+    let (trace, changes) = (newton.course.trace.clone(), newton.course.changes.clone());
     let (cause, reason) = match newton.unresolved(false) {
         Some(lost) => (Cause::Rounding, lost),
         None => (cause, reason),
     };
-    Failed { end: newton.s, cause, reason, extrapolated, worst: Some(newton.worst), trace, changes }
+    Failed { end: newton.s, cause, reason, extrapolated, worst: Some(newton.found.worst), trace, changes }
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what

@@ -17,6 +17,25 @@ use mpi::topology::SimpleCommunicator;
 /// Decrease of the squared residual over that of its tangent (Dennis and Schnabel, algorithm A6.3.1).
 const DECREASE: f64 = 1e-4;
 
+/// What is known of the steps so far.
+pub struct LineSearch {
+    /// Some body can flow.
+    pub(super) is_wanted: bool,
+    /// The iterate that the last step leads to, where it was tried.
+    pub(super) tried: Option<Tried>,
+    /// The square of the length of the residual, where it is wanted.
+    pub(super) squared_residual: f64,
+    /// That of the iterates so far, and below how many of the last the next must fall.
+    recent: Vec<f64>,
+    memory: usize,
+}
+
+impl LineSearch {
+    pub(super) fn new(is_wanted: bool, memory: usize) -> Self {
+        Self { is_wanted, tried: None, squared_residual: f64::INFINITY, recent: Vec::new(), memory }
+    }
+}
+
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
 pub struct Tried {
@@ -27,10 +46,10 @@ pub struct Tried {
 impl Newton<'_> {
     /// Part of `step` from `x` by which the residual falls below those of the last iterates. Collective.
     pub(super) fn backtrack(&mut self, x: &[f64], step: &[f64]) -> f64 {
-        let Controls { line_search_shortest, line_search_least, line_search_most, .. } = self.model.controls;
-        let start = self.squared_residual;
-        self.recent.push(start);
-        let highest = self.recent.iter().rev().take(self.memory).copied().fold(0.0, f64::max);
+        let Controls { line_search_shortest, line_search_least, line_search_most, .. } = self.system.model.controls;
+        let start = self.line_search.squared_residual;
+        self.line_search.recent.push(start);
+        let highest = self.line_search.recent.iter().rev().take(self.line_search.memory).copied().fold(0.0, f64::max);
         let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
         let mut factor = 1.0;
         let mut best = self.try_step(x, step, factor, &trials);
@@ -57,16 +76,20 @@ impl Newton<'_> {
         let mut tried = Tried { x: x.iter().zip(step).map(|(x, s)| x - factor * s).collect(), ..Tried::default() };
         tried.residual.resize(x.len(), 0.0);
         let sound = self.evaluate(&tried.x, &mut tried.residual);
-        let inverted = any(self.comm, !sound);
-        self.tried = (!inverted).then_some(tried);
-        if inverted || !self.squared_residual.is_finite() { f64::INFINITY } else { self.squared_residual }
+        let inverted = any(self.system.comm, !sound);
+        self.line_search.tried = (!inverted).then_some(tried);
+        if inverted || !self.line_search.squared_residual.is_finite() {
+            f64::INFINITY
+        } else {
+            self.line_search.squared_residual
+        }
     }
 
     /// The residual at `x`, if it was the last tried. Collective.
     pub(super) fn recall(&mut self, x: &[f64], r: &mut [f64]) -> bool {
-        let known =
-            any(self.comm, self.tried.is_some()) && !any(self.comm, self.tried.as_ref().is_none_or(|t| t.x != x));
-        if let Some(tried) = self.tried.take().filter(|_| known) {
+        let known = any(self.system.comm, self.line_search.tried.is_some())
+            && !any(self.system.comm, self.line_search.tried.as_ref().is_none_or(|t| t.x != x));
+        if let Some(tried) = self.line_search.tried.take().filter(|_| known) {
             r.copy_from_slice(&tried.residual);
         }
         known
@@ -74,12 +97,12 @@ impl Newton<'_> {
 
     /// Makes the state of contact what it was.
     pub(super) fn reset(&mut self, trials: &[Trial]) {
-        let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
+        let slaves = self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
         slaves.zip(trials).for_each(|(slave, trial)| slave.trial = *trial);
     }
 
     pub(super) fn slaves(&self) -> impl Iterator<Item = &Slave> {
-        self.model.pairs.iter().flat_map(|p| &p.slaves)
+        self.system.model.pairs.iter().flat_map(|p| &p.slaves)
     }
 }
 

@@ -156,23 +156,23 @@ impl Balance {
 impl Newton<'_> {
     /// Judges the residuals `r` of an iterate, and names the worst. Collective.
     pub(super) fn judge(&mut self, r: &[f64]) {
-        let bodies = self.model.bodies.len();
+        let bodies = self.system.model.bodies.len();
         for (k, value) in r.iter().enumerate() {
-            let group = self.balance.group_of[k] as usize;
-            if !(bodies..bodies + self.model.pairs.len()).contains(&group) {
-                self.balance.residual(group, value.abs());
+            let group = self.found.balance.group_of[k] as usize;
+            if !(bodies..bodies + self.system.model.pairs.len()).contains(&group) {
+                self.found.balance.residual(group, value.abs());
             }
         }
-        for n in 0..self.model.part.owned {
-            let own = &mut self.balance.groups[self.model.part.body[n] as usize];
-            own.far = own.far.max(self.u[n].amax());
+        for n in 0..self.system.model.part.owned {
+            let own = &mut self.found.balance.groups[self.system.model.part.body[n] as usize];
+            own.far = own.far.max(self.found.u[n].amax());
         }
-        for (p, pair) in self.model.pairs.iter().enumerate() {
+        for (p, pair) in self.system.model.pairs.iter().enumerate() {
             let group = bodies + p;
             for slave in &pair.slaves {
-                let x = self.model.part.points[slave.node as usize] + self.u[slave.node as usize];
-                self.balance.residual(group, violation(pair, slave));
-                let own = &mut self.balance.groups[group];
+                let x = self.system.model.part.points[slave.node as usize] + self.found.u[slave.node as usize];
+                self.found.balance.residual(group, violation(pair, slave));
+                let own = &mut self.found.balance.groups[group];
                 let penalty = if pair.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
                 let measure = if pair.method.holds_multipliers() { penalty } else { slave.measure() };
                 own.far = own.far.max(x.amax());
@@ -181,20 +181,20 @@ impl Newton<'_> {
         }
         self.share();
         self.set_limits();
-        let worst = r.iter().enumerate().map(|(k, value)| (k, self.balance.worth(k, *value)));
-        self.worst = worst.fold((0, 0.0), |worst, at| if at.1 > worst.1 { at } else { worst });
+        let worst = r.iter().enumerate().map(|(k, value)| (k, self.found.balance.worth(k, *value)));
+        self.found.worst = worst.fold((0, 0.0), |worst, at| if at.1 > worst.1 { at } else { worst });
     }
 
     /// Makes the groups those of all ranks. Collective.
     fn share(&mut self) {
-        let groups = &mut self.balance.groups;
+        let groups = &mut self.found.balance.groups;
         let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
         let one = |g: &Group| {
             let residual = if g.residual.is_nan() { f64::INFINITY } else { g.residual };
             [g.force, g.element, residual, g.far, g.penalty, g.measure, g.acts]
         };
         let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
-        max(self.comm, &mut flat);
+        max(self.system.comm, &mut flat);
         for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
             let residual = if broken { f64::INFINITY } else { all[2] };
             let [force, element, _, far, penalty, measure, acts] = all.try_into().unwrap_or_default();
@@ -204,76 +204,86 @@ impl Newton<'_> {
 
     /// What rounding leaves of a sum of products, over these.
     fn epsilon(&self) -> f64 {
-        self.model.controls.rounding * f64::EPSILON
+        self.system.model.controls.rounding * f64::EPSILON
     }
 
     /// What rounding leaves of the internal forces of a body, N.
     fn own_rounding(&self, body: usize) -> f64 {
-        self.epsilon() * self.model.bodies[body].stiffness * self.balance.groups[body].far.max(self.model.size)
+        self.epsilon()
+            * self.system.model.bodies[body].stiffness
+            * self.found.balance.groups[body].far.max(self.system.model.size)
     }
 
     /// What rounding leaves of the residuals of a group, N.
     pub(super) fn rounding(&self, group: usize) -> f64 {
-        let bodies = self.model.bodies.len();
-        let groups = &self.balance.groups;
+        let bodies = self.system.model.bodies.len();
+        let groups = &self.found.balance.groups;
         let of_pair = |p: usize| self.epsilon() * groups[bodies + p].penalty * groups[bodies + p].far;
-        let touches =
-            |p: &usize, b: usize| self.model.pairs[*p].body == b || self.model.pairs[*p].master_body == Some(b);
-        let pairs = 0..self.model.pairs.len();
+        let touches = |p: &usize, b: usize| {
+            self.system.model.pairs[*p].body == b || self.system.model.pairs[*p].master_body == Some(b)
+        };
+        let pairs = 0..self.system.model.pairs.len();
         if group < bodies {
             let body = self.own_rounding(group);
             let acts = |p: &usize| groups[bodies + p].acts > 0.0;
             return pairs.filter(|p| touches(p, group) && acts(p)).map(of_pair).fold(body, f64::max);
         }
-        if group < bodies + self.model.pairs.len() {
+        if group < bodies + self.system.model.pairs.len() {
             return self.epsilon() * groups[group].measure * groups[group].far;
         }
-        let tool = Master::Tool(group - bodies - self.model.pairs.len());
+        let tool = Master::Tool(group - bodies - self.system.model.pairs.len());
         pairs
-            .filter(|p| self.model.pairs[*p].master == tool)
-            .map(|p| self.rounding(self.model.pairs[p].body))
+            .filter(|p| self.system.model.pairs[*p].master == tool)
+            .map(|p| self.rounding(self.system.model.pairs[p].body))
             .fold(0.0, f64::max)
+    }
+
+    /// The largest residual that is let through, over the forces that it counts against.
+    pub fn limit(&self) -> f64 {
+        self.found.balance.limit_of_all(self.strategy.tolerance)
     }
 
     /// The residual that is let through at each contact, N.
     pub fn limits(&self) -> Vec<f64> {
-        let bodies = self.model.bodies.len();
-        (0..self.model.pairs.len()).map(|p| self.balance.limit(bodies + p, self.tolerance)).collect()
+        let bodies = self.system.model.bodies.len();
+        (0..self.system.model.pairs.len())
+            .map(|p| self.found.balance.limit(bodies + p, self.strategy.tolerance))
+            .collect()
     }
 
     fn set_limits(&mut self) {
         let capped = |g: usize| {
             let rounding = self.rounding(g);
             if self.is_strained(g) {
-                rounding.min(self.model.controls.rounding_cap * self.balance.actual(g))
+                rounding.min(self.system.model.controls.rounding_cap * self.found.balance.actual(g))
             } else {
                 rounding
             }
         };
-        self.balance.limits = (0..self.balance.groups.len()).map(capped).collect();
+        self.found.balance.limits = (0..self.found.balance.groups.len()).map(capped).collect();
     }
 
     /// Whether a group is a body that is strained under contacts or loads.
     fn is_strained(&self, group: usize) -> bool {
-        let is_body = group < self.model.bodies.len();
-        let Group { element, acts, .. } = self.balance.groups[group];
-        is_body && element > self.model.controls.strained * self.own_rounding(group) && acts > 0.0
+        let is_body = group < self.system.model.bodies.len();
+        let Group { element, acts, .. } = self.found.balance.groups[group];
+        is_body && element > self.system.model.controls.strained * self.own_rounding(group) && acts > 0.0
     }
 
     /// A body whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal forces
     /// of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
     pub fn unresolved(&self, converged: bool) -> Option<String> {
-        let mut sums: Vec<f64> = self.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
-        sum(self.comm, &mut sums);
+        let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
+        sum(self.system.comm, &mut sums);
         sums.chunks_exact(3).enumerate().filter(|(b, _)| self.is_strained(*b)).find_map(|(b, total)| {
-            let (forces, residual) = (self.balance.actual(b), self.balance.groups[b].residual);
+            let (forces, residual) = (self.found.balance.actual(b), self.found.balance.groups[b].residual);
             let rest = total.iter().fold(0.0f64, |most, t| most.max(t.abs()));
-            let rounds = residual > self.balance.limits[b] && residual <= self.rounding(b);
+            let rounds = residual > self.found.balance.limits[b] && residual <= self.rounding(b);
             let lost = if rounds { residual } else { rest };
-            (rounds || converged && rest > self.model.controls.rounding_cap * forces).then(|| {
+            (rounds || converged && rest > self.system.model.controls.rounding_cap * forces).then(|| {
                 format!(
                     "what rounding leaves of the forces of body `{}`, {lost:.1e}, is too much of the {forces:.1e} that act on it: {}",
-                    self.model.bodies[b].name,
+                    self.system.model.bodies[b].name,
                     if self.rounding(b) > self.own_rounding(b) {
                         "the `penalty` of its contact is too large"
                     } else {

@@ -14,18 +14,19 @@ impl Newton<'_> {
     /// Contact elements of the owned slave nodes: their status, forces and residuals; with prescribed displacements that are
     /// still `ahead`, as if they were done. Collective.
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
-        let mut on_tools = vec![0.0; 3 * self.model.tools.len()];
-        let mut nearest = vec![f64::NEG_INFINITY; self.model.tools.len()];
+        let mut on_tools = vec![0.0; 3 * self.system.model.tools.len()];
+        let mut nearest = vec![f64::NEG_INFINITY; self.system.model.tools.len()];
         let first = self.is_first();
-        let group = self.model.bodies.len();
-        let Model { part, tools, pairs, .. } = &mut *self.model;
-        let balance = &mut self.balance;
+        let group = self.system.model.bodies.len();
+        let Model { part, tools, pairs, .. } = &mut *self.system.model;
+        let balance = &mut self.found.balance;
         for (p, pair) in pairs.iter_mut().enumerate() {
             let Master::Tool(t) = pair.master else { continue };
             let tool = &tools[t];
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
                 let node = slave.node as usize;
-                let position = part.points[node] + self.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
+                let position =
+                    part.points[node] + self.found.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
                 let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
                 let projection = tool.project(&position, pair.reach, warm);
                 let gap = |x: &Vec3| tool.project(x, pair.reach, None).map(|p| p.gap);
@@ -34,14 +35,14 @@ impl Newton<'_> {
                 slave.trial.projection = projection;
                 let clearance = projection.map_or(pair.reach, |p| p.gap.max(0.0));
                 nearest[t] = nearest[t].max(-clearance);
-                let (equations, carried) = (self.dofs.multiplier[p][s], self.dofs.carried[p][s]);
+                let (equations, carried) = (self.system.dofs.multiplier[p][s], self.system.dofs.carried[p][s]);
                 if carried == [false; 3] {
                     slave.trial.status = Status::Gap;
                     continue;
                 }
                 let lambda =
-                    Vec3::from_fn(|d, _| self.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal));
-                let locked = self.conditions.locked(slave.node, t);
+                    Vec3::from_fn(|d, _| self.system.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal));
+                let locked = self.system.conditions.locked(slave.node, t);
                 let held = carried.map(|can| !can);
                 let guide = Guide { held, drawn: [0, 1, 2].map(|d| locked[d] && !held[d]) };
                 let felt = projection.filter(|p| guide.gives_way(&p.normal)).map(|p| element::framed(p, pair.tangent));
@@ -51,35 +52,35 @@ impl Newton<'_> {
                 let multiplier = slave.multiplier(pair.method, lambda, tool.trial.rotation * slave.held.carried, sigma);
                 let anchor = slave.slip_origin(&tool.trial);
                 let e = element::element(slave.law, &multiplier, felt.as_ref(), anchor, &guide);
-                self.elements[p][s] = Some(e);
+                self.found.elements[p][s] = Some(e);
                 slave.trial.update(&e.response);
                 let (force, residual) = (e.response.load, e.response.constraint);
                 if pair.method.holds_multipliers() {
                     slave.trial.sigma = sigma;
                     slave.trial.relative = position - tool.trial.translation;
                 }
-                self.forces[node] += force;
+                self.found.forces[node] += force;
                 balance.action(pair.body, force.amax());
                 balance.action(group + p, force.amax());
                 for d in 0..3 {
-                    if let Some(k) = self.dofs.local(equations[d]) {
+                    if let Some(k) = self.system.dofs.local(equations[d]) {
                         r[k] += residual[d];
                     }
                     on_tools[3 * t + d] += force[d];
                 }
             }
         }
-        sum(self.comm, &mut on_tools);
-        max(self.comm, &mut nearest);
-        self.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
-        let pairs = self.model.pairs.len();
-        for (t, force) in self.tool_forces.iter_mut().enumerate() {
+        sum(self.system.comm, &mut on_tools);
+        max(self.system.comm, &mut nearest);
+        self.found.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
+        let pairs = self.system.model.pairs.len();
+        for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
-            let driving = self.conditions.tool_forces[t].at(self.s);
+            let driving = self.system.conditions.tool_forces[t].at(self.s);
             for d in 0..3 {
-                if let Some(k) = self.dofs.local(self.dofs.tool[t][d]) {
+                if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
-                    self.balance.action(group + pairs + t, driving[d].abs().max(force[d].abs()));
+                    self.found.balance.action(group + pairs + t, driving[d].abs().max(force[d].abs()));
                 }
             }
         }
@@ -87,13 +88,13 @@ impl Newton<'_> {
     /// Tangents of the contact elements. A tool that moves by q is a slave node that moves by -q. Collective when a tool is
     /// driven by force.
     pub(super) fn add_contact_tangent(&mut self) {
-        let (dofs, pattern, values) = (self.dofs, &*self.pattern, &mut self.values);
+        let (dofs, pattern, values) = (self.system.dofs, &*self.system.pattern, &mut self.values);
         let mut to_tools: Vec<Entry> = Vec::new();
-        for (p, pair) in self.model.pairs.iter_mut().enumerate() {
+        for (p, pair) in self.system.model.pairs.iter_mut().enumerate() {
             let Master::Tool(t) = pair.master else { continue };
             let tool = &dofs.tool[t];
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
-                let Some(element) = &self.elements[p][s] else { continue };
+                let Some(element) = &self.found.elements[p][s] else { continue };
                 if pair.method.holds_multipliers() {
                     slave.local.learn(slave.trial.sigma, &element.response);
                     let by_slave = -element.response.inverse * element.constraint_position;
@@ -123,23 +124,25 @@ impl Newton<'_> {
     /// which its force drives it to the nearest slave node, and a little into it. Collective.
     fn add_tool_rows(&mut self, entries: &[Entry]) {
         let parcel = entries.iter().flat_map(|e| [e.row as f64, e.column as f64, e.value]).collect();
-        let gathered: Vec<f64> = exchange(self.comm, &Parcels::from([(0, parcel)])).into_values().flatten().collect();
-        let mut touched = vec![false; 3 * self.dofs.tool.len()];
-        let equations: Vec<i64> = self.dofs.tool.iter().flatten().copied().collect();
+        let gathered: Vec<f64> =
+            exchange(self.system.comm, &Parcels::from([(0, parcel)])).into_values().flatten().collect();
+        let mut touched = vec![false; 3 * self.system.dofs.tool.len()];
+        let equations: Vec<i64> = self.system.dofs.tool.iter().flatten().copied().collect();
         for entry in gathered.chunks_exact(3) {
             let (row, column) = (entry[0] as i64, entry[1] as i64);
-            if let Some(local) = self.dofs.local(row) {
-                self.pattern.add(&mut self.values, local, column, entry[2]);
+            if let Some(local) = self.system.dofs.local(row) {
+                self.system.pattern.add(&mut self.values, local, column, entry[2]);
                 if entry[2] != 0.0 {
                     touched[equations.iter().position(|&e| e == row).unwrap_or_default()] = true;
                 }
             }
         }
         for (k, &equation) in equations.iter().enumerate().filter(|(k, _)| !touched[*k]) {
-            if let Some(row) = self.dofs.local(equation) {
-                let (force, distance) = (self.conditions.tool_forces[k / 3].at(self.s).norm(), self.clearances[k / 3]);
-                let compliance = 1.0 / self.model.stiffness + if force > 0.0 { distance / force } else { 0.0 };
-                self.pattern.add(&mut self.values, row, equation, 1.0 / compliance);
+            if let Some(row) = self.system.dofs.local(equation) {
+                let (force, distance) =
+                    (self.system.conditions.tool_forces[k / 3].at(self.s).norm(), self.found.clearances[k / 3]);
+                let compliance = 1.0 / self.system.model.stiffness + if force > 0.0 { distance / force } else { 0.0 };
+                self.system.pattern.add(&mut self.values, row, equation, 1.0 / compliance);
             }
         }
     }
@@ -147,12 +150,12 @@ impl Newton<'_> {
     /// Reduces the friction penalty of nodes whose status or slip direction flips again and again: they overshoot the
     /// friction cone from one side to the other. The solution does not depend on the penalty, only the path to it.
     pub(super) fn calm(&mut self) {
-        let controls = self.model.controls;
-        for pair in &mut self.model.pairs {
+        let controls = self.system.model.controls;
+        for pair in &mut self.system.model.pairs {
             for slave in &mut pair.slaves {
                 if slave.trial.flips as usize >= controls.calm_flips && slave.calm(pair.method, &controls) {
                     slave.trial.flips = 0;
-                    self.calmed.push(slave.node);
+                    self.course.calmed.push(slave.node);
                 }
             }
         }
@@ -161,8 +164,8 @@ impl Newton<'_> {
     /// After convergence: a node that moved farther than the search reaches may have crossed the surface unseen, and one
     /// outside the region that was fetched may miss a patch. Widens the search and says whether it had to. Collective.
     pub fn widen_search(&mut self) -> bool {
-        let Model { part, tools, pairs, .. } = &mut *self.model;
-        let place = |n: u32| part.points[n as usize] + self.u[n as usize];
+        let Model { part, tools, pairs, .. } = &mut *self.system.model;
+        let place = |n: u32| part.points[n as usize] + self.found.u[n as usize];
         let mut lost = false;
         for pair in pairs.iter_mut() {
             let Master::Tool(t) = pair.master else { continue };
@@ -172,13 +175,13 @@ impl Newton<'_> {
                 let here = tool.trial.inward(&place(slave.node));
                 longest[0] = longest[0].max(slave.committed.place.map_or(0.0, |from| (here - from).norm()));
             }
-            max(self.comm, &mut longest);
+            max(self.system.comm, &mut longest);
             if longest[0] > pair.reach {
                 pair.reach = pair.controls.reach_farther * longest[0];
                 lost = true;
             }
         }
-        lost |= watch_all(self.comm, tools, pairs, place);
+        lost |= watch_all(self.system.comm, tools, pairs, place);
         let widen = self.widen_deformable_search() || lost;
         if widen {
             self.judge_again();
@@ -190,8 +193,8 @@ impl Newton<'_> {
 impl Newton<'_> {
     /// The next solve judges this iterate again.
     pub(super) fn judge_again(&mut self) {
-        self.trace.pop();
-        self.changes.pop();
+        self.course.trace.pop();
+        self.course.changes.pop();
     }
 }
 

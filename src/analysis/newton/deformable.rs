@@ -75,14 +75,14 @@ impl Workspace {
 impl Newton<'_> {
     /// Contact elements of slave nodes on deformable masters, as [`Newton::add_contact`] for those on tools. Collective.
     pub(super) fn add_deformable(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
-        if self.model.surfaces.is_empty() {
+        if self.system.model.surfaces.is_empty() {
             return;
         }
         self.follow(ahead);
         let first = self.is_first();
-        let group = self.model.bodies.len();
-        let balance = &mut self.balance;
-        let Model { part, surfaces, pairs, .. } = &mut *self.model;
+        let group = self.system.model.bodies.len();
+        let balance = &mut self.found.balance;
+        let Model { part, surfaces, pairs, .. } = &mut *self.system.model;
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         for p in 0..pairs.len() {
             let pair = &mut pairs[p];
@@ -91,10 +91,11 @@ impl Newton<'_> {
             let mut on_master = vec![Vec3::zeros(); surface.positions().len()];
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node as usize;
-                let position = part.points[node] + self.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
-                let equations = self.dofs.multiplier[p][s].map(|e| self.dofs.local(e));
+                let position =
+                    part.points[node] + self.found.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
+                let equations = self.system.dofs.multiplier[p][s].map(|e| self.system.dofs.local(e));
                 let unknown = Vec3::from_fn(|d, _| equations[d].map_or(0.0, |k| x[k]));
-                let moves = [0, 1, 2].map(|d| self.conditions.move_of(node as u32, d));
+                let moves = [0, 1, 2].map(|d| self.system.conditions.move_of(node as u32, d));
                 let mut meeting = meet(pair, surface, s, &position, &moves, &unknown);
                 if first {
                     meeting.contact = meeting
@@ -102,9 +103,9 @@ impl Newton<'_> {
                         .map(|(p, origin)| (touching(p, pair.controls.touching_gap * pair.facet_size), origin));
                 }
                 let e = self.workspace.evaluate(surface, &meeting, false);
-                self.meetings[p][s] = Some(meeting);
+                self.found.meetings[p][s] = Some(meeting);
                 pair.slaves[s].trial.update(&e);
-                self.forces[node] += e.load;
+                self.found.forces[node] += e.load;
                 for group in [pair.body, pair.master_body.unwrap_or(pair.body), group + p] {
                     balance.action(group, e.force.amax());
                 }
@@ -117,10 +118,10 @@ impl Newton<'_> {
                     stencil.iter().zip(&self.workspace.element.forces).for_each(|(&n, f)| on_master[n as usize] += f);
                 }
             }
-            let forces = &mut self.forces;
+            let forces = &mut self.found.forces;
             let receiver = if pair.is_self() { Some(p) } else { pair.other };
             let mut receiver = receiver.map(|p| &mut pairs[p]);
-            surface.add_forces(self.comm, &on_master, |n, force| {
+            surface.add_forces(self.system.comm, &on_master, |n, force| {
                 let node = part.tie[n as usize];
                 forces[node as usize] += force;
                 if let Some(slave) = receiver.as_mut().and_then(|pair| pair.slave_at(node)) {
@@ -132,13 +133,13 @@ impl Newton<'_> {
 
     /// Lets the surfaces follow the iterate. Collective.
     fn follow(&mut self, ahead: Option<&[Vec3]>) {
-        let Model { part, surfaces, pairs, .. } = &mut *self.model;
-        let u = &self.u;
+        let Model { part, surfaces, pairs, .. } = &mut *self.system.model;
+        let u = &self.found.u;
         let place = |n: u32| {
             let n = n as usize;
             part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
         };
-        let fetched = follow_all(self.comm, surfaces, pairs, place);
+        let fetched = follow_all(self.system.comm, surfaces, pairs, place);
         if fetched.contains(&true) {
             self.learn();
         }
@@ -146,52 +147,55 @@ impl Newton<'_> {
 
     /// Learns what stays the same over the increment of the nodes of the surfaces. Collective.
     pub(super) fn learn(&mut self) {
-        let Model { part, surfaces, .. } = &mut *self.model;
-        let before = |n: u32| part.points[n as usize] + self.committed[n as usize];
+        let Model { part, surfaces, .. } = &mut *self.system.model;
+        let before = |n: u32| part.points[n as usize] + self.system.committed[n as usize];
         for surface in surfaces {
-            surface.learn(self.comm, before, &self.dofs.node, |n, d| self.conditions.move_of(n, d));
+            surface
+                .learn(self.system.comm, before, &self.system.dofs.node, |n, d| self.system.conditions.move_of(n, d));
         }
     }
 
     /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
     pub(super) fn widen_pattern(&mut self) -> Result<bool> {
-        if self.model.surfaces.is_empty() {
+        if self.system.model.surfaces.is_empty() {
             return Ok(false);
         }
         let mut lacks = false;
-        for (p, pair) in self.model.pairs.iter().enumerate().filter(|(_, p)| matches!(p.master, Master::Surface(_))) {
+        for (p, pair) in
+            self.system.model.pairs.iter().enumerate().filter(|(_, p)| matches!(p.master, Master::Surface(_)))
+        {
             for (s, slave) in pair.slaves.iter().enumerate().filter(|(_, s)| s.trial.status != Status::Gap) {
-                let Some((projection, origin)) = self.meetings[p][s].and_then(|m| m.contact) else { continue };
-                let has = |patch: u32| self.pattern.candidates.has(p, s, patch);
+                let Some((projection, origin)) = self.found.meetings[p][s].and_then(|m| m.contact) else { continue };
+                let has = |patch: u32| self.system.pattern.candidates.has(p, s, patch);
                 lacks |= !has(projection.patch);
                 lacks |= pair.friction > 0.0 && matches!(origin, SlipOrigin::Carried(id, _) if !has(id));
                 debug_assert!(slave.trial.projection.is_some());
             }
         }
-        let widen = any(self.comm, lacks);
+        let widen = any(self.system.comm, lacks);
         if widen {
-            let (part, u) = (&self.model.part, &self.u);
+            let (part, u) = (&self.system.model.part, &self.found.u);
             let place = |n: u32| part.points[n as usize] + u[n as usize];
-            *self.pattern = Pattern::new(self.comm, self.model, self.dofs, place)?;
-            self.values.resize(self.pattern.columns.len(), 0.0);
-            self.rebuilds += 1;
+            *self.system.pattern = Pattern::new(self.system.comm, self.system.model, self.system.dofs, place)?;
+            self.values.resize(self.system.pattern.columns.len(), 0.0);
+            self.course.rebuilds += 1;
         }
         Ok(widen)
     }
 
     /// Tangents of the contact elements. Collective.
     pub(super) fn add_deformable_tangent(&mut self) {
-        if self.model.surfaces.is_empty() {
+        if self.system.model.surfaces.is_empty() {
             return;
         }
-        let (dofs, pattern) = (self.dofs, &*self.pattern);
+        let (dofs, pattern) = (self.system.dofs, &*self.system.pattern);
         let mut foreign = vec![0.0; pattern.foreign.len()];
-        let Model { pairs, surfaces, .. } = &mut *self.model;
+        let Model { pairs, surfaces, .. } = &mut *self.system.model;
         for (p, pair) in pairs.iter_mut().enumerate() {
             let Master::Surface(k) = pair.master else { continue };
             let surface = &surfaces[k];
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
-                let Some(meeting) = &self.meetings[p][s] else { continue };
+                let Some(meeting) = &self.found.meetings[p][s] else { continue };
                 let e = self.workspace.evaluate(surface, meeting, true);
                 let element = &mut self.workspace.element;
                 let multiplier = dofs.multiplier[p][s];
@@ -219,20 +223,20 @@ impl Newton<'_> {
                 }
             }
         }
-        pattern.foreign.deliver(self.comm, &foreign, &mut self.values);
+        pattern.foreign.deliver(self.system.comm, &foreign, &mut self.values);
     }
 
     /// After convergence, as [`Newton::widen_search`]: widens the search of pairs whose nodes came farther than it reaches.
     /// What one surface moves against the other is bounded by the boxes of their motions. Collective.
     pub(super) fn widen_deformable_search(&mut self) -> bool {
-        let Model { part, surfaces, pairs, .. } = &mut *self.model;
+        let Model { part, surfaces, pairs, .. } = &mut *self.system.model;
         let mut widen = false;
         for pair in pairs {
             let Master::Surface(k) = pair.master else { continue };
-            let motion = |n: u32| self.u[n as usize] - self.committed[n as usize];
+            let motion = |n: u32| self.found.u[n as usize] - self.system.committed[n as usize];
             let slaves = bounds(pair.slaves.iter().map(|s| motion(s.node)));
             let masters = surfaces[k].travel(|n| part.points[n as usize], |n| part.points[n as usize] + motion(n));
-            let travel = relative_travel(self.comm, slaves, masters);
+            let travel = relative_travel(self.system.comm, slaves, masters);
             if travel > pair.reach {
                 pair.reach = pair.controls.reach_farther * travel;
                 widen = true;

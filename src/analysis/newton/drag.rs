@@ -17,26 +17,36 @@ pub struct Drag {
 impl Newton<'_> {
     /// Drags from now on; 0 for no drag.
     pub fn set_drag(&mut self, coefficient: f64) {
-        let nodes = self.dofs.node[..self.model.part.owned].iter().zip(self.committed.iter().copied());
-        let tools = self.dofs.tool.iter().zip(self.offsets.iter().copied());
+        let nodes =
+            self.system.dofs.node[..self.system.model.part.owned].iter().zip(self.system.committed.iter().copied());
+        let tools = self.system.dofs.tool.iter().zip(self.found.offsets.iter().copied());
         let all = nodes.chain(tools).flat_map(|(equations, at)| (0..3).map(move |d| (equations[d], at[d])));
-        let mut rest: Vec<_> = all.filter_map(|(e, at)| Some((self.dofs.local(e)?, at))).collect();
+        let mut rest: Vec<_> = all.filter_map(|(e, at)| Some((self.system.dofs.local(e)?, at))).collect();
         // Nodes that move as one have one unknown.
         rest.sort_by_key(|(k, _)| *k);
         rest.dedup_by_key(|(k, _)| *k);
-        self.drag = Drag { coefficient, rest };
+        self.strategy.drag = Drag { coefficient, rest };
     }
 
     pub(super) fn add_drag(&self, x: &[f64], r: &mut [f64]) {
-        if self.drag.coefficient > 0.0 {
-            self.drag.rest.iter().for_each(|&(k, rest)| r[k] += self.drag.coefficient * (x[k] - rest));
+        if self.strategy.drag.coefficient > 0.0 {
+            self.strategy
+                .drag
+                .rest
+                .iter()
+                .for_each(|&(k, rest)| r[k] += self.strategy.drag.coefficient * (x[k] - rest));
         }
     }
 
     pub(super) fn add_drag_tangent(&mut self) {
-        if self.drag.coefficient > 0.0 {
-            for &(k, _) in &self.drag.rest {
-                self.pattern.add(&mut self.values, k, self.dofs.first + k as i64, self.drag.coefficient);
+        if self.strategy.drag.coefficient > 0.0 {
+            for &(k, _) in &self.strategy.drag.rest {
+                self.system.pattern.add(
+                    &mut self.values,
+                    k,
+                    self.system.dofs.first + k as i64,
+                    self.strategy.drag.coefficient,
+                );
             }
         }
     }

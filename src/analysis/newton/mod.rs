@@ -27,7 +27,7 @@ use crate::parallel::{any, max, sum};
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
-use backtrack::Tried;
+use backtrack::LineSearch;
 use balance::Balance;
 pub(super) use deformable::relative_travel;
 use deformable::{Meeting, Workspace};
@@ -44,8 +44,8 @@ use std::time::Instant;
 /// their status.
 pub type Watcher<'a> = dyn FnMut(usize, f64, usize) -> crate::error::Result<()> + 'a;
 
-/// An increment from the last converged state to the fraction `s` of the step.
-pub struct Newton<'a> {
+/// What an increment is sought with.
+pub struct System<'a> {
     pub comm: &'a SimpleCommunicator,
     pub model: &'a mut Model,
     pub dofs: &'a DofMap,
@@ -56,69 +56,82 @@ pub struct Newton<'a> {
     pub start_poses: &'a [Pose],
     /// Converged displacements of the last increment, all local nodes.
     pub committed: &'a [Vec3],
-    /// Fraction of the step at the end of the increment.
-    pub s: f64,
-    share: Share,
-    pub tolerance: f64,
-    pub max_iterations: usize,
-    watcher: &'a mut Watcher<'a>,
-    /// Forces and residuals of this iterate. Those of other iterates do not count, for some are far from any equilibrium.
-    pub(super) balance: Balance,
-    /// Sum of the internal forces of this rank on each body.
-    pub(super) internal: Vec<Vec3>,
-    /// Displacements of the iterate, all local nodes.
+}
+
+/// An iterate, and what was found there.
+pub struct Evaluated {
+    /// Displacements, all local nodes.
     pub u: Vec<Vec3>,
-    /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
-    pub forces: Vec<Vec3>,
     /// Translations of the tools along their free directions since the start of the step.
     pub offsets: Vec<Vec3>,
-    /// Largest residual over the forces that it counts against, at each iteration so far.
-    pub trace: Vec<f64>,
-    /// Status changes at each iteration so far, over all ranks.
-    pub changes: Vec<usize>,
+    /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
+    pub forces: Vec<Vec3>,
+    /// Contact force on each tool.
+    pub tool_forces: Vec<Vec3>,
+    /// Sum of the internal forces of this rank on each body.
+    internal: Vec<Vec3>,
+    /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
+    clearances: Vec<f64>,
+    elements: Vec<Vec<Option<Element>>>,
+    meetings: Vec<Vec<Option<Meeting>>>,
+    /// Forces and residuals. Those of other iterates do not count, for some are far from any equilibrium.
+    pub(super) balance: Balance,
     /// Equation of this rank's largest residual, and that over the forces that it counts against.
     pub worst: (usize, f64),
+    /// The unknowns.
+    at: Vec<f64>,
+}
+
+/// How the iteration has gone so far.
+#[derive(Default)]
+pub struct Course {
+    /// Largest residual over the forces that it counts against, at each iteration.
+    pub trace: Vec<f64>,
+    /// Status changes at each iteration, over all ranks.
+    pub changes: Vec<usize>,
     /// Nodes of this rank whose friction penalty was reduced because they kept flipping.
     pub calmed: Vec<u32>,
     /// How often the pattern was built anew.
     pub rebuilds: usize,
+    /// Outer iterations.
+    pub rounds: Rounds,
     /// A signal ended the iteration; the same on all ranks.
     pub interrupted: bool,
     /// Who was told of it ended the iteration; the same on all ranks.
     pub stopped: Option<Error>,
+}
+
+/// How the increment is sought.
+struct Strategy<'a> {
+    share: Share,
+    tolerance: f64,
+    max_iterations: usize,
+    watcher: &'a mut Watcher<'a>,
     /// What touches sticks until all is nearly in balance.
-    pub(super) settling: bool,
-    /// Outer iterations of this increment.
-    pub rounds: Rounds,
-    elements: Vec<Vec<Option<Element>>>,
-    meetings: Vec<Vec<Option<Meeting>>>,
-    workspace: Workspace,
-    drag: Drag,
-    /// Some body can flow.
-    plastic: bool,
-    /// The iterate that the last step leads to, where it was tried.
-    tried: Option<Tried>,
-    /// Contact force on each tool.
-    pub tool_forces: Vec<Vec3>,
-    /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
-    clearances: Vec<f64>,
+    settling: bool,
     /// The prescribed displacements enter the first iteration linearly, from the last converged state.
     predicting: bool,
     /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
     moves: bool,
-    /// The square of its length, where some body can flow.
-    squared_residual: f64,
-    /// That of the iterates so far, and below how many of the last the next must fall.
-    recent: Vec<f64>,
-    memory: usize,
-    evaluated_at: Vec<f64>,
+    drag: Drag,
+}
+
+/// An increment from the last converged state to the fraction `s` of the step.
+pub struct Newton<'a> {
+    pub system: System<'a>,
+    /// Fraction of the step at the end of the increment.
+    pub s: f64,
+    pub found: Evaluated,
+    pub course: Course,
+    strategy: Strategy<'a>,
+    line_search: LineSearch,
+    workspace: Workspace,
+    /// Entries of the Jacobian.
     values: Vec<f64>,
 }
 
 /// State that outlives an increment, handed to [`Newton::new`].
 pub struct Start<'a> {
-    pub start_poses: &'a [Pose],
-    pub committed: &'a [Vec3],
     pub offsets: &'a [Vec3],
     pub s: f64,
     pub share: Share,
@@ -133,76 +146,44 @@ pub struct Start<'a> {
 }
 
 impl<'a> Newton<'a> {
-    pub fn new(
-        comm: &'a SimpleCommunicator,
-        model: &'a mut Model,
-        dofs: &'a DofMap,
-        pattern: &'a mut Pattern,
-        conditions: &'a Conditions,
-        phases: &'a Phases,
-        (start, watcher): (&Start<'a>, &'a mut Watcher<'a>),
-    ) -> Self {
-        let elements = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
-        let meetings = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
+    pub fn new(system: System<'a>, (start, watcher): (&Start<'a>, &'a mut Watcher<'a>)) -> Self {
+        let System { comm, model, dofs, pattern, conditions, committed, .. } = &system;
         let values = vec![0.0; pattern.columns.len()];
-        let tools = model.tools.len();
-        let owned = model.part.owned;
-        let controls = model.controls;
-        for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.begin(&start.manner, &controls);
-        }
-        let away = |(k, p): (usize, &Prescribed)| {
-            p.is_some_and(|(from, by)| from + by * start.s != start.committed[k / 3][k % 3])
-        };
-        model.history.go_back();
-        let plastic = model.can_flow();
-        let moves = any(comm, conditions.prescribed.iter().enumerate().any(away));
-        let balance = Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec());
-        let internal = vec![Vec3::zeros(); model.bodies.len()];
-        let mut newton = Self {
-            comm,
-            model,
-            dofs,
-            pattern,
-            conditions,
-            phases,
-            start_poses: start.start_poses,
-            committed: start.committed,
-            s: start.s,
+        let away =
+            |(k, p): (usize, &Prescribed)| p.is_some_and(|(from, by)| from + by * start.s != committed[k / 3][k % 3]);
+        let strategy = Strategy {
             share: start.share,
             tolerance: start.tolerance,
             max_iterations: start.max_iterations,
             watcher,
-            balance,
-            internal,
-            u: start.committed.to_vec(),
-            forces: vec![Vec3::zeros(); owned],
-            offsets: start.offsets.to_vec(),
-            trace: Vec::new(),
-            changes: Vec::new(),
-            worst: (0, 0.0),
-            calmed: Vec::new(),
-            rebuilds: 0,
-            interrupted: false,
-            stopped: None,
             settling: start.manner.settles,
-            rounds: Rounds::default(),
-            elements,
-            meetings,
-            workspace: Workspace::default(),
-            drag: Drag::default(),
-            plastic,
-            tried: None,
-            tool_forces: vec![Vec3::zeros(); tools],
-            clearances: vec![0.0; tools],
             predicting: true,
-            moves,
-            squared_residual: f64::INFINITY,
-            recent: Vec::new(),
-            memory: if start.strict { 1 } else { controls.line_search_memory },
-            evaluated_at: Vec::new(),
-            values,
+            moves: any(*comm, conditions.prescribed.iter().enumerate().any(away)),
+            drag: Drag::default(),
         };
+        let found = Evaluated {
+            u: committed.to_vec(),
+            offsets: start.offsets.to_vec(),
+            forces: vec![Vec3::zeros(); model.part.owned],
+            tool_forces: vec![Vec3::zeros(); model.tools.len()],
+            internal: vec![Vec3::zeros(); model.bodies.len()],
+            clearances: vec![0.0; model.tools.len()],
+            elements: model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect(),
+            meetings: model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect(),
+            balance: Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec()),
+            worst: (0, 0.0),
+            at: Vec::new(),
+        };
+        let memory = if start.strict { 1 } else { model.controls.line_search_memory };
+        let line_search = LineSearch::new(model.can_flow(), memory);
+        let (course, workspace) = (Course::default(), Workspace::default());
+        let mut newton = Self { system, s: start.s, found, course, strategy, line_search, workspace, values };
+        let model = &mut *newton.system.model;
+        model.history.go_back();
+        let controls = model.controls;
+        for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
+            slave.begin(&start.manner, &controls);
+        }
         newton.learn();
         newton
     }
@@ -210,7 +191,7 @@ impl<'a> Newton<'a> {
     /// Starts from given unknowns, with the prescribed displacements of the end of the increment; or on the way there, if the
     /// increment is to be shorter.
     pub fn start_ahead(&mut self, trial: &[f64], x: &mut [f64]) {
-        self.predicting = false;
+        self.strategy.predicting = false;
         self.start_behind(x);
         let step: Vec<f64> = x.iter().zip(trial).map(|(x, t)| x - t).collect();
         let part = self.shorten(x, &step);
@@ -223,25 +204,25 @@ impl<'a> Newton<'a> {
 
     /// Starts from the unknowns of the last converged state; the prescribed displacements enter the first iteration linearly.
     pub fn start_behind(&self, x: &mut [f64]) {
-        for n in 0..self.model.part.owned {
+        for n in 0..self.system.model.part.owned {
             for d in 0..3 {
-                if let Some(k) = self.dofs.local(self.dofs.node[n][d]) {
-                    x[k] = self.committed[n][d];
+                if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
+                    x[k] = self.system.committed[n][d];
                 }
             }
         }
-        for (pair, equations) in self.model.pairs.iter().zip(&self.dofs.multiplier) {
+        for (pair, equations) in self.system.model.pairs.iter().zip(&self.system.dofs.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(equations) {
                 for d in 0..3 {
-                    if let Some(k) = self.dofs.local(equations[d]) {
+                    if let Some(k) = self.system.dofs.local(equations[d]) {
                         x[k] = slave.committed.multiplier[d] / slave.law.normal;
                     }
                 }
             }
         }
-        for (equations, offset) in self.dofs.tool.iter().zip(&self.offsets) {
+        for (equations, offset) in self.system.dofs.tool.iter().zip(&self.found.offsets) {
             for d in 0..3 {
-                if let Some(k) = self.dofs.local(equations[d]) {
+                if let Some(k) = self.system.dofs.local(equations[d]) {
                     x[k] = offset[d];
                 }
             }
@@ -250,111 +231,119 @@ impl<'a> Newton<'a> {
 
     /// The value that a prescribed displacement has in this evaluation, or its linear part that is still to come.
     fn prescribed(&self, node: usize, d: usize) -> Option<f64> {
-        self.conditions.prescribed[3 * node + d]
-            .map(|(start, by)| if self.predicting { self.committed[node][d] } else { start + by * self.s })
+        self.system.conditions.prescribed[3 * node + d].map(|(start, by)| {
+            if self.strategy.predicting { self.system.committed[node][d] } else { start + by * self.s }
+        })
     }
 
     /// Sets displacements and tool poses from the unknowns. Collective.
     fn unpack(&mut self, x: &[f64]) {
-        let part = &self.model.part;
+        let part = &self.system.model.part;
         for n in 0..part.owned {
             for d in 0..3 {
-                self.u[n][d] = match self.dofs.local(self.dofs.node[n][d]) {
+                self.found.u[n][d] = match self.system.dofs.local(self.system.dofs.node[n][d]) {
                     Some(k) => x[k],
-                    None => self.prescribed(n, d).unwrap_or(self.committed[n][d]),
+                    None => self.prescribed(n, d).unwrap_or(self.system.committed[n][d]),
                 };
             }
         }
         for n in 0..part.owned {
-            self.u[n] = self.u[part.tie[n] as usize];
+            self.found.u[n] = self.found.u[part.tie[n] as usize];
         }
-        update_halo(self.model, self.comm, &mut self.u);
-        let free: Vec<(usize, usize)> = (0..self.dofs.tool.len())
+        update_halo(self.system.model, self.system.comm, &mut self.found.u);
+        let free: Vec<(usize, usize)> = (0..self.system.dofs.tool.len())
             .flat_map(|t| (0..3).map(move |d| (t, d)))
-            .filter(|&(t, d)| self.dofs.tool[t][d] != NONE)
+            .filter(|&(t, d)| self.system.dofs.tool[t][d] != NONE)
             .collect();
         if !free.is_empty() {
-            let mut offsets: Vec<f64> =
-                free.iter().map(|&(t, d)| self.dofs.local(self.dofs.tool[t][d]).map_or(0.0, |k| x[k])).collect();
-            self.comm.process_at_rank(0).broadcast_into(&mut offsets[..]);
+            let mut offsets: Vec<f64> = free
+                .iter()
+                .map(|&(t, d)| self.system.dofs.local(self.system.dofs.tool[t][d]).map_or(0.0, |k| x[k]))
+                .collect();
+            self.system.comm.process_at_rank(0).broadcast_into(&mut offsets[..]);
             for (&(t, d), q) in free.iter().zip(offsets) {
-                self.offsets[t][d] = q;
+                self.found.offsets[t][d] = q;
             }
         }
-        self.conditions.place_tools(&mut self.model.tools, self.start_poses, &self.offsets, self.s);
+        self.system.conditions.place_tools(
+            &mut self.system.model.tools,
+            self.system.start_poses,
+            &self.found.offsets,
+            self.s,
+        );
     }
 
     /// Evaluates everything at `x`: forces, contact, residual. `false` if an element of this rank is inverted. Collective.
     fn evaluate(&mut self, x: &[f64], r: &mut [f64]) -> bool {
         let begun = Instant::now();
         self.unpack(x);
-        let mut forces = vec![Vec3::zeros(); self.model.part.points.len()];
-        self.balance.clear();
-        let balance = &mut self.balance;
+        let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
+        self.found.balance.clear();
+        let balance = &mut self.found.balance;
         let of_element = |body: u32, force: f64| balance.element(body as usize, force);
-        let sound = assembly::internal_forces(self.model, &self.u, &mut forces, of_element).is_ok();
-        self.internal.fill(Vec3::zeros());
-        for (force, body) in forces.iter().zip(&self.model.part.body).take(self.model.part.owned) {
-            self.balance.force(*body as usize, force.amax());
-            self.internal[*body as usize] += force;
+        let sound = assembly::internal_forces(self.system.model, &self.found.u, &mut forces, of_element).is_ok();
+        self.found.internal.fill(Vec3::zeros());
+        for (force, body) in forces.iter().zip(&self.system.model.part.body).take(self.system.model.part.owned) {
+            self.found.balance.force(*body as usize, force.amax());
+            self.found.internal[*body as usize] += force;
         }
-        let ahead = (self.predicting && self.moves).then(|| self.prescribed_increments());
+        let ahead = (self.strategy.predicting && self.strategy.moves).then(|| self.prescribed_increments());
         if let Some(ahead) = &ahead {
-            assembly::add_tangent_times(self.model, &self.u, ahead, &mut forces);
+            assembly::add_tangent_times(self.system.model, &self.found.u, ahead, &mut forces);
         }
         self.add_loads(&mut forces);
-        forces.truncate(self.model.part.owned);
-        self.forces = forces;
-        self.phases.add(Phase::Assembly, begun.elapsed());
+        forces.truncate(self.system.model.part.owned);
+        self.found.forces = forces;
+        self.system.phases.add(Phase::Assembly, begun.elapsed());
         r.fill(0.0);
         let begun = Instant::now();
         self.add_contact(x, ahead.as_deref(), r);
         self.add_deformable(x, ahead.as_deref(), r);
-        self.phases.add(Phase::Search, begun.elapsed());
-        for n in 0..self.model.part.owned {
+        self.system.phases.add(Phase::Search, begun.elapsed());
+        for n in 0..self.system.model.part.owned {
             for d in 0..3 {
-                if let Some(k) = self.dofs.local(self.dofs.node[n][d]) {
-                    r[k] += self.forces[n][d];
+                if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
+                    r[k] += self.found.forces[n][d];
                 }
             }
         }
         self.add_drag(x, r);
         self.judge(r);
-        if self.plastic {
-            self.squared_residual = backtrack::squared(self.comm, r);
+        if self.line_search.is_wanted {
+            self.line_search.squared_residual = backtrack::squared(self.system.comm, r);
         }
-        self.evaluated_at.clear();
-        self.evaluated_at.extend(x);
+        self.found.at.clear();
+        self.found.at.extend(x);
         sound
     }
 
     /// Whether this is the first iteration of a step.
     fn is_first(&self) -> bool {
-        self.predicting && self.share.begin == 0.0
+        self.strategy.predicting && self.strategy.share.begin == 0.0
     }
 
     /// How far each prescribed displacement still is from its value at the end of the increment; zero elsewhere. Collective.
     fn prescribed_increments(&self) -> Vec<Vec3> {
-        let mut ahead = vec![Vec3::zeros(); self.model.part.points.len()];
-        for n in 0..self.model.part.owned {
+        let mut ahead = vec![Vec3::zeros(); self.system.model.part.points.len()];
+        for n in 0..self.system.model.part.owned {
             for d in 0..3 {
-                if let Some((start, by)) = self.conditions.prescribed[3 * n + d] {
-                    ahead[n][d] = start + by * self.s - self.committed[n][d];
+                if let Some((start, by)) = self.system.conditions.prescribed[3 * n + d] {
+                    ahead[n][d] = start + by * self.s - self.system.committed[n][d];
                 }
             }
         }
-        update_halo(self.model, self.comm, &mut ahead);
+        update_halo(self.system.model, self.system.comm, &mut ahead);
         ahead
     }
 
     fn add_loads(&mut self, forces: &mut [Vec3]) {
-        for (n, (force, load)) in forces.iter_mut().zip(&self.conditions.loads).enumerate() {
+        for (n, (force, load)) in forces.iter_mut().zip(&self.system.conditions.loads).enumerate() {
             let load = load.at(self.s);
             *force -= load;
-            self.balance.action(self.model.part.body[n] as usize, load.amax());
+            self.found.balance.action(self.system.model.part.body[n] as usize, load.amax());
         }
-        for (set, ramp) in &self.conditions.pressures {
-            assembly::subtract_pressure(self.model, set, ramp.at(self.s), &self.u, forces);
+        for (set, ramp) in &self.system.conditions.pressures {
+            assembly::subtract_pressure(self.system.model, set, ramp.at(self.s), &self.found.u, forces);
         }
     }
 }
@@ -363,10 +352,16 @@ impl Newton<'_> {
     /// The Jacobian at the last evaluated point, in `self.values`.
     fn tangent(&mut self) {
         self.values.fill(0.0);
-        assembly::add_tangent(self.model, self.pattern, &self.u, &mut self.values);
-        for (set, ramp) in &self.conditions.pressures {
-            let system = (self.dofs, &*self.pattern);
-            assembly::subtract_pressure_tangent(self.model, (set, ramp.at(self.s)), &self.u, system, &mut self.values);
+        assembly::add_tangent(self.system.model, self.system.pattern, &self.found.u, &mut self.values);
+        for (set, ramp) in &self.system.conditions.pressures {
+            let system = (self.system.dofs, &*self.system.pattern);
+            assembly::subtract_pressure_tangent(
+                self.system.model,
+                (set, ramp.at(self.s)),
+                &self.found.u,
+                system,
+                &mut self.values,
+            );
         }
         self.add_contact_tangent();
         self.add_deformable_tangent();
@@ -376,52 +371,52 @@ impl Newton<'_> {
 
 impl Problem for Newton<'_> {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> std::result::Result<Evaluation, String> {
-        let sound = (self.plastic && self.recall(x, r)) || self.evaluate(x, r);
+        let sound = (self.line_search.is_wanted && self.recall(x, r)) || self.evaluate(x, r);
         Ok(if sound { Evaluation::Done } else { Evaluation::OutOfDomain })
     }
 
     fn jacobian(&mut self, x: &[f64]) -> std::result::Result<Jacobian<'_>, String> {
-        if any(self.comm, self.evaluated_at != x) {
+        if any(self.system.comm, self.found.at != x) {
             let mut r = vec![0.0; x.len()];
             self.evaluate(x, &mut r);
         }
         let begun = Instant::now();
         let is_new = self.widen_pattern().map_err(|error| error.to_string())?;
         self.tangent();
-        self.phases.add(Phase::Assembly, begun.elapsed());
-        let (Pattern { offsets, columns, .. }, values) = (&*self.pattern, &self.values);
+        self.system.phases.add(Phase::Assembly, begun.elapsed());
+        let (Pattern { offsets, columns, .. }, values) = (&*self.system.pattern, &self.values);
         Ok(if is_new { Jacobian::Pattern { row_offsets: offsets, columns, values } } else { Jacobian::Values(values) })
     }
 
     fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
         let iteration = iterate.iteration;
-        let trials = || self.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
+        let trials = || self.system.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
         let touching = trials().any(|t| t.status != Status::Gap);
         let mut counts =
             [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished()), f64::from(touching)];
-        sum(self.comm, &mut counts);
+        sum(self.system.comm, &mut counts);
         let [changes, wishes, touching] = counts;
-        let residual = self.balance.relative();
-        self.trace.push(residual);
-        self.changes.push(changes as usize);
-        if let Err(error) = (self.watcher)(iteration, residual, changes as usize) {
-            self.stopped = Some(error);
+        let residual = self.found.balance.relative();
+        self.course.trace.push(residual);
+        self.course.changes.push(changes as usize);
+        if let Err(error) = (self.strategy.watcher)(iteration, residual, changes as usize) {
+            self.course.stopped = Some(error);
             return Ok(Verdict::Diverged);
         }
         // What a motion begins with may be small against all forces and yet be its whole effect, as on a thin sheet, of which
         // the forces round to more than its contact feels of the first gap.
-        let driven = self.moves || self.model.tools.iter().any(|tool| tool.trial != tool.committed);
-        let begins = self.trace.len() == 1 && driven && touching > 0.0 && residual > 0.0;
-        let small = self.balance.holds(self.tolerance_now()) && !begins;
+        let driven = self.strategy.moves || self.system.model.tools.iter().any(|tool| tool.trial != tool.committed);
+        let begins = self.course.trace.len() == 1 && driven && touching > 0.0 && residual > 0.0;
+        let small = self.found.balance.holds(self.tolerance_now()) && !begins;
         if !residual.is_finite() {
             return Ok(Verdict::Diverged);
         }
-        let settled = small || self.settling && iteration >= self.model.controls.settling_iterations;
-        if settled && !(self.predicting && self.moves) {
+        let settled = small || self.strategy.settling && iteration >= self.system.model.controls.settling_iterations;
+        if settled && !(self.strategy.predicting && self.strategy.moves) {
             return Ok(Verdict::Converged);
         }
-        self.interrupted = wishes > 0.0;
-        if self.interrupted || iteration >= self.max_iterations {
+        self.course.interrupted = wishes > 0.0;
+        if self.course.interrupted || iteration >= self.strategy.max_iterations {
             return Ok(Verdict::Diverged);
         }
         self.calm();
@@ -432,32 +427,32 @@ impl Problem for Newton<'_> {
     /// far.
     fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
         // The residual of a prediction says nothing.
-        let judged = !std::mem::replace(&mut self.predicting, false);
+        let judged = !std::mem::replace(&mut self.strategy.predicting, false);
         let part = if judged { 1.0 } else { self.shorten(x, step) };
         scale(step, part);
         // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too.
         let mut longest = [0.0, f64::NEG_INFINITY];
-        for pair in &self.model.pairs {
+        for pair in &self.system.model.pairs {
             longest[1] = longest[1].max(-pair.longest_step());
             for slave in &pair.slaves {
                 for d in 0..3 {
-                    if let Some(k) = self.dofs.local(self.dofs.node[slave.node as usize][d]) {
+                    if let Some(k) = self.system.dofs.local(self.system.dofs.node[slave.node as usize][d]) {
                         longest[0] = longest[0].max(step[k].abs());
                     }
                 }
             }
         }
-        max(self.comm, &mut longest);
+        max(self.system.comm, &mut longest);
         let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
-        for _ in 0..self.model.controls.step_halvings {
-            if !self.would_invert(x, step, factor, !(self.plastic && judged)) {
+        for _ in 0..self.system.model.controls.step_halvings {
+            if !self.would_invert(x, step, factor, !(self.line_search.is_wanted && judged)) {
                 break;
             }
             factor *= 0.5;
         }
         scale(step, factor);
-        if self.plastic && judged {
+        if self.line_search.is_wanted && judged {
             let part = self.backtrack(x, step);
             scale(step, part);
             factor *= part;
@@ -470,9 +465,9 @@ impl Newton<'_> {
     /// The multipliers at the unknowns `x`, N; those that are held are the forces.
     pub fn multipliers(&self, x: &[f64]) -> Vec<Vec<Vec3>> {
         let of = |slave: &Slave, equations: &[i64; 3]| {
-            Vec3::from_fn(|d, _| self.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal))
+            Vec3::from_fn(|d, _| self.system.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal))
         };
-        let pairs = self.model.pairs.iter().zip(&self.dofs.multiplier);
+        let pairs = self.system.model.pairs.iter().zip(&self.system.dofs.multiplier);
         let forces = |pair: &Pair| pair.slaves.iter().map(|s| s.trial.force).collect();
         let unknowns = |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(s, e)).collect();
         pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
@@ -482,7 +477,7 @@ impl Newton<'_> {
     fn would_invert(&mut self, x: &[f64], step: &[f64], factor: f64, solve: bool) -> bool {
         let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - factor * s).collect();
         self.unpack(&there);
-        any(self.comm, elements::any_inverted(self.model, &self.u, solve))
+        any(self.system.comm, elements::any_inverted(self.system.model, &self.found.u, solve))
     }
 }
 

@@ -48,19 +48,19 @@ pub struct Rounds {
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
-        if std::mem::take(&mut self.settling) {
-            self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
+        if std::mem::take(&mut self.strategy.settling) {
+            self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
             return self.again();
         }
-        let Controls { uzawa_tolerance, outer_rounds, .. } = self.model.controls;
+        let Controls { uzawa_tolerance, outer_rounds, .. } = self.system.model.controls;
         let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
-        for (p, pair) in self.model.pairs.iter().enumerate() {
-            let limit = self.balance.limit(self.model.bodies.len() + p, tolerance);
+        for (p, pair) in self.system.model.pairs.iter().enumerate() {
+            let limit = self.found.balance.limit(self.system.model.bodies.len() + p, tolerance);
             let (worst, allowed) = match pair.method {
                 Enforcement::Uzawa => {
-                    (&mut open, pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.model.stiffness))
+                    (&mut open, pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.system.model.stiffness))
                 }
                 Enforcement::Lagrange => (&mut wrong, limit),
                 _ => continue,
@@ -72,22 +72,23 @@ impl Newton<'_> {
             }
         }
         let mut largest = [open.0, wrong.0];
-        max(self.comm, &mut largest);
+        max(self.system.comm, &mut largest);
         let (is_open, is_wrong) = (largest[0] > 1.0, largest[1] > 1.0);
         if !is_open && !is_wrong {
-            self.rounds.settled = true;
-            return if self.balance.holds(self.tolerance_now()) { Round::Done } else { self.again() };
+            self.course.rounds.settled = true;
+            return if self.found.balance.holds(self.tolerance_now()) { Round::Done } else { self.again() };
         }
-        self.rounds.count += 1;
-        self.rounds.settled = !is_wrong;
+        self.course.rounds.count += 1;
+        self.course.rounds.settled = !is_wrong;
         let worst = if is_open { open } else { wrong };
         let here = worst.1.filter(|_| worst.0 == if is_open { largest[0] } else { largest[1] });
         let here = here.map(|at| self.lacks(at));
-        if self.rounds.count > outer_rounds {
+        if self.course.rounds.count > outer_rounds {
             return Round::Failed(self.told(here, &format!("{outer_rounds} rounds of contact forces do not settle")));
         }
         if is_open {
-            of_method(&mut self.model.pairs, Enforcement::Uzawa).for_each(|slave| slave.held = slave.taken_over());
+            of_method(&mut self.system.model.pairs, Enforcement::Uzawa)
+                .for_each(|slave| slave.held = slave.taken_over());
         }
         if is_wrong && !self.change_set(tolerance, largest[1]) {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
@@ -99,11 +100,11 @@ impl Newton<'_> {
     /// all. Collective.
     pub fn tighten(&mut self, x: &[f64]) -> Round {
         let multipliers = self.multipliers(x);
-        let (tolerance, bodies) = (self.tolerance_now(), self.model.bodies.len());
+        let (tolerance, bodies) = (self.tolerance_now(), self.system.model.bodies.len());
         let (mut repeats, mut left, mut worst) = (false, 0.0, None);
-        let pairs = self.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
+        let pairs = self.system.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
         for (p, (pair, multipliers)) in pairs {
-            let limit = self.balance.limit(bodies + p, tolerance);
+            let limit = self.found.balance.limit(bodies + p, tolerance);
             for (s, (slave, multiplier)) in pair.slaves.iter_mut().zip(multipliers).enumerate() {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
@@ -116,13 +117,13 @@ impl Newton<'_> {
                 }
             }
         }
-        let mut most = [left, f64::from(repeats && self.rounds.tightened == 0)];
-        max(self.comm, &mut most);
+        let mut most = [left, f64::from(repeats && self.course.rounds.tightened == 0)];
+        max(self.system.comm, &mut most);
         if most[0] <= 1.0 && most[1] == 0.0 {
             return Round::Done;
         }
-        self.rounds.tightened += 1;
-        if self.rounds.tightened > self.model.controls.outer_rounds {
+        self.course.rounds.tightened += 1;
+        if self.course.rounds.tightened > self.system.model.controls.outer_rounds {
             let worst = worst.filter(|_| left == most[0]).map(|(p, s, way)| (p, s, format!("off by {way:.1e}")));
             return Round::Contradicts(self.told(worst, "conditions of contacts contradict each other"));
         }
@@ -137,28 +138,33 @@ impl Newton<'_> {
 
     /// Largest residual of a converged iterate over the forces that it counts against.
     pub(super) fn tolerance_now(&self) -> f64 {
-        let sets = !self.rounds.settled && self.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
-        if sets || self.settling { self.tolerance.max(self.model.controls.loose_tolerance) } else { self.tolerance }
+        let sets =
+            !self.course.rounds.settled && self.system.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
+        if sets || self.strategy.settling {
+            self.strategy.tolerance.max(self.system.model.controls.loose_tolerance)
+        } else {
+            self.strategy.tolerance
+        }
     }
 
     /// Changes the active set where violations exceed a tolerance, or, one node at a time, are as large as the `largest` over
     /// their limits; `false` when it was there before even so. Collective.
     fn change_set(&mut self, tolerance: f64, largest: f64) -> bool {
         let before = self.active_set();
-        if self.rounds.sets.is_empty() {
-            self.rounds.sets.push(before.clone());
+        if self.course.rounds.sets.is_empty() {
+            self.course.rounds.sets.push(before.clone());
         }
         self.take_asked(tolerance, 1.0);
         let mut returned = self.has_returned();
-        if returned && !self.rounds.singly {
-            (self.rounds.singly, self.rounds.sets) = (true, vec![before.clone()]);
-            let slaves = self.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
+        if returned && !self.course.rounds.singly {
+            (self.course.rounds.singly, self.course.rounds.sets) = (true, vec![before.clone()]);
+            let slaves = self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves);
             slaves.zip(&before).for_each(|(slave, status)| slave.trial.status = *status);
             self.take_asked(tolerance, largest * (1.0 - 1e-9));
             returned = false;
         }
         let now = self.active_set();
-        self.rounds.sets.push(now);
+        self.course.rounds.sets.push(now);
         !returned
     }
 
@@ -169,9 +175,11 @@ impl Newton<'_> {
 
     /// Gives nodes of which the violation is above so many limits the status that they ask for.
     fn take_asked(&mut self, tolerance: f64, times: f64) {
-        let bodies = self.model.bodies.len();
-        for (p, pair) in self.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.method == Enforcement::Lagrange) {
-            let limit = times * self.balance.limit(bodies + p, tolerance);
+        let bodies = self.system.model.bodies.len();
+        for (p, pair) in
+            self.system.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.method == Enforcement::Lagrange)
+        {
+            let limit = times * self.found.balance.limit(bodies + p, tolerance);
             let wrong = pair.slaves.iter_mut().filter(|s| s.trial.violation > limit);
             wrong.for_each(|slave| slave.trial.status = slave.trial.asked);
         }
@@ -180,16 +188,16 @@ impl Newton<'_> {
     /// A reason with the worst node, by its pair and place in it, and what it lacks. Collective.
     fn told(&self, worst: Option<(usize, usize, String)>, reason: &str) -> String {
         let word = worst.map(|(p, s, lacks)| {
-            let (pair, slave) = (&self.model.pairs[p], &self.model.pairs[p].slaves[s]);
-            let (node, is) = (node_name(self.model, slave.node), slave.trial.status.name(pair.friction));
+            let (pair, slave) = (&self.system.model.pairs[p], &self.system.model.pairs[p].slaves[s]);
+            let (node, is) = (node_name(self.system.model, slave.node), slave.trial.status.name(pair.friction));
             format!("{reason}: node {node}, contact `{}`, {is}, {lacks}", pair.name)
         });
-        first_word(self.comm, word).unwrap_or_else(|| reason.into())
+        first_word(self.system.comm, word).unwrap_or_else(|| reason.into())
     }
 
     /// What the worst node of an active set, or of Uzawa's method, lacks.
     fn lacks(&self, (p, s): (usize, usize)) -> (usize, usize, String) {
-        let (pair, trial) = (&self.model.pairs[p], &self.model.pairs[p].slaves[s].trial);
+        let (pair, trial) = (&self.system.model.pairs[p], &self.system.model.pairs[p].slaves[s].trial);
         let violation = trial.violation;
         let lacks = match pair.method {
             Enforcement::Lagrange => {
@@ -203,8 +211,8 @@ impl Newton<'_> {
     /// Whether the active set of all ranks is one that was there. Collective.
     fn has_returned(&self) -> bool {
         let now = self.active_set();
-        let mut differ: Vec<f64> = self.rounds.sets.iter().map(|set| f64::from(*set != now)).collect();
-        max(self.comm, &mut differ);
+        let mut differ: Vec<f64> = self.course.rounds.sets.iter().map(|set| f64::from(*set != now)).collect();
+        max(self.system.comm, &mut differ);
         differ.contains(&0.0)
     }
 }

@@ -31,7 +31,7 @@ impl Newton<'_> {
     /// The share of the increment to take when x - `step` is the trial state of the whole, by which the increment is
     /// shortened. Collective.
     pub(super) fn shorten(&mut self, x: &[f64], step: &[f64]) -> f64 {
-        let Share { begin, most, limits } = self.share;
+        let Share { begin, most, limits } = self.strategy.share;
         if most <= 1 || limits == Limits::default() {
             return 1.0;
         }
@@ -43,7 +43,7 @@ impl Newton<'_> {
             let contacts = limits.contacts.map_or(0.0, |share| self.trial_changes(x, step, r, &trials) / share);
             strain.max(contacts)
         });
-        self.tried = None;
+        self.line_search.tried = None;
         self.reset(&trials);
         if parts > 1 {
             self.s = begin + whole / parts as f64;
@@ -55,8 +55,8 @@ impl Newton<'_> {
     fn trial_strain(&mut self, x: &[f64], step: &[f64], r: f64) -> f64 {
         let there: Vec<f64> = x.iter().zip(step).map(|(x, s)| x - r * s).collect();
         self.unpack(&there);
-        let mut strain = [elements::largest_strain(self.model, self.committed, &self.u)];
-        max(self.comm, &mut strain);
+        let mut strain = [elements::largest_strain(self.system.model, self.system.committed, &self.found.u)];
+        max(self.system.comm, &mut strain);
         strain[0]
     }
 
@@ -65,8 +65,8 @@ impl Newton<'_> {
     fn trial_changes(&mut self, x: &[f64], step: &[f64], r: f64, trials: &[Trial]) -> f64 {
         self.try_step(x, step, r, trials);
         let mut counts = [0.0; 2];
-        for pair in &self.model.pairs {
-            let none = self.model.controls.touching_gap * pair.facet_size;
+        for pair in &self.system.model.pairs {
+            let none = self.system.model.controls.touching_gap * pair.facet_size;
             for slave in &pair.slaves {
                 let [apart, now_apart] = [slave.committed.status, slave.trial.status].map(|s| s == Status::Gap);
                 // What stands on the master without a force, as bodies that are meshed to touch, touches already.
@@ -75,7 +75,7 @@ impl Newton<'_> {
                 counts[1] += f64::from(apart != now_apart && !stands);
             }
         }
-        sum(self.comm, &mut counts);
+        sum(self.system.comm, &mut counts);
         if counts[1] > 1.0 { counts[1] / counts[0] } else { 0.0 }
     }
 }
