@@ -84,6 +84,14 @@ macro_rules! controls {
         $($name:ident: $kind:ident = $default:expr, [$low:expr, $high:expr], $unit:literal, $reason:literal;)*
     })*) => {
         /// The controls of a run; see [`Controls::TABLE`].
+        ///
+        /// ```
+        /// use nagata::controls::Controls;
+        ///
+        /// let mut controls = Controls::default();
+        /// assert!(controls.set("jump_tries", 4.0) && !controls.set("jump_tries", -1.0) && !controls.set("junp_tries", 4.0));
+        /// assert_eq!(controls.jump_tries, 4);
+        /// ```
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Controls {
             $($(

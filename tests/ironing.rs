@@ -1,4 +1,4 @@
-//! The ironing scene of the README against an independent two-dimensional code (bilinear quadrilaterals, the same law and
+//! inputs/ironing-rigid.toml against an independent two-dimensional code (bilinear quadrilaterals, the same law and
 //! contact conditions, dense Python), which is the same discrete problem: forces must agree to the printed digits.
 //!
 //! ```text

@@ -16,6 +16,34 @@ use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 
 /// A simulation in progress. All ranks make the same calls at the same time; what they are given must be the same.
+///
+/// ```
+/// use nagata::analysis::{Event, Simulation};
+/// use nagata::scene;
+///
+/// let universe = mpi::initialize().expect("MPI");
+/// let world = universe.world();
+/// let petsc = petsc::Petsc::initialize(&world, &[])?;
+/// let text = r#"
+///     body.cube.block = { box = { size = [1, 1, 1] }, elements = [2, 2, 2], faces = { bottom = "zmin", top = "zmax" } }
+///     body.cube.material = "rubber"
+///     material.rubber = { model = "neo-hookean", young = 6.0, poisson = 0.45 }
+///     tool.lid.plane = { point = [0, 0, 1], normal = [0, 0, -1] }
+///     contact.top = { slave = "cube.top", master = "lid" }
+///     step = [{ increments = 2, fix = [{ set = "cube.bottom" }], move = [{ target = "lid", by = [0, 0, -0.1] }] }]
+/// "#;
+/// let scene = scene::parse("cube", text, std::path::Path::new("."), &[])?;
+/// let mut simulation = Simulation::new(&world, &petsc, &scene)?;
+/// simulation.begin(&scene.steps[0])?;
+/// let mut observer = |_: &Event| Ok(());
+/// while let Some(increment) = simulation.advance(&mut observer)? {
+///     assert!(increment.residual() < 1e-9);
+/// }
+/// let lid = simulation.tool("lid").expect("a tool of the scene");
+/// let bottom = simulation.set("cube.bottom").expect("a set of the scene");
+/// assert!(lid.force.z < -0.5 && (lid.force.z + bottom.reaction.z).abs() < 1e-9);
+/// # Ok::<(), nagata::error::Error>(())
+/// ```
 pub struct Simulation<'a> {
     pub(super) comm: &'a SimpleCommunicator,
     pub(super) petsc: &'a Petsc<'a>,

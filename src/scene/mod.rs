@@ -185,6 +185,13 @@ pub struct Step {
 impl Step {
     /// A step of a program, not of a scene file, in which nothing acts yet: of so many even increments over a time of 1.
     ///
+    /// ```
+    /// use nagata::scene::Step;
+    ///
+    /// let draw = Step::new("draw", 20).fixing("pad.bottom").moving("roller", [10.0, 0.0, 0.0]);
+    /// assert_eq!((draw.increment.max, draw.moves.len()), (0.05, 1));
+    /// ```
+    ///
     /// # Panics
     /// Without increments.
     pub fn new(name: &str, increments: usize) -> Self {

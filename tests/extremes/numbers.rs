@@ -301,7 +301,7 @@ history = ["b.xmin"]
             let beam = -3.0 * (1000.0 / 0.91) * (thickness.powi(3) / 12.0) * 0.01 / 512.0;
             let case =
                 Case::text(format!("{element}, {:e}", thickness / 10.0), scene).oracle(balance(&["r", "b.xmin"], 1e-6));
-            // The others lock in bending with one layer, which is said in the README: only balance and contact.
+            // The others lock in bending with one layer, which is said in docs/trouble.md: only balance and contact.
             let case = if element == "hex8-eas" {
                 case.oracle(value("r.fy", beam, 0.03, "3 E I d / a^3"))
             } else {

@@ -64,6 +64,25 @@ pub struct PieceSet<P> {
 }
 
 /// The surface of a mesh.
+///
+/// ```
+/// use nagata::Vec3;
+/// use nagata::mesh::{Facet, Mesh};
+/// use nagata::surface::{NormalOptions, PatchSet, Smoothing, patches_from_mesh};
+///
+/// // Four facets around a quarter of a cylinder of radius 1.
+/// let corner = |k: usize, z: f64| { let (s, c) = (k as f64 * std::f64::consts::PI / 8.0).sin_cos(); [c, s, z] };
+/// let points: Vec<[f64; 3]> = (0..5).flat_map(|k| [corner(k, 0.0), corner(k, 1.0)]).collect();
+/// let facet = |k: u32| Facet { count: 4, nodes: [2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1], id: u64::from(k) };
+/// let mesh = Mesh { point_ids: (0..10).collect(), points, facets: (0..4).map(facet).collect(), ..Mesh::default() };
+/// let x = Vec3::new(1.0, 0.7, 0.5);
+/// let error = |smoothing| {
+///     let patches = patches_from_mesh(&mesh, smoothing, &NormalOptions::default(), false).unwrap();
+///     let at = PatchSet::new(patches).closest(&x, 1.0, None).unwrap();
+///     (at.gap - (x.xy().norm() - 1.0)).abs()
+/// };
+/// assert!(error(Smoothing::Nagata) < 1e-3 && error(Smoothing::Facet) > 1e-2);
+/// ```
 pub type PatchSet = PieceSet<Patch>;
 
 impl PatchSet {
