@@ -516,7 +516,7 @@ def report(study, folder):
 def main():
     parser = arguments(__doc__)
     add_out(parser, OUT / "geometry")
-    parser.add_argument("--docs", type=Path, metavar="FOLDER", help="also write small pictures for docs/validation there")
+    parser.add_argument("--docs", type=Path, metavar="FOLDER", help="also write small pictures for the documents there")
     args = parser.parse_args()
     setup()
     runs = args.out / "runs"
