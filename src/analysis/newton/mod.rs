@@ -158,7 +158,7 @@ impl<'a> Newton<'a> {
             watcher,
             settling: start.manner.settles,
             predicting: true,
-            moves: any(*comm, conditions.prescribed.iter().enumerate().any(away)),
+            moves: any(comm, conditions.prescribed.iter().enumerate().any(away)),
             drag: Drag::default(),
         };
         let found = Evaluated {
