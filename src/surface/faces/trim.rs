@@ -9,6 +9,9 @@ use super::curves::{bisect, monotone_parts};
 use crate::surface::Curve;
 use nalgebra::Vector2;
 
+/// What the ends of two parts of a curve differ by, over their coordinates.
+const ROUNDED: f64 = 64.0 * f64::EPSILON;
+
 /// The loops of a face, ready for [`Trim::holds`].
 #[derive(Debug)]
 pub struct Trim {
@@ -24,12 +27,17 @@ struct Part {
 }
 
 impl Trim {
-    /// Loops as Bézier curves, each beginning where another ends to the last digit.
+    /// Loops as Bézier curves, each beginning where another ends: to the last digit, but where a curve was cut in two, of
+    /// which the one behind follows the one before.
     pub fn new<'a>(curves: impl Iterator<Item = &'a Curve<2>>) -> Self {
         let mut parts = Vec::new();
+        let mut last: Option<Vector2<f64>> = None;
         for curve in curves {
             let pieces = monotone_parts(curve);
-            let mut start = curve.points()[0].y;
+            let from = curve.points()[0];
+            let joins = |last: &Vector2<f64>| (last - from).amax() <= ROUNDED * from.amax();
+            let mut start = last.filter(joins).unwrap_or(from).y;
+            last = curve.points().last().copied();
             for (k, piece) in pieces.iter().enumerate() {
                 // Ends are shared, so that no rounding opens the loop.
                 let whole = if k + 1 == pieces.len() { curve } else { piece };
@@ -87,5 +95,36 @@ impl Part {
             t = if low < next && next < high { next } else { 0.5 * (low + high) };
         }
         bisect(|t| self.curve.local(t).point.y > v, self.rises)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::KnotVector;
+
+    fn line(from: [f64; 2], to: [f64; 2]) -> Curve<2> {
+        let points = vec![Vector2::from(from), Vector2::from(to)];
+        Curve::new(KnotVector::bezier(1), points, vec![1.0; 2]).unwrap()
+    }
+
+    #[test]
+    fn a_side_that_was_cut_leaves_no_gap() {
+        for height in [0.5, 1.0 / 3.0, std::f64::consts::FRAC_PI_2] {
+            for next in [height.next_down(), height, height.next_up()] {
+                let sides = [
+                    line([0.0, 0.0], [1.0, 0.0]),
+                    line([1.0, 0.0], [1.0, height]),
+                    line([1.0, next], [1.0, 2.0]),
+                    line([1.0, 2.0], [0.0, 2.0]),
+                    line([0.0, 2.0], [0.0, 0.0]),
+                ];
+                let trim = Trim::new(sides.iter());
+                let seen = trim.seen_from([0.0, 0.0], [1.0, 2.0]);
+                for v in [height.next_down(), height, height.next_up(), next] {
+                    assert!(trim.holds([0.5, v], &seen) && !trim.holds([1.5, v], &seen), "{v:e} {next:e}");
+                }
+            }
+        }
     }
 }
