@@ -12,6 +12,7 @@ use nagata::failure::Cause;
 use nagata::scene::{self, Scene, Step};
 use petsc::Petsc;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn scene(body: &str, step: &str) -> Scene {
     let text = format!(
@@ -171,6 +172,10 @@ fn failures_and_observers_end_it_and_lose_nothing() {
 
 #[test]
 fn the_example_says_the_same_on_all_ranks() {
+    // One file of tests alone does not build examples.
+    let profile = if cfg!(debug_assertions) { "dev" } else { "release" };
+    let build = ["build", "--quiet", "--locked", "--example", "driver", "--profile", profile];
+    assert!(Command::new(env!("CARGO")).args(build).status().unwrap().success());
     // Beside this test: target/release/examples.
     let example: PathBuf = std::env::current_exe().unwrap().parent().unwrap().with_file_name("examples").join("driver");
     let said = [1, 2].map(|ranks| {
