@@ -356,20 +356,20 @@ impl<'a> Simulation<'a> {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),
         }
-        let attempt = loop {
+        // Why there is no solution, if there is none.
+        let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
-            if let Some(error) = newton.course.stopped.take() {
-                return Err(error);
-            }
             let at = (name.as_str(), self.state.time);
-            if let Some(error) = ending::at_once(self.comm, at, newton.course.interrupted, &outcome.reason) {
-                return Err(error);
+            let stopped = newton.course.stopped.take();
+            if let Some(error) =
+                stopped.or_else(|| ending::at_once(self.comm, at, newton.course.interrupted, &outcome.reason))
+            {
+                break Err(error);
             }
             if outcome.reason != Reason::Converged {
-                let reason = told(&outcome.reason, max_iterations);
                 let cause = cause(&outcome.reason, newton.course.trace.len() <= 1, controls.singular_residual);
-                break Attempt::Failed(failed(&newton, cause, reason, extrapolated));
+                break Ok(Some((cause, told(&outcome.reason, max_iterations))));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
             if newton.widen_search() {
@@ -381,26 +381,22 @@ impl<'a> Simulation<'a> {
             };
             match round {
                 Round::Again => {}
-                Round::Done => {
-                    break match newton.unresolved(true) {
-                        None => Attempt::Converged(Box::new(converged(&newton, &x.array()?))),
-                        Some(reason) => Attempt::Failed(failed(&newton, Cause::Rounding, reason, extrapolated)),
-                    };
-                }
-                Round::Failed(reason) => {
-                    break Attempt::Failed(failed(&newton, Cause::Rounds, reason, extrapolated));
-                }
-                Round::Contradicts(reason) => {
-                    break Attempt::Failed(failed(&newton, Cause::Contradiction, reason, extrapolated));
-                }
+                Round::Done => break Ok(newton.unresolved(true).map(|reason| (Cause::Rounding, reason))),
+                Round::Failed(reason) => break Ok(Some((Cause::Rounds, reason))),
+                Round::Contradicts(reason) => break Ok(Some((Cause::Contradiction, reason))),
             }
         };
         self.summary.outer_iterations += newton.course.rounds.count;
         self.summary.pattern_rebuilds += newton.course.rebuilds;
+        let attempt = match ended {
+            Err(error) => Err(error),
+            Ok(None) => Ok(Attempt::Converged(Box::new(converged(newton, &x.array()?)))),
+            Ok(Some((cause, reason))) => Ok(Attempt::Failed(failed(newton, cause, reason, extrapolated))),
+        };
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        Ok(match self.watched(attempt) {
+        Ok(match self.watched(attempt?) {
             Attempt::Converged(converged) if drag == 0.0 => self.still_held(frame, converged),
             attempt => attempt,
         })
@@ -554,32 +550,35 @@ impl<'a> Simulation<'a> {
 }
 
 /// What is kept of a converged iterate.
-fn converged(newton: &Newton, x: &[f64]) -> Converged {
+fn converged(newton: Newton, x: &[f64]) -> Converged {
+    let (multipliers, limits, limit) = (newton.multipliers(x), newton.limits(), newton.limit());
+    let Newton { s: end, found, course, .. } = newton;
     Converged {
-        end: newton.s,
-        u: newton.found.u.clone(),
-        forces: newton.found.forces.clone(),
-        tool_forces: newton.found.tool_forces.clone(),
-        offsets: newton.found.offsets.clone(),
-        multipliers: newton.multipliers(x),
-        seen: newton.found.balance.accepted(),
-        limits: newton.limits(),
-        limit: newton.limit(),
-        trace: newton.course.trace.clone(),
-        changes: newton.course.changes.clone(),
-        calmed: newton.course.calmed.clone(),
-        rounds: newton.course.rounds.count + newton.course.rounds.tightened,
+        end,
+        seen: found.balance.accepted(),
+        u: found.u,
+        forces: found.forces,
+        tool_forces: found.tool_forces,
+        offsets: found.offsets,
+        multipliers,
+        limits,
+        limit,
+        trace: course.trace,
+        changes: course.changes,
+        calmed: course.calmed,
+        rounds: course.rounds.count + course.rounds.tightened,
     }
 }
 
 /// What is told of an iterate that is no solution.
-fn failed(newton: &Newton, cause: Cause, reason: String, extrapolated: bool) -> Failed {
-    let (trace, changes) = (newton.course.trace.clone(), newton.course.changes.clone());
+fn failed(newton: Newton, cause: Cause, reason: String, extrapolated: bool) -> Failed {
     let (cause, reason) = match newton.unresolved(false) {
         Some(lost) => (Cause::Rounding, lost),
         None => (cause, reason),
     };
-    Failed { end: newton.s, cause, reason, extrapolated, worst: Some(newton.found.worst), trace, changes }
+    let Newton { s: end, found, course, .. } = newton;
+    let (trace, changes) = (course.trace, course.changes);
+    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), trace, changes }
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what

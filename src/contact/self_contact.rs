@@ -78,20 +78,23 @@ impl Across {
 impl Avoided {
     /// Whether a node may meet a patch at a point with its unit normal.
     fn allows(&self, look: &Outlook, outward: &Vec3, id: u32, point: &Vec3, normal: &Vec3) -> bool {
-        outward.dot(normal) < look.facing
-            && (look.x - point).dot(normal) > -self.deep
-            && self.around.binary_search(&id).is_err()
+        outward.dot(normal) < look.facing && (look.x - point).dot(normal) > -self.deep && !self.is_beside(id)
+    }
+
+    /// Whether a patch is one of those around the node.
+    fn is_beside(&self, id: u32) -> bool {
+        self.around.binary_search(&id).is_ok()
     }
 
     /// Whether the node may meet some point of a patch, by a margin: its normal need only look back at all.
     pub fn may_allow(&self, outward: &Vec3, id: u32, extent: &Extent) -> bool {
-        extent.may_face(outward) && self.around.binary_search(&id).is_err()
+        extent.may_face(outward) && !self.is_beside(id)
     }
 
     /// Whether the node, which looks `outward`, may meet a patch before long.
     pub fn may_meet(&self, outward: &Vec3, patch: &Patch) -> bool {
         let normal = patch.local(patch.center()).area_vector();
-        outward.dot(&normal) < 0.0 && self.around.binary_search(&patch.id).is_err()
+        outward.dot(&normal) < 0.0 && !self.is_beside(patch.id)
     }
 
     /// Least depth below a patch from which the node is on the other side of its sheet.

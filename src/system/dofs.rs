@@ -150,40 +150,31 @@ impl DofMap {
         forces
     }
 
+    /// The node of a local equation, with the direction of a displacement and none for a multiplier; none for those of tools.
+    fn node_of(&self, model: &Model, equation: usize) -> Option<(u32, Option<usize>)> {
+        let wanted = self.first + equation as i64;
+        let of_node = |equations: &[i64; 3]| equations.iter().position(|&e| e == wanted);
+        let mut displacements = self.node.iter().take(model.part.owned).enumerate();
+        let displacement = displacements.find_map(|(n, equations)| Some((n as u32, Some(of_node(equations)?))));
+        displacement.or_else(|| {
+            let pairs = model.pairs.iter().zip(&self.multiplier);
+            let mut slaves = pairs.flat_map(|(pair, of_pair)| pair.slaves.iter().zip(of_pair));
+            slaves.find(|(_, equations)| equations.contains(&wanted)).map(|(slave, _)| (slave.node, None))
+        })
+    }
+
     /// The node of a local equation; none for those of tools.
     pub fn place(&self, model: &Model, equation: usize) -> Option<Place> {
-        let wanted = self.first + equation as i64;
-        let of_node = self.node.iter().take(model.part.owned).position(|equations| equations.contains(&wanted));
-        let slaves =
-            model.pairs.iter().zip(&self.multiplier).flat_map(|(pair, of_pair)| pair.slaves.iter().zip(of_pair));
-        let of_slave = || slaves.into_iter().find(|(_, equations)| equations.contains(&wanted));
-        let node = of_node.map(|n| n as u32).or_else(|| of_slave().map(|(slave, _)| slave.node))?;
-        Some(place_of(model, node))
+        self.node_of(model, equation).map(|(node, _)| place_of(model, node))
     }
 
     /// The node and component, or else the slave or tool, of a local equation, for messages.
     pub fn describe(&self, model: &Model, equation: usize) -> String {
-        let wanted = self.first + equation as i64;
-        let axis = |d: usize| ["x", "y", "z"][d];
-        for (node, equations) in self.node.iter().enumerate().take(model.part.owned) {
-            if let Some(d) = equations.iter().position(|&e| e == wanted) {
-                return format!(
-                    "{} of node {}{}",
-                    axis(d),
-                    node_name(model, node as u32),
-                    contact_status(model, node as u32)
-                );
-            }
-        }
-        for (pair, of_pair) in model.pairs.iter().zip(&self.multiplier) {
-            for (slave, equations) in pair.slaves.iter().zip(of_pair) {
-                if equations.contains(&wanted) {
-                    let (name, status) = (node_name(model, slave.node), contact_status(model, slave.node));
-                    return format!("the contact force at node {name}{status}");
-                }
-            }
-        }
-        "the motion of a force-driven tool".into()
+        let Some((node, direction)) = self.node_of(model, equation) else {
+            return "the motion of a force-driven tool".into();
+        };
+        let what = direction.map_or("the contact force at".into(), |d| format!("{} of", ["x", "y", "z"][d]));
+        format!("{what} node {}{}", node_name(model, node), contact_status(model, node))
     }
 }
 

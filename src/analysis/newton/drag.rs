@@ -29,25 +29,17 @@ impl Newton<'_> {
     }
 
     pub(super) fn add_drag(&self, x: &[f64], r: &mut [f64]) {
-        if self.strategy.drag.coefficient > 0.0 {
-            self.strategy
-                .drag
-                .rest
-                .iter()
-                .for_each(|&(k, rest)| r[k] += self.strategy.drag.coefficient * (x[k] - rest));
+        let Drag { coefficient, rest } = &self.strategy.drag;
+        if *coefficient > 0.0 {
+            rest.iter().for_each(|&(k, rest)| r[k] += coefficient * (x[k] - rest));
         }
     }
 
     pub(super) fn add_drag_tangent(&mut self) {
-        if self.strategy.drag.coefficient > 0.0 {
-            for &(k, _) in &self.strategy.drag.rest {
-                self.system.pattern.add(
-                    &mut self.values,
-                    k,
-                    self.system.dofs.first + k as i64,
-                    self.strategy.drag.coefficient,
-                );
-            }
+        let (Drag { coefficient, rest }, first) = (&self.strategy.drag, self.system.dofs.first);
+        if *coefficient > 0.0 {
+            rest.iter()
+                .for_each(|&(k, _)| self.system.pattern.add(&mut self.values, k, first + k as i64, *coefficient));
         }
     }
 }
