@@ -1,13 +1,13 @@
 //! The contact element of a node: a rigid tool, and a patch of a deformable master that depends on 12 nodes.
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use nagata::Vec3;
-use nagata::contact::deformable::{Contact, Element, Method, Origin, Site, Tangent};
-use nagata::contact::{Compliance, Guide, Law, Multiplier, element};
+use nagata::contact::element::{Contact, Element, Method, Opposite, Origin, Site};
+use nagata::contact::{Compliance, Guide, Law, Multiplier, Tangent};
 use nagata::controls::Controls;
 use nagata::mesh::{Facet, Mesh};
 use nagata::scene::Smoothing;
 use nagata::surface::{MovingPatch, PatchSet, Transfer};
+use nagata::{Mat3, Vec3};
 use std::hint::black_box;
 
 /// A dome of 5 by 5 quadrilaterals.
@@ -50,8 +50,12 @@ fn contact(c: &mut Criterion) {
         let projection = set.closest(&x, 1.0, None).expect("a projection");
         let patch = &patches[projection.patch as usize];
         let (positions, before) = (place(patch), place(&patches[7]));
-        let origin = Origin::Carried(Site { patch: &patches[7], positions: &before, xi: [0.4, 0.6] });
-        let contact = Contact { projection: &projection, patch, positions: &positions, origin, carried: Vec3::zeros() };
+        let stencil = |patch: &MovingPatch| -> Vec<u32> { patch.nodes.iter().map(|n| *n as u32).collect() };
+        let (on, from) = (stencil(patch), stencil(&patches[7]));
+        let site = Site { patch: &patches[7], stencil: &from, positions: &before, xi: [0.4, 0.6] };
+        let foot = Site { patch, stencil: &on, positions: &positions, xi: projection.xi };
+        let (projection, carried) = (&projection, Vec3::zeros());
+        let contact = Contact { projection, opposite: Opposite::Patch(foot), origin: Origin::Carried(site), carried };
         let mut e = Element::default();
         let name = |what: &str| format!("{smoothing:?}, {} nodes: {what}", patch.nodes.len());
         c.bench_function(&name("shape"), |b| b.iter(|| patch.shape(black_box(&positions))));
@@ -64,16 +68,15 @@ fn contact(c: &mut Criterion) {
                 b.iter(|| e.tangent(&method, black_box(&augmented), Some(&contact), &Guide::default()))
             });
         }
-        let frictionless = Law { friction: 0.0, ..law };
-        let anchor = patches[7].shape(&before).point([0.4, 0.6]);
-        c.bench_function(&name("rigid, with friction"), |b| {
-            b.iter(|| element::element(law, black_box(&augmented), Some(&projection), anchor, &Guide::default()))
-        });
-        c.bench_function(&name("rigid, without friction"), |b| {
-            b.iter(|| {
-                element::element(frictionless, black_box(&augmented), Some(&projection), anchor, &Guide::default())
-            })
-        });
+        let origin = Origin::Fixed(patches[7].shape(&before).point([0.4, 0.6]));
+        let rigid = Contact { projection, opposite: Opposite::Tool(Mat3::identity()), origin, carried };
+        for (friction, name) in [(0.3, name("rigid, with friction")), (0.0, name("rigid, without friction"))] {
+            let law = Law { friction, ..law };
+            let method = Method { law, transfer: Transfer::Bilinear, tangent: Tangent::Exact };
+            c.bench_function(&name, |b| {
+                b.iter(|| e.tangent(&method, black_box(&augmented), Some(&rigid), &Guide::default()))
+            });
+        }
     }
 }
 

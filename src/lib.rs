@@ -15,7 +15,7 @@
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
-//! - [`contact`]: placed tools, deformable masters, contact pairs, the laws of contact, and the contact elements
+//! - [`contact`]: masters (placed tools, surfaces of bodies), contact pairs, the laws of contact, and the contact element
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for

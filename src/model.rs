@@ -7,7 +7,7 @@ pub mod states;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, BodySurface, Master, Pair, Slave, Tool, follow_all, guidance, mates, self_contact};
+use crate::contact::{Avoided, BodySurface, Master, Masters, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
@@ -65,9 +65,7 @@ pub struct Model {
     pub history: History,
     pub bodies: Vec<Body>,
     pub symmetry: Vec<SymmetryPlane>,
-    pub tools: Vec<Tool>,
-    /// Deformable masters, one for each pair that has one.
-    pub surfaces: Vec<BodySurface>,
+    pub masters: Masters,
     pub pairs: Vec<Pair>,
     /// Index of each set of the scene in [`Part::sets`].
     set_index: BTreeMap<String, usize>,
@@ -119,7 +117,7 @@ impl Model {
             tools.push(Tool::new(comm, tool, &scene.controls)?);
         }
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
-        let (surfaces, pairs) = (Vec::new(), Vec::new());
+        let pairs = Vec::new();
         let warnings = Vec::new();
         let remembers = |solid: &PartSolid| {
             let body: &Body = &bodies[solid.body as usize];
@@ -131,8 +129,7 @@ impl Model {
             history,
             bodies,
             symmetry,
-            tools,
-            surfaces,
+            masters: Masters { tools, surfaces: Vec::new() },
             pairs,
             set_index,
             stiffness: 0.0,
@@ -146,7 +143,7 @@ impl Model {
         for ((name, given), (patches, found)) in masters.zip(&patches) {
             avoided.push(self_contact::deal(comm, found, &model.part.starts));
             let size = model.longest_edge(comm, name);
-            model.surfaces.push(BodySurface::new(comm, name, given, patches, &model.part.starts, size));
+            model.masters.surfaces.push(BodySurface::new(comm, name, given, patches, &model.part.starts, size));
         }
         let stiffness = agree(comm, elements::nodal_stiffness(&model))?;
         let volume = model.volume(comm);
@@ -183,10 +180,7 @@ impl Model {
 
     /// The master of a pair in words.
     pub fn master_name(&self, pair: &Pair) -> String {
-        match pair.master {
-            Master::Tool(t) => format!("the tool `{}`", self.tools[t].name),
-            Master::Surface(k) => format!("`{}`", self.surfaces[k].name),
-        }
+        self.masters.of(pair.master).name()
     }
 
     /// Volume of all bodies. Collective.
@@ -215,7 +209,12 @@ impl Model {
         let (mut master, mut planar, mut softest) = (Master::Tool(0), false, f64::INFINITY);
         let within_body = body_of(&contact.slave.value) == body_of(&contact.master.value);
         if contact.surface.is_some() {
-            master = Master::Surface(self.pairs.iter().filter(|p| matches!(p.master, Master::Surface(_))).count());
+            let surface = self.pairs.iter().filter(|p| p.master.surface().is_some()).count();
+            master = match contact.discretization {
+                Discretization::NodeToNode => Master::Nodes(surface),
+                _ if contact.is_self() => Master::Own(surface),
+                _ => Master::Faces(surface),
+            };
             planar = [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value));
             softest = self.mean_stiffness(comm, &contact.master.value);
         } else if let Some(tool) = scene.tools.iter().position(|t| t.name.value == contact.master.value) {
@@ -229,7 +228,7 @@ impl Model {
             nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
         }
         let mut shunned = Vec::new();
-        if let (true, Master::Surface(k)) = (contact.is_self(), master) {
+        if let Master::Own(k) = master {
             let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
             let depth = |avoided: Avoided| match contact.thickness {
                 Some(thickness) => avoided.with_thickness(thickness, self.controls.self_depth),
@@ -269,7 +268,6 @@ impl Model {
             facing: -self.controls.self_facing.to_radians().cos(),
             controls: self.controls,
             outward: Vec::new(),
-            discretization: contact.discretization,
             other: None,
             is_second: false,
             sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
@@ -296,16 +294,16 @@ impl Model {
 
     /// Pairs the nodes of contacts from node to node where they stand. Collective.
     fn find_mates(&mut self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
-        let Self { part, surfaces, pairs, .. } = self;
+        let Self { part, masters, pairs, .. } = self;
         let place = |n: u32| part.points[n as usize];
-        follow_all(comm, surfaces, pairs, place);
-        for pair in pairs.iter_mut().filter(|p| p.discretization == Discretization::NodeToNode) {
-            let (Master::Surface(k), Some(contact)) =
+        masters.follow(comm, pairs, place);
+        for pair in pairs.iter_mut() {
+            let (Master::Nodes(k), Some(contact)) =
                 (pair.master, scene.contacts.iter().find(|c| c.name.value == pair.name))
             else {
                 continue;
             };
-            let lonely = mates::find(&mut pair.slaves, &surfaces[k], place).err();
+            let lonely = mates::find(&mut pair.slaves, &masters.surfaces[k], place).err();
             let told = lonely.map(|(node, distance)| {
                 let (x, id) = (place(node), part.id[node as usize]);
                 let what = format!(

@@ -5,11 +5,11 @@
 //! it has.
 
 use crate::Vec3;
-use crate::contact::{Discretization, Master, Pair, Pose, Tool};
+use crate::contact::{Pair, Pose, Tool};
 use crate::error::{Error, Location, Result};
 use crate::model::{Model, elements};
 use crate::parallel::sum;
-use crate::scene::{Formulation, Rotation, Smoothing, Step, Tangent, Transfer};
+use crate::scene::{Formulation, Rotation, Step};
 use crate::system::dofs::{Prescribed, ToolFreedom};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -60,7 +60,7 @@ impl Conditions {
     pub fn none(model: &Model) -> Self {
         Self {
             loads: vec![Ramp::default(); model.part.owned],
-            tool_forces: vec![Ramp::default(); model.tools.len()],
+            tool_forces: vec![Ramp::default(); model.masters.tools.len()],
             ..Self::default()
         }
     }
@@ -72,12 +72,12 @@ impl Conditions {
     pub fn new(comm: &SimpleCommunicator, model: &Model, step: &Step, u: &[Vec3], last: &Self) -> Result<Self> {
         let mut conditions = Self {
             prescribed: vec![None; 3 * model.part.owned],
-            motions: vec![ToolMotion::default(); model.tools.len()],
+            motions: vec![ToolMotion::default(); model.masters.tools.len()],
             loads: vec![Ramp::default(); model.part.owned],
             pressures: (last.pressures.iter().filter(|(_, p)| p.to != 0.0))
                 .map(|(k, p)| (k.clone(), Ramp { from: p.to, to: 0.0 }))
                 .collect(),
-            tool_forces: vec![Ramp::default(); model.tools.len()],
+            tool_forces: vec![Ramp::default(); model.masters.tools.len()],
         };
         for (ramp, before) in conditions.loads.iter_mut().zip(&last.loads) {
             ramp.from = before.to;
@@ -125,9 +125,12 @@ impl Conditions {
         self.motions.iter().map(|m| ToolFreedom { free: m.free, moves: [0, 1, 2].map(|d| moves(m, d)) }).collect()
     }
 
-    /// Directions in which neither a slave node nor its tool can give way.
-    pub fn locked(&self, node: u32, tool: usize) -> [bool; 3] {
-        [0, 1, 2].map(|d| self.prescribed[3 * node as usize + d].is_some() && !self.motions[tool].free[d])
+    /// How far the step moves each tool along each direction: NaN where a force does, infinite where it turns.
+    pub fn moves_of_tools(&self) -> Vec<[f64; 3]> {
+        let of_tool = |tool: &ToolFreedom| {
+            [0, 1, 2].map(|d| if tool.free[d] { f64::NAN } else { tool.moves[d].unwrap_or(f64::INFINITY) })
+        };
+        self.freedoms().iter().map(of_tool).collect()
     }
 
     /// How far the step moves an owned node along a direction; NaN where it is free.
@@ -146,16 +149,7 @@ impl Conditions {
     /// Whether the tangent is symmetric: no friction, no follower pressure, no F-bar, and forces on deformable masters that
     /// have a potential.
     pub fn is_symmetric(&self, model: &Model) -> bool {
-        // The derivatives of a facet by its own nodes are all that there are.
-        let potential = |pair: &Pair| match pair.master {
-            Master::Tool(_) => true,
-            Master::Surface(k) => {
-                let given = &model.surfaces[k].given;
-                let exact = pair.tangent == Tangent::Exact
-                    && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet);
-                exact || pair.discretization == Discretization::NodeToNode
-            }
-        };
+        let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.tangent);
         let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
         conservative && model.bodies.iter().all(|b| b.element != Formulation::Hex8Fbar)
     }
@@ -179,7 +173,7 @@ impl Conditions {
     /// Total forces on sets, spread by reference area, evenly over a set without faces. Collective.
     fn add_forces(&mut self, comm: &SimpleCommunicator, model: &Model, step: &Step) {
         for force in &step.forces {
-            if let Some(tool) = model.tools.iter().position(|t| t.name == force.target.value) {
+            if let Some(tool) = model.masters.tools.iter().position(|t| t.name == force.target.value) {
                 self.tool_forces[tool].to += force.total;
                 for d in (0..3).filter(|&d| force.directions[d]) {
                     self.motions[tool].free[d] = true;
@@ -198,7 +192,7 @@ impl Conditions {
             self.prescribe_set(model, &fix.set.value, &fix.set.at, u, &fix.directions, &Vec3::zeros())?;
         }
         for motion in &step.moves {
-            if let Some(tool) = model.tools.iter().position(|t| t.name == motion.target.value) {
+            if let Some(tool) = model.masters.tools.iter().position(|t| t.name == motion.target.value) {
                 self.motions[tool].by = motion.by;
                 self.motions[tool].rotation = motion.rotate;
             } else {

@@ -2,7 +2,7 @@
 
 use super::conditions::Conditions;
 use super::{Increment, Remedy, Retried};
-use crate::contact::{BodySurface, Discretization, Tool};
+use crate::contact::{BodySurface, Master, Tool};
 use crate::error::Result;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
@@ -26,7 +26,7 @@ pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Strin
         scene.title,
         some(model.part.total_solids, "element"),
         some(model.part.total_nodes, "node"),
-        some(model.tools.len() as u64, "tool"),
+        some(model.masters.tools.len() as u64, "tool"),
         some(model.pairs.len() as u64, "contact"),
         some(comm.size() as u64, "rank"),
     )
@@ -158,10 +158,10 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
         let _ = writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}", body.name.value, kind.unwrap_or("?"));
     }
-    for tool in &model.tools {
+    for tool in &model.masters.tools {
         let _ = writeln!(text, "{}", self::tool(tool));
     }
-    for surface in &model.surfaces {
+    for surface in &model.masters.surfaces {
         let _ = writeln!(text, "{}", master(surface));
     }
     let slaves = model.slave_counts(comm);
@@ -177,7 +177,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = if pair.discretization == Discretization::NodeToNode { ", each on a node of the master" } else { "" };
+        let by = if let Master::Nodes(_) = pair.master { ", each on a node of the master" } else { "" };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
     for line in &begins {
@@ -191,7 +191,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     for step in &scene.steps {
         let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
         let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
-        super::survey(comm, model, &conditions, &dofs, &still);
+        let Model { part, masters, pairs, .. } = &mut *model;
+        masters.follow(comm, pairs, |n| part.points[n as usize]);
         let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
         let mut entries = [pattern.columns.len() as f64];
         sum(comm, &mut entries);

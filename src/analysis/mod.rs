@@ -44,20 +44,3 @@ pub use ladder::Way;
 pub use run::{Options, run};
 pub use simulation::{ContactReading, SetReading, Simulation, ToolReading};
 pub use state::{Checkpoint, State};
-
-use crate::Vec3;
-use crate::contact::follow_all;
-use crate::model::Model;
-use crate::system::DofMap;
-use conditions::Conditions;
-use mpi::topology::SimpleCommunicator;
-
-/// Lets the deformable masters follow displacements `u`, and learn the equations and conditions of their nodes. Collective.
-fn survey(comm: &SimpleCommunicator, model: &mut Model, conditions: &Conditions, dofs: &DofMap, u: &[Vec3]) {
-    let Model { part, surfaces, pairs, .. } = model;
-    let place = |n: u32| part.points[n as usize] + u[n as usize];
-    follow_all(comm, surfaces, pairs, place);
-    for surface in surfaces {
-        surface.learn(comm, place, &dofs.node, |n, d| conditions.move_of(n, d));
-    }
-}

@@ -2,7 +2,7 @@
 
 use super::{Increment, SetReading, Simulation, Way};
 use crate::Vec3;
-use crate::contact::{Master, Status};
+use crate::contact::Status;
 use crate::error::Result;
 use crate::mesh::SolidShape;
 use crate::model::{Body, Model, elements, states};
@@ -85,7 +85,7 @@ impl Results {
     pub fn add_row(&mut self, simulation: &Simulation, increment: &Increment) -> Result<()> {
         let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
         let mut row = Vec::new();
-        for (tool, force) in model.tools.iter().zip(&state.tool_forces) {
+        for (tool, force) in model.masters.tools.iter().zip(&state.tool_forces) {
             row.extend(tool.displacement().iter());
             row.extend((-force).iter());
         }
@@ -121,7 +121,7 @@ impl Results {
             sum(comm, &mut counts);
             max(comm, &mut most);
             row.extend(counts.iter().chain(&most));
-            if let Master::Surface(_) = pair.master {
+            if pair.master.surface().is_some() {
                 sum(comm, &mut force);
                 row.extend(force);
             }
@@ -157,11 +157,11 @@ impl Results {
         for (p, shown) in self.contacts.iter().enumerate() {
             grids.push(contact_columns(model, p, shown, u));
         }
-        for ((grid, points), tool) in self.tools.iter().zip(&model.tools) {
+        for ((grid, points), tool) in self.tools.iter().zip(&model.masters.tools) {
             let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
             grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
         }
-        for ((grid, points), surface) in self.masters.iter().zip(&model.surfaces) {
+        for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
             let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
             let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
             grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
@@ -200,7 +200,7 @@ fn plastic_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
 
 /// Columns of the history after `step,increment,time,iterations`.
 fn columns(model: &Model, watched: &[String]) -> Vec<String> {
-    let names = model.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
+    let names = model.masters.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
     let mut columns: Vec<String> =
         names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
     for (_, body) in plastic_bodies(model) {
@@ -209,7 +209,7 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
     for pair in model.pairs.iter().filter(|p| !p.is_second) {
         let quantities = ["active", "stick", "slip", "max_penetration", "max_pressure"];
         columns.extend(quantities.map(|c| format!("{}.{c}", pair.name)));
-        if let Master::Surface(_) = pair.master {
+        if pair.master.surface().is_some() {
             columns.extend(["fx", "fy", "fz"].map(|c| format!("{}.{c}", pair.name)));
         }
     }
@@ -301,7 +301,7 @@ fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> R
     let (lo, hi) = whole.unwrap_or_default();
     let clip = grown((lo, hi), 0.25 * (hi - lo).norm());
     let mut tools = Vec::new();
-    for tool in &model.tools {
+    for tool in &model.masters.tools {
         let surface = tool.surface.tessellate(comm.rank(), PIECES, &clip);
         tools.push(add_surface(comm, fields, &format!("tool.{}", tool.name), &surface)?);
     }
@@ -310,8 +310,8 @@ fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> R
 
 /// Writes the deformable masters as they begin. Collective.
 fn add_masters(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
-    let pairs = model.pairs.iter().filter(|p| matches!(p.master, Master::Surface(_)));
-    let masters = model.surfaces.iter().zip(pairs).map(|(surface, pair)| {
+    let pairs = model.pairs.iter().filter(|p| p.master.surface().is_some());
+    let masters = model.masters.surfaces.iter().zip(pairs).map(|(surface, pair)| {
         let begins = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize]);
         add_surface(comm, fields, &format!("master.{}", pair.name), &begins)
     });

@@ -38,8 +38,8 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut log = Log::create(&folder, comm, options.quiet)?;
     let model = simulation.model();
     log.line(&describe::heading(comm, scene, model));
-    model.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
-    model.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
+    model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
+    model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));

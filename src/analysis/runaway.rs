@@ -12,7 +12,6 @@
 use super::Simulation;
 use super::step::Frame;
 use crate::Vec3;
-use crate::contact::Master;
 use crate::failure::{Cause, Failure};
 use crate::parallel::sum;
 use std::fmt::Write;
@@ -25,13 +24,13 @@ impl Simulation<'_> {
     /// slave nodes as they were at the last converged increment; `None` when all can be held. Collective.
     pub(super) fn runaway(&self, frame: &Frame, end: f64) -> Option<Failure> {
         let conditions = frame.conditions();
-        for (t, tool) in self.model.tools.iter().enumerate() {
+        for (t, tool) in self.model.masters.tools.iter().enumerate() {
             let (free, total) = (conditions.motions[t].free, conditions.tool_forces[t].at(end));
             let force = Vec3::from_fn(|d, _| if free[d] { total[d] } else { 0.0 });
             let Some(direction) = force.try_normalize(0.0) else { continue };
             // Slave nodes in reach, and those that can hold it.
             let mut counts = [0.0; 2];
-            for pair in self.model.pairs.iter().filter(|pair| pair.master == Master::Tool(t)) {
+            for pair in self.model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)) {
                 for normal in pair.slaves.iter().filter_map(|s| s.accepted.projection).map(|p| p.normal) {
                     let along = normal.dot(&direction);
                     let across = (direction - normal * along).norm();

@@ -4,14 +4,14 @@ use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, State, preflight};
-use crate::contact::{Master, Status, follow_all, watch_all};
+use crate::Vec3;
+use crate::contact::Status;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::output::summary::Summary;
 use crate::parallel::sum;
 use crate::scene::{Enforcement, Scene, Step};
-use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 
@@ -116,7 +116,7 @@ impl<'a> Simulation<'a> {
 
     /// What it has cost so far.
     pub fn summary(&self) -> Summary {
-        let search_fetches = self.model.surfaces.iter().map(|s| s.fetches).sum();
+        let search_fetches = self.model.masters.surfaces.iter().map(|s| s.fetches).sum();
         Summary { search_fetches, ..self.summary.clone() }
     }
 
@@ -159,8 +159,11 @@ impl<'a> Simulation<'a> {
 
     /// Where a tool is, and what it bears; `None` where there is none of the name.
     pub fn tool(&self, name: &str) -> Option<ToolReading> {
-        let t = self.model.tools.iter().position(|tool| tool.name == name)?;
-        Some(ToolReading { displacement: self.model.tools[t].displacement(), force: -self.state.tool_forces[t] })
+        let t = self.model.masters.tools.iter().position(|tool| tool.name == name)?;
+        Some(ToolReading {
+            displacement: self.model.masters.tools[t].displacement(),
+            force: -self.state.tool_forces[t],
+        })
     }
 
     /// Mean displacement of a set of nodes, and what its supports bear; `None` where there is none of the name. Collective.
@@ -199,7 +202,7 @@ impl<'a> Simulation<'a> {
 
     /// Refuses a step that names what there is not: steps of a scene never do.
     pub(super) fn check_names(&self, step: &Step) -> Result<()> {
-        let is_tool = |name: &str| self.model.tools.iter().any(|tool| tool.name == name);
+        let is_tool = |name: &str| self.model.masters.tools.iter().any(|tool| tool.name == name);
         let is_set = |name: &str| self.model.find_set(name).is_some();
         let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target));
         let sets = step.fix.iter().map(|f| &f.set).chain(step.pressures.iter().map(|p| &p.set));
@@ -218,17 +221,14 @@ impl<'a> Simulation<'a> {
 
     /// Projects every slave node where it stands: the first slip origins. Collective.
     fn look_around(&mut self) {
-        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let Model { part, masters, pairs, .. } = &mut self.model;
         let place = |n: u32| part.points[n as usize];
-        watch_all(self.comm, tools, pairs, place);
-        follow_all(self.comm, surfaces, pairs, place);
+        masters.attend(self.comm, pairs, place);
         for pair in pairs {
+            let ground = masters.of(pair.master);
             for s in 0..pair.slaves.len() {
                 let position = place(pair.slaves[s].node);
-                let projection = match pair.master {
-                    Master::Tool(t) => tools[t].project(&position, pair.reach, None),
-                    Master::Surface(k) => pair.project(&surfaces[k], s, &position, None),
-                };
+                let projection = ground.project(pair, s, &position, None);
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.
@@ -236,12 +236,7 @@ impl<'a> Simulation<'a> {
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }
-                match pair.master {
-                    Master::Tool(t) => slave.commit(pair.method, Vec3::zeros(), &tools[t].committed, &position),
-                    Master::Surface(_) => {
-                        slave.commit_on_surface(pair.method, Vec3::zeros(), &Mat3::identity(), &position);
-                    }
-                }
+                slave.commit(pair.method, Vec3::zeros(), &ground, &position);
             }
         }
     }

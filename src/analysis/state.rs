@@ -39,7 +39,7 @@ impl State {
             increments: 0,
             u: vec![Vec3::zeros(); model.part.points.len()],
             reactions: vec![Vec3::zeros(); model.part.owned],
-            tool_forces: vec![Vec3::zeros(); model.tools.len()],
+            tool_forces: vec![Vec3::zeros(); model.masters.tools.len()],
             seen: vec![0.0; groups],
             touches: vec![Touch::default(); model.pairs.len()],
             conditions: Conditions::none(model),
@@ -100,7 +100,7 @@ impl Memory {
         };
         Self {
             solids: model.history.clone(),
-            poses: model.tools.iter().map(|tool| tool.committed).collect(),
+            poses: model.masters.tools.iter().map(|tool| tool.committed).collect(),
             pairs: model.pairs.iter().map(of_pair).collect(),
         }
     }
@@ -108,7 +108,7 @@ impl Memory {
     /// Makes a model remember this.
     pub fn give(&self, model: &mut Model) {
         model.history.clone_from(&self.solids);
-        for (tool, pose) in model.tools.iter_mut().zip(&self.poses) {
+        for (tool, pose) in model.masters.tools.iter_mut().zip(&self.poses) {
             (tool.committed, tool.trial) = (*pose, *pose);
         }
         for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {

@@ -6,7 +6,8 @@ use super::ladder::{Ladder, Way, Yields};
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
 use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, describe, ending};
-use crate::contact::{Manner, Master, Pair, Status, follow_all, watch_all};
+use crate::Vec3;
+use crate::contact::{Manner, Pair, Status};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure, Place};
@@ -17,7 +18,6 @@ use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern};
-use crate::{Mat3, Vec3};
 use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
 
@@ -149,8 +149,8 @@ impl<'a> Simulation<'a> {
             step: step.clone(),
             conditions,
             start: self.state.time,
-            poses: self.model.tools.iter().map(|t| t.committed).collect(),
-            offsets: vec![Vec3::zeros(); self.model.tools.len()],
+            poses: self.model.masters.tools.iter().map(|t| t.committed).collect(),
+            offsets: vec![Vec3::zeros(); self.model.masters.tools.len()],
             increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls),
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
@@ -162,7 +162,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
         let conditions = &progress.conditions;
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
-        let pattern = self.pattern(conditions, &dofs)?;
+        let pattern = self.pattern(&dofs)?;
         self.summary.dofs = dofs.total;
         self.summary.multipliers = dofs.total_multipliers;
         let symmetric = conditions.is_symmetric(&self.model);
@@ -291,9 +291,10 @@ impl<'a> Simulation<'a> {
     }
 
     /// The pattern of a step. Collective.
-    fn pattern(&mut self, conditions: &Conditions, dofs: &DofMap) -> Result<Pattern> {
+    fn pattern(&mut self, dofs: &DofMap) -> Result<Pattern> {
         let begun = Instant::now();
-        super::survey(self.comm, &mut self.model, conditions, dofs, &self.state.u);
+        let Model { part, masters, pairs, .. } = &mut self.model;
+        masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
         let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
         let pattern = Pattern::new(self.comm, &self.model, dofs, place)?;
         self.phases.add(Phase::Assembly, begun.elapsed());
@@ -318,7 +319,7 @@ impl<'a> Simulation<'a> {
             observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes }))
         };
         let controls = self.model.controls;
-        let smooth = self.model.can_flow() || self.model.tools.iter().all(|t| !t.surface.faceted);
+        let smooth = self.model.can_flow() || self.model.masters.tools.iter().all(|t| !t.surface.faceted);
         let may_extrapolate = controls.extrapolate > usize::from(!smooth);
         let trial = frame.progress.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
@@ -405,12 +406,10 @@ impl<'a> Simulation<'a> {
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
         let begun = Instant::now();
-        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let Model { part, masters, pairs, .. } = &mut self.model;
         let Progress { conditions, poses, offsets, .. } = &frame.progress;
-        conditions.place_tools(tools, poses, offsets, end);
-        let place = |n: u32| part.points[n as usize] + self.state.u[n as usize];
-        watch_all(self.comm, tools, pairs, place);
-        follow_all(self.comm, surfaces, pairs, place);
+        conditions.place_tools(&mut masters.tools, poses, offsets, end);
+        masters.attend(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
         self.phases.add(Phase::Search, begun.elapsed());
     }
 
@@ -421,22 +420,15 @@ impl<'a> Simulation<'a> {
     pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) -> Result<()> {
         let flown = agree(self.comm, states::flown(&mut self.model, &converged.u))?;
         states::flow(&mut self.model, flown);
-        for tool in &mut self.model.tools {
+        for tool in &mut self.model.masters.tools {
             tool.committed = tool.trial;
         }
-        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let Model { part, masters, pairs, .. } = &mut self.model;
         for (pair, multipliers) in pairs.iter_mut().zip(&converged.multipliers) {
+            let ground = masters.of(pair.master);
             for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
                 let node = slave.node as usize;
-                let position = part.points[node] + converged.u[node];
-                match pair.master {
-                    Master::Tool(t) => slave.commit(pair.method, *multiplier, &tools[t].committed, &position),
-                    Master::Surface(k) => {
-                        let frame = slave.trial.projection.and_then(|p| surfaces[k].frame(&p));
-                        let frame = frame.unwrap_or_else(Mat3::identity);
-                        slave.commit_on_surface(pair.method, *multiplier, &frame, &position);
-                    }
-                }
+                slave.commit(pair.method, *multiplier, &ground, &(part.points[node] + converged.u[node]));
             }
         }
         frame.progress.offsets.clone_from(&converged.offsets);

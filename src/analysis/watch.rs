@@ -4,16 +4,14 @@
 //! from how far they and the masters have moved.
 
 use super::Simulation;
-use super::newton::relative_travel;
 use super::step::{Attempt, Converged};
 use crate::Vec3;
-use crate::contact::watch::{self, Allowance, Finding, Ground, Seen, Start};
-use crate::contact::{Master, Pair, Sight};
+use crate::contact::watch::{self, Allowance, Finding, View};
+use crate::contact::{Pair, Sight};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
-use crate::parallel::{max, sum, word_of_largest};
-use crate::partition::parcels::bounds;
+use crate::parallel::{sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -30,7 +28,7 @@ pub struct Touch {
     force: Vec3,
     /// Middle of the nodes that touched then, in space and on the tool.
     middle: Vec3,
-    on_tool: Vec3,
+    on_tool: Option<Vec3>,
 }
 
 /// Where all is at an increment's beginning and end.
@@ -47,17 +45,12 @@ impl Simulation<'_> {
         let still = self.state.u.clone();
         let motion = Motion { before: &still, after: &still, residuals: &[] };
         let travels = look_out(self.comm, &mut self.model, &motion);
-        let Model { part, tools, surfaces, pairs, .. } = &mut self.model;
+        let Model { part, masters, pairs, .. } = &mut self.model;
         for (pair, travel) in pairs.iter_mut().zip(travels) {
+            let ground = masters.of(pair.master);
             let first = |s: usize| {
                 let x = part.points[pair.slaves[s].node as usize];
-                let may = allowance(pair, 0.0, travel);
-                match pair.master {
-                    Master::Tool(t) => {
-                        watch::first_sight(&Ground::Tool(&tools[t].surface), &tools[t].trial.inward(&x), &may)
-                    }
-                    Master::Surface(k) => watch::first_sight(&Ground::Body(&surfaces[k], pair, s), &x, &may),
-                }
+                watch::first_sight(&View { ground, pair, slave: s }, &x, &allowance(pair, 0.0, travel))
             };
             let sights: Vec<Sight> = (0..pair.slaves.len()).map(first).collect();
             pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
@@ -126,9 +119,8 @@ impl Simulation<'_> {
                 touch.until = Some(self.state.time);
                 touch.force = Vec3::from_column_slice(&sums[1..4]);
                 touch.middle = Vec3::from_column_slice(&sums[4..]) / sums[0];
-                if let Master::Tool(t) = pair.master {
-                    touch.on_tool = self.model.tools[t].committed.inward(&touch.middle);
-                }
+                let tool = pair.master.tool().map(|t| &self.model.masters.tools[t]);
+                touch.on_tool = tool.map(|tool| tool.committed.inward(&touch.middle));
             }
         }
     }
@@ -166,42 +158,21 @@ impl Simulation<'_> {
 
     /// Whether the tool has moved away from where it touched, against its force.
     fn was_taken_away(&self, pair: &Pair, touch: &Touch) -> bool {
-        let Master::Tool(t) = pair.master else { return false };
-        let way = self.model.tools[t].committed.outward(&touch.on_tool) - touch.middle;
-        way.dot(&touch.force) < 0.0
+        let way = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point) - touch.middle;
+        pair.master.tool().zip(touch.on_tool).is_some_and(|at| way(at).dot(&touch.force) < 0.0)
     }
 }
 
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its
 /// nodes have gone against the master, at most. Collective.
 fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Vec<f64> {
-    let Model { part, tools, surfaces, pairs, controls, .. } = model;
+    let Model { part, masters, pairs, controls, .. } = model;
     let before = |n: u32| part.points[n as usize] + motion.before[n as usize];
     let after = |n: u32| part.points[n as usize] + motion.after[n as usize];
-    let mut travels = vec![0.0; pairs.len()];
-    for (t, tool) in tools.iter_mut().enumerate() {
-        let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
-        let nodes = || of_tool().flat_map(|pair| &pair.slaves).map(|slave| slave.node);
-        let poses = watch::turning(&tool.committed, &tool.trial, controls.watch_turn);
-        let way = |n: u32| match poses.is_empty() {
-            true => (tool.trial.inward(&after(n)) - tool.committed.inward(&before(n))).norm(),
-            false => {
-                watch::way_past(&poses, &before(n), &after(n)).windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
-            }
-        };
-        let mut longest = [nodes().map(way).fold(0.0, f64::max)];
-        max(comm, &mut longest);
-        let points: Vec<Vec3> = nodes().map(|n| tool.trial.inward(&after(n))).collect();
-        let reach = of_tool().map(|pair| reach(pair, longest[0])).fold(0.0, f64::max);
-        tool.surface.watch(comm, &points, reach);
-        pairs.iter().zip(&mut travels).filter(|(p, _)| p.master == Master::Tool(t)).for_each(|(_, t)| *t = longest[0]);
-    }
-    for (pair, travel) in pairs.iter().zip(&mut travels) {
-        let Master::Surface(k) = pair.master else { continue };
-        let slaves = bounds(pair.slaves.iter().map(|s| after(s.node) - before(s.node)));
-        let masters = surfaces[k].travel(before, after);
-        *travel = relative_travel(comm, slaves, masters);
-        surfaces[k].follow_pair(comm, pair, reach(pair, *travel), after);
+    let travels: Vec<f64> =
+        pairs.iter().map(|pair| masters.travel(comm, pair, controls.watch_turn, before, after)).collect();
+    for (pair, travel) in pairs.iter().zip(&travels) {
+        masters.look_out(comm, pair, reach(pair, *travel), after);
     }
     travels
 }
@@ -226,39 +197,13 @@ fn judge_pair(
 ) -> Vec<(Sight, Option<Finding>)> {
     let (part, pair) = (&model.part, &model.pairs[p]);
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
-    let (mut masters, mut poses) = (Vec::new(), Vec::new());
-    match pair.master {
-        Master::Tool(t) => {
-            let tool = &model.tools[t];
-            poses = watch::turning(&tool.committed, &tool.trial, model.controls.watch_turn);
-        }
-        Master::Surface(k) => masters = model.surfaces[k].places(comm, |n| place(motion.before, n)),
-    }
+    let ground = model.masters.of(pair.master);
+    let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
-        let last = &slave.sight;
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
         let may = allowance(pair, explained(model, pair, s, motion.residuals[p]), travel);
-        match pair.master {
-            Master::Tool(t) => {
-                let tool = &model.tools[t];
-                let start = |_: &Seen| Start {
-                    place: tool.committed.inward(&from),
-                    normal: last.normal,
-                    way: if poses.is_empty() { Vec::new() } else { watch::way_past(&poses, &from, &to) },
-                };
-                watch::judge(&Ground::Tool(&tool.surface), last, start, &tool.trial.inward(&to), &may)
-            }
-            Master::Surface(k) => {
-                let surface = &model.surfaces[k];
-                let ground = Ground::Body(surface, pair, s);
-                if pair.is_self() {
-                    return watch::judge_self(&ground, last, &to, &may);
-                }
-                let start = |seen: &Seen| watch::carried(surface, seen, &masters, &from, last);
-                watch::judge(&ground, last, start, &to, &may)
-            }
-        }
+        watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may)
     };
     (0..pair.slaves.len()).map(judge).collect()
 }

@@ -9,15 +9,16 @@
 //! - The positions of the stencils of the near patches, whoever owns the nodes, come anew with every iterate.
 //! - A patch with the slip origin of a slave node stays, near or not.
 
-use super::deformable::frame;
+use super::Pair;
+use super::element::frame;
 use super::method::MasterSurface;
-use super::{Master, Pair};
 use crate::parallel::{max, number};
 use crate::partition::parcels::{bounds, collect, deal, strayed};
 use crate::partition::{Bounds, Gather, Parcel, owner};
 use crate::surface::Smoothing;
 use crate::surface::{MovingPatch, Patch, PatchSet, Projection, Tessellation};
 use crate::{Mat3, Vec3};
+use mpi::datatype::Equivalence;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
@@ -34,10 +35,6 @@ pub struct BodySurface {
     pub fetches: usize,
     /// Positions of the near nodes at the last converged increment.
     pub before: Vec<Vec3>,
-    /// Equations of the near nodes, negative where there is none.
-    pub equations: Vec<[i64; 3]>,
-    /// How far a step moves each near node along each direction; NaN where it is free.
-    pub moves: Vec<[f64; 3]>,
     share: Vec<MovingPatch>,
     share_nodes: Gather,
     /// By rising id.
@@ -83,8 +80,6 @@ impl BodySurface {
             facet_size,
             fetches: 0,
             before: Vec::new(),
-            equations: Vec::new(),
-            moves: Vec::new(),
             share,
             share_nodes,
             near: Vec::new(),
@@ -163,19 +158,17 @@ impl BodySurface {
         self.seen = None;
     }
 
-    /// Learns of the near nodes what stays the same over an increment: where they were at the last converged one, their
-    /// equations, and their prescribed motion (NaN where free). Collective.
-    pub fn learn(
-        &mut self,
-        comm: &SimpleCommunicator,
-        before: impl Fn(u32) -> Vec3,
-        equations: &[[i64; 3]],
-        moves: impl Fn(u32, usize) -> f64,
-    ) {
+    /// Remembers where the near nodes were at the last converged increment. Collective.
+    pub fn remember(&mut self, comm: &SimpleCommunicator, before: impl Fn(u32) -> Vec3) {
         self.before = gather(comm, &self.nodes, before);
-        let flat = self.nodes.fetch(comm, 3, |n, d| equations[n as usize][d]);
-        self.equations = flat.as_chunks::<3>().0.to_vec();
-        self.moves = self.nodes.fetch(comm, 3, moves).as_chunks::<3>().0.to_vec();
+    }
+
+    /// Three values of each near node, from those that the owners have of their local nodes. Collective.
+    pub fn gather<T>(&self, comm: &SimpleCommunicator, value: impl Fn(u32, usize) -> T) -> Vec<[T; 3]>
+    where
+        T: Equivalence + Copy + Default,
+    {
+        self.nodes.fetch(comm, 3, value).as_chunks::<3>().0.to_vec()
     }
 
     /// The near patches as they are now.
@@ -194,9 +187,14 @@ impl BodySurface {
         self.shapes.get(at.patch).map(|patch| frame(&patch.local(at.xi)))
     }
 
-    /// Equations of a node of a near patch, by its global number.
-    pub fn equations_of(&self, node: u64) -> [i64; 3] {
-        self.nodes.index(node).map_or([-1; 3], |k| self.equations[k as usize])
+    /// The shape of a near patch at the last converged increment.
+    pub fn shape_before(&self, id: u32) -> Option<Patch> {
+        self.patch(id).map(|(patch, stencil)| patch.shape(&pick(&self.before, stencil)))
+    }
+
+    /// Global number of a near node.
+    pub fn number(&self, node: u32) -> u64 {
+        self.nodes.number(node)
     }
 
     /// Current position of a near node, by its global number.
@@ -236,22 +234,6 @@ impl BodySurface {
         }
         cells
     }
-}
-
-/// Lets every surface follow its nodes at `place` (owned local nodes), and keeps track of all the slave nodes of its pair.
-/// Gives for each surface whether patches were fetched. Collective.
-pub fn follow_all(
-    comm: &SimpleCommunicator,
-    surfaces: &mut [BodySurface],
-    pairs: &[Pair],
-    place: impl Fn(u32) -> Vec3,
-) -> Vec<bool> {
-    let mut fetched = vec![false; surfaces.len()];
-    for pair in pairs {
-        let Master::Surface(k) = pair.master else { continue };
-        fetched[k] = surfaces[k].follow_pair(comm, pair, pair.reach, &place);
-    }
-    fetched
 }
 
 /// Where a patch finds its stencil in a list of nodes that has it all.

@@ -1,8 +1,9 @@
 //! Contact of slave nodes with rigid tools and with the faces of deformable bodies.
 //!
 //! - [`law`]: Coulomb friction by multipliers and penalties, what the contact elements have in common
-//! - [`element`]: the element of a slave node and a rigid tool, residual and exact tangent
-//! - [`deformable`]: the element of a slave node and a patch of a deformable master
+//! - [`element`]: the element of a slave node and its master, residual and tangent
+//! - [`master`]: tools and the surfaces of bodies behind one type
+//! - [`meeting`]: where a slave node meets its master at an iterate, and what its element is evaluated with
 //! - [`pose`]: where a tool is
 //! - [`tool`]: tools in their place, and which part of them a rank watches
 //! - [`self_contact`]: which patches of its own surface a node may meet
@@ -12,14 +13,15 @@
 //! - [`watch`]: whether a node went through the master, by its place alone
 //! - [`guidance`]: whether slave and master are the right way round
 //! - [`stiffness`]: how stiffly bodies resist contact forces, the unit of penalties
-//! - here: the tools, the contact pairs, and the state of their slave nodes
+//! - here: the contact pairs, and the state of their slave nodes
 
 pub mod body_surface;
-pub mod deformable;
 pub mod element;
 pub mod guidance;
 pub mod law;
+pub mod master;
 pub mod mates;
+pub mod meeting;
 pub mod method;
 pub mod pose;
 pub mod self_contact;
@@ -27,28 +29,20 @@ pub mod stiffness;
 pub mod tool;
 pub mod watch;
 
-pub use body_surface::{BodySurface, follow_all};
+pub use body_surface::BodySurface;
 pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
+pub use master::{Ground, Master, Masters, Receiver};
 pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
 pub use pose::{Pose, Rotation};
 pub use self_contact::{Avoided, Outlook};
-pub use tool::{Tool, watch_all};
+pub use tool::Tool;
 pub use watch::Sight;
 
 use crate::controls::Controls;
 use crate::partition::Gather;
 use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
-
-/// What a slave surface meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Master {
-    /// A rigid tool, by its index.
-    Tool(usize),
-    /// The faces of a body, by the index of the surface.
-    Surface(usize),
-}
 
 /// A contact pair on this rank: the owned nodes of a slave surface against a master.
 #[derive(Clone, Debug)]
@@ -80,7 +74,6 @@ pub struct Pair {
     pub controls: Controls,
     /// Within a body the outward unit normals of the slave nodes at the last converged increment.
     pub outward: Vec<Vec3>,
-    pub discretization: Discretization,
     /// Index of the pair that is the other pass of the same contact.
     pub other: Option<usize>,
     /// It is the second pass, which yields where nodes of both sides coincide.
@@ -92,31 +85,6 @@ pub struct Pair {
 }
 
 impl Pair {
-    /// Closest point of the deformable master `surface` to slave node `slave` at `position`; the search starts at `warm`.
-    ///
-    /// A node stays on the extension of the patch that it comes from: where patches meet there is a small kink, between
-    /// whose sides an iteration could go to and fro. Outside a sharp edge it meets one of the edge's sides.
-    pub fn project(
-        &self,
-        surface: &BodySurface,
-        slave: usize,
-        position: &Vec3,
-        warm: Option<(u32, [f64; 2])>,
-    ) -> Option<Projection> {
-        if let Some(mate) = &self.slaves[slave].mate {
-            return mate.project(surface, position);
-        }
-        let outlook = match self.is_self() {
-            true => self.outlook(slave, position),
-            false => Outlook { x: position, outward: None, avoided: None, facing: self.facing },
-        };
-        let found = surface.shapes().closest_of(position, self.reach, warm, &outlook)?;
-        let found = surface.shapes().beside_edge(position, &found, self.controls.edge_beside).unwrap_or(found);
-        let stays = surface.shapes().stays(position, warm, &found, (surface.facet_size, self.controls.kink_same));
-        Some(stays.unwrap_or(found))
-            .filter(|p| self.outward.get(slave).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
-    }
-
     /// What slave node `slave` can meet from `x`: within a body only what looks at it.
     pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
         Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave), facing: self.facing }
@@ -137,7 +105,7 @@ impl Pair {
 
     /// Whether a surface meets itself.
     pub fn is_self(&self) -> bool {
-        !self.avoided.is_empty()
+        matches!(self.master, Master::Own(_))
     }
 
     /// How far a slave node may move in one iteration.
@@ -213,9 +181,9 @@ pub struct Slave {
 pub struct History {
     /// Nodal contact force λ, N; without friction λ_n stands in the first entry.
     pub multiplier: Vec3,
-    /// Closest point on a tool, in its frame: the slip origin. Kept for every node in reach, in contact or not.
+    /// Closest point, in the frame of a tool the slip origin, else in space. Kept for every node in reach, in contact or not.
     pub anchor: Option<Vec3>,
-    /// Where the node itself was, in the tool's frame; with a deformable master in space.
+    /// Where the node itself was, in the frame of a tool, else in space.
     pub place: Option<Vec3>,
     /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
     /// origin.
@@ -241,8 +209,7 @@ pub struct Held {
 pub struct Local {
     /// σ where the positions are those of then.
     pub force: Vec3,
-    /// Derivatives by the positions of the slave node, relative to a tool, and of master nodes by their global numbers,
-    /// with these positions.
+    /// Derivatives by the positions of the slave node and of master nodes, by their numbers, with these positions.
     pub by: Vec<(Option<u64>, Mat3, Vec3)>,
 }
 
@@ -286,9 +253,9 @@ pub struct Trial {
     /// residual of the multiplier, N.
     pub asked: Status,
     pub violation: f64,
-    /// The local unknown, and the position of the node relative to a tool.
+    /// The local unknown, and where the node is.
     pub sigma: Vec3,
-    pub relative: Vec3,
+    pub position: Vec3,
     /// Residual of the multiplier, or of the local unknown, N.
     pub local: f64,
 }
@@ -385,14 +352,14 @@ impl Slave {
         can
     }
 
-    /// The multiplier of `method`, where `lambda` is that of the unknowns, and `carried` the part of one that is held
-    /// which a tool carries along, in space, beside the local unknown `force`.
-    pub fn multiplier(&self, method: Enforcement, lambda: Vec3, carried: Vec3, force: Vec3) -> Multiplier {
+    /// The multiplier of `method`, where `lambda` is that of the unknowns, beside the local unknown `force`; without the part of
+    /// one that is held which the master carries along.
+    pub fn multiplier(&self, method: Enforcement, lambda: Vec3, force: Vec3) -> Multiplier {
         let Held { gap, tangential, .. } = self.held;
         match method {
             Enforcement::AugmentedLagrangian => Multiplier::Augmented(lambda),
             Enforcement::Lagrange => Multiplier::Force(lambda, self.trial.status),
-            _ => Multiplier::Held { gap, tangential: tangential + carried, force },
+            _ => Multiplier::Held { gap, tangential, force },
         }
     }
 
@@ -418,18 +385,12 @@ impl Slave {
         }
     }
 
-    /// The slip origin in space for a tool at `pose`: where the contact point of the last converged increment is now; for
-    /// a node that was out of reach then, its own place, carried along. Slip sees no distance along the normal.
-    pub fn slip_origin(&self, pose: &Pose) -> Vec3 {
-        self.committed.anchor.or(self.committed.place).map_or(Vec3::zeros(), |origin| pose.outward(&origin))
-    }
-
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
-    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then (given to
-    /// it) as seen from the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
+    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
+    /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
     pub fn is_beside(
         &self,
-        start: impl FnOnce(&Vec3) -> Option<Vec3>,
+        start: impl FnOnce() -> Option<Vec3>,
         position: &Vec3,
         at: &Projection,
         facet_size: f64,
@@ -440,7 +401,7 @@ impl Slave {
         if at.gap >= 0.0 || self.committed.warm.is_some() {
             return false;
         }
-        let Some(start) = self.committed.place.and_then(|place| start(&place)) else { return false };
+        let Some(start) = start() else { return false };
         if (start - at.point).dot(&at.normal) >= -BEHIND * facet_size {
             return false;
         }
@@ -450,29 +411,15 @@ impl Slave {
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
     }
 
-    /// Accepts the current iterate on a deformable master, which carries the slip origin by itself and has `frame` at the
-    /// contact point.
-    pub fn commit_on_surface(&mut self, method: Enforcement, multiplier: Vec3, frame: &Mat3, position: &Vec3) {
-        (self.accepted, self.sight) = (self.trial, self.sighted);
-        self.committed = History {
-            held: self.handed_on(method, frame),
-            multiplier,
-            anchor: None,
-            place: Some(*position),
-            warm: self.trial.projection.map(|p| (p.patch, p.xi)),
-            status: self.trial.status,
-        };
-    }
-
-    /// Accepts the current iterate: remembers the projection with the tool at `pose` and the node at `position`.
-    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, pose: &Pose, position: &Vec3) {
+    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
+    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
         self.committed = History {
-            held: self.handed_on(method, &pose.rotation),
+            held: self.handed_on(method, &ground.carrier(projection.as_ref())),
             multiplier,
-            anchor: projection.map(|p| pose.inward(&p.point)),
-            place: Some(pose.inward(position)),
+            anchor: projection.map(|p| ground.inward(&p.point)),
+            place: Some(ground.inward(position)),
             warm: projection.map(|p| (p.patch, p.xi)),
             status: self.trial.status,
         };

@@ -54,6 +54,15 @@ impl Pose {
         Rotation3::from_matrix_unchecked(other.rotation * self.rotation.transpose()).angle()
     }
 
+    /// Poses on the way to `end`, in parts of which it turns by no more than `part`, radians; none where it does not turn.
+    pub fn turning(&self, end: &Self, part: f64) -> Vec<Self> {
+        let parts = (self.angle(end) / part).ceil();
+        if parts < 2.0 {
+            return Vec::new();
+        }
+        (0..=parts as usize).map(|k| self.toward(end, k as f64 / parts)).collect()
+    }
+
     /// The pose at a fraction of the screw motion to `other`.
     pub fn toward(&self, other: &Self, fraction: f64) -> Self {
         let turn = other.rotation * self.rotation.transpose();
@@ -69,6 +78,12 @@ impl Pose {
         let translation = turn * (self.translation - point) + point + along * fraction;
         Self { rotation: turn * self.rotation, translation }
     }
+}
+
+/// The way of a node, which goes straight, in the frame of a tool at these poses on its way.
+pub fn way_past(poses: &[Pose], from: &Vec3, to: &Vec3) -> Vec<Vec3> {
+    let part = 1.0 / (poses.len() - 1) as f64;
+    poses.iter().enumerate().map(|(k, pose)| pose.inward(&(from + (to - from) * (k as f64 * part)))).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A rigid tool on this rank: where it is, and its surface as far as this rank's slave nodes can meet it.
 
-use super::{Master, Pair, Pose};
+use super::{Pair, Pose};
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
@@ -49,17 +49,18 @@ impl Tool {
             ..p
         })
     }
-}
 
-/// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Says whether
-/// pieces had to be fetched. Collective.
-pub fn watch_all(comm: &SimpleCommunicator, tools: &mut [Tool], pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
-    let mut fetched = false;
-    for (t, tool) in tools.iter_mut().enumerate() {
-        let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
-        let slaves = of_tool().flat_map(|pair| &pair.slaves);
-        let points: Vec<Vec3> = slaves.map(|slave| tool.trial.inward(&place(slave.node))).collect();
-        fetched |= tool.surface.watch(comm, &points, of_tool().map(|pair| pair.reach).fold(0.0, f64::max));
+    /// Fetches what is within `reach` of all the slave nodes of its pairs, which `place` puts in space, at its trial pose. Says
+    /// whether it had to. Collective.
+    pub fn watch<'a>(
+        &mut self,
+        comm: &SimpleCommunicator,
+        pairs: impl Iterator<Item = &'a Pair>,
+        reach: f64,
+        place: impl Fn(u32) -> Vec3,
+    ) -> bool {
+        let points: Vec<Vec3> =
+            pairs.flat_map(|pair| &pair.slaves).map(|slave| self.trial.inward(&place(slave.node))).collect();
+        self.surface.watch(comm, &points, reach)
     }
-    fetched
 }

@@ -4,7 +4,7 @@
 //! and its own reach; what the contact elements found does not enter, but for the force that explains a penetration under a
 //! penalty. It takes two states:
 //!
-//! - [`Ground`]: the master as it is at the end of the increment. The node's place at the beginning is brought there with
+//! - [`Ground`]: the master, here as it is at the end of the increment. The node's place at the beginning is brought there with
 //!   the master: in the frame of a tool, or with the patch under the node. What is left is the node's way over a surface
 //!   that stands still. A tool that turns makes the way an arc, which is cut in straight parts.
 //! - [`Sight`]: what was seen at the last accepted state: how far the node was, and on which side.
@@ -21,12 +21,13 @@
 //! Most nodes need one projection: what is farther away than the node has moved has not been reached, and a node whose
 //! nearest point has moved along the surface has kept to its side.
 
-use super::deformable::frame;
-use super::{BodySurface, Pair, Pose};
+use super::element::frame;
+use super::master::Past;
+use super::pose::way_past;
+use super::{Ground, Pair};
 use crate::Vec3;
 use crate::controls::Controls;
-use crate::surface::{EXTENSION, Parametric, Polygon, Projection};
-use crate::tool::Surface;
+use crate::surface::Projection;
 
 /// A step along a way over the distance to the surface, within which nothing is.
 const SHARE: f64 = 0.9;
@@ -92,97 +93,61 @@ pub struct Allowance<'a> {
 }
 
 /// Where a node began, on the ground as it is now.
-pub struct Start {
-    pub place: Vec3,
+struct Start {
+    place: Vec3,
     /// The normal of its last sight.
-    pub normal: Option<Vec3>,
+    normal: Option<Vec3>,
     /// A chain of straight parts from there, where it did not go straight.
-    pub way: Vec<Vec3>,
+    way: Vec<Vec3>,
 }
 
-/// The master as it is at the end of the increment.
+/// A slave node and the master that it looks at, as that is at the end of the increment.
 #[derive(Clone, Copy)]
-pub enum Ground<'a> {
-    Tool(&'a Surface),
-    /// A deformable master, and which slave node looks at it.
-    Body(&'a BodySurface, &'a Pair, usize),
+pub struct View<'a> {
+    pub ground: Ground<'a>,
+    pub pair: &'a Pair,
+    pub slave: usize,
 }
 
-/// Poses of a tool on its way from one to another, in parts of which it turns by no more than `part`, radians; none where
-/// it does not turn.
-pub fn turning(begin: &Pose, end: &Pose, part: f64) -> Vec<Pose> {
-    let parts = (begin.angle(end) / part).ceil();
-    if parts < 2.0 {
-        return Vec::new();
-    }
-    (0..=parts as usize).map(|k| begin.toward(end, k as f64 / parts)).collect()
-}
-
-/// The way of a node, which goes straight, in the frame of a tool at these poses on its way.
-pub fn way_past(poses: &[Pose], from: &Vec3, to: &Vec3) -> Vec<Vec3> {
-    let part = 1.0 / (poses.len() - 1) as f64;
-    poses.iter().enumerate().map(|(k, pose)| pose.inward(&(from + (to - from) * (k as f64 * part)))).collect()
-}
-
-/// Where a node would be now that was at `place` before, with its last sight, if the patch that is now nearest to it had
-/// carried it along; `before` are the places of the surface's near nodes of then. As it was where nothing is near.
-pub fn carried(surface: &BodySurface, seen: &Seen, before: &[Vec3], place: &Vec3, last: &Sight) -> Start {
+/// Where a node began that is at `place` and was at `before`, on the ground as it is now; with a deformable master as the patch
+/// that is now nearest to it has carried it along, or as it was where nothing is near.
+fn start(view: &View, past: &Past, seen: &Seen, last: &Sight, [before, place]: [&Vec3; 2]) -> Start {
+    let places = match past {
+        Past::Poses(poses) => {
+            let way = if poses.is_empty() { Vec::new() } else { way_past(poses, before, place) };
+            return Start { place: view.ground.inward(before), normal: last.normal, way };
+        }
+        Past::Places(places) => places,
+    };
     let along = || {
         let at = seen.nearest?;
-        let (patch, stencil) = surface.patch(at.patch)?;
-        let positions: Vec<Vec3> = stencil.iter().map(|&n| before[n as usize]).collect();
-        let then = patch.shape(&positions).local(at.xi);
-        let now = surface.shapes().get(at.patch)?.local(at.xi);
+        let (patch, stencil) = view.ground.patch(at.patch)?;
+        let local = |place: &dyn Fn(u32) -> Vec3| {
+            patch.shape(&stencil.iter().map(|&n| place(n)).collect::<Vec<_>>()).local(at.xi)
+        };
+        let (then, now) = (local(&|n| places[n as usize]), local(&|n| view.ground.position(n)));
         let turn = frame(&now) * frame(&then).try_inverse()?;
         let normal = last.normal.and_then(|n| (turn * n).try_normalize(f64::MIN_POSITIVE));
-        Some(Start { place: now.point + turn * (place - then.point), normal, way: Vec::new() })
+        Some(Start { place: now.point + turn * (before - then.point), normal, way: Vec::new() })
     };
-    along().unwrap_or_else(|| Start { place: *place, normal: last.normal, way: Vec::new() })
+    along().unwrap_or_else(|| Start { place: *before, normal: last.normal, way: Vec::new() })
 }
 
-impl Ground<'_> {
+impl View<'_> {
     /// The nearest point, ends included.
     fn nearest(&self, x: &Vec3, reach: f64) -> Option<Projection> {
-        match self {
-            Self::Tool(surface) => surface.nearest(x, reach),
-            Self::Body(surface, pair, slave) => surface.shapes().nearest_of(x, reach, &pair.outlook(*slave, x)),
-        }
+        self.ground.nearest(self.pair, self.slave, x, reach)
     }
 
     /// How deep a point is behind the surface, if it is, where the nearest point is so `far`; `None` beside an end.
     fn depth(&self, x: &Vec3, far: f64) -> Option<f64> {
-        let reach = far * (1.0 + ROUNDED);
-        let found = match self {
-            Self::Tool(surface) => surface.closest(x, reach),
-            Self::Body(surface, pair, slave) => surface.shapes().closest_of(x, reach, None, &pair.outlook(*slave, x)),
-        };
+        let found = self.ground.closest(self.pair, self.slave, x, far * (1.0 + ROUNDED));
         found.map(|p| -p.gap).filter(|depth| *depth > 0.0)
-    }
-
-    /// How deep `x` is behind the inside of a patch of a body.
-    fn depth_behind(&self, patch: u32, x: &Vec3) -> Option<f64> {
-        let Self::Body(surface, ..) = self else { return None };
-        let patch = surface.shapes().get(patch)?;
-        let foot = patch.closest(x);
-        let is_inside = patch.sides(foot.xi).iter().all(|side| *side > POINT);
-        is_inside.then(|| -(x - foot.point).dot(&patch.normal(foot.xi)))
-    }
-
-    /// How deep a node may be while it stays on the extension of another piece than the nearest, see [`Pair::project`]: the
-    /// extension times the sine of the greatest angle there.
-    fn lingers(&self, at: &Projection, controls: &Controls) -> f64 {
-        match self {
-            Self::Tool(surface) => surface.lingers(at.patch),
-            Self::Body(surface, ..) => {
-                let cosine = 1.0 - controls.kink_same;
-                EXTENSION * (1.0 - cosine * cosine).sqrt() * surface.facet_size
-            }
-        }
     }
 }
 
 /// What is seen from a place.
-pub struct Seen {
+struct Seen {
     /// As [`Sight::gap`].
     gap: f64,
     nearest: Option<Projection>,
@@ -193,11 +158,11 @@ pub struct Seen {
 }
 
 impl Seen {
-    fn new(ground: &Ground, x: &Vec3, may: &Allowance) -> Self {
-        let nearest = ground.nearest(x, may.reach);
+    fn new(view: &View, x: &Vec3, may: &Allowance) -> Self {
+        let nearest = view.nearest(x, may.reach);
         let gap = nearest.map_or(may.reach, |p| p.gap);
-        let depth = if gap < -may.controls.no_gap * may.facet { ground.depth(x, -gap).unwrap_or(0.0) } else { 0.0 };
-        let allowed = nearest.filter(|_| depth > 0.0).map_or(0.0, |p| allowed(ground, &p, may));
+        let depth = if gap < -may.controls.no_gap * may.facet { view.depth(x, -gap).unwrap_or(0.0) } else { 0.0 };
+        let allowed = nearest.filter(|_| depth > 0.0).map_or(0.0, |p| allowed(view, &p, may));
         Self { gap, nearest, depth, allowed }
     }
 
@@ -226,26 +191,29 @@ impl Seen {
 }
 
 /// Depth behind the surface up to which a node is not behind it, with its nearest point there.
-fn allowed(ground: &Ground, nearest: &Projection, may: &Allowance) -> f64 {
-    may.controls.watch_deep * may.facet + may.explained + ground.lingers(nearest, may.controls)
+fn allowed(view: &View, nearest: &Projection, may: &Allowance) -> f64 {
+    may.controls.watch_deep * may.facet + may.explained + view.ground.lingers(nearest, may.controls.kink_same)
 }
 
 /// What is seen of a node at `x` before anything has moved.
-pub fn first_sight(ground: &Ground, x: &Vec3, may: &Allowance) -> Sight {
-    let seen = Seen::new(ground, x, may);
+pub fn first_sight(view: &View, x: &Vec3, may: &Allowance) -> Sight {
+    let seen = Seen::new(view, &view.ground.seen_from(x), may);
     seen.sight(if seen.is_behind() { Side::Inside } else { Side::Front })
 }
 
-/// Judges a node that came over the ground to a place, and had the sight `last` where it began: its `start` is asked for when
-/// it matters.
+/// Judges a node that went between two places, and had the sight `last` where it began; `past` is how the master has moved.
 pub fn judge(
-    ground: &Ground,
+    view: &View,
     last: &Sight,
-    start: impl FnOnce(&Seen) -> Start,
-    to: &Vec3,
+    past: &Past,
+    [from, place]: [&Vec3; 2],
     may: &Allowance,
 ) -> (Sight, Option<Finding>) {
-    let seen = Seen::new(ground, to, may);
+    let to = &view.ground.seen_from(place);
+    if let Ground::Own(_) = view.ground {
+        return judge_self(view, last, to, may);
+    }
+    let seen = Seen::new(view, to, may);
     if last.side != Side::Front {
         return of_one_behind(&seen, last);
     }
@@ -254,32 +222,32 @@ pub fn judge(
     if may.travel <= seen.gap {
         return (front, None);
     }
-    let start = start(&seen);
+    let start = start(view, past, &seen, last, [from, place]);
     let straight = [start.place, *to];
     let way = if start.way.is_empty() { &straight } else { &start.way[..] };
     if is_behind {
-        return match goes_through(ground, way, may, false) {
+        return match goes_through(view, way, may, false) {
             true => (front, Some(Finding::Behind(seen.depth))),
             false => (seen.sight(Side::Beside), None),
         };
     }
     let travel: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     let clear = travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may);
-    let through = !clear && goes_through(ground, way, may, true);
+    let through = !clear && goes_through(view, way, may, true);
     (front, through.then_some(Finding::Through(travel)))
 }
 
 /// Judges a node of a surface that meets itself. Both sides of its sheet are near, and the way alone does not tell: what
 /// it looked at must still be in front of it.
-pub fn judge_self(ground: &Ground, last: &Sight, to: &Vec3, may: &Allowance) -> (Sight, Option<Finding>) {
-    let seen = Seen::new(ground, to, may);
+fn judge_self(view: &View, last: &Sight, to: &Vec3, may: &Allowance) -> (Sight, Option<Finding>) {
+    let seen = Seen::new(view, to, may);
     if last.side != Side::Front {
         return of_one_behind(&seen, last);
     }
     let depth = if seen.is_behind() {
         Some(seen.depth)
     } else {
-        last.normal.and_then(|_| ground.depth_behind(last.patch, to)).filter(|depth| *depth > seen.allowed)
+        last.normal.and_then(|_| view.ground.depth_behind(last.patch, to)).filter(|depth| *depth > seen.allowed)
     };
     (seen.sight(Side::Front), depth.map(Finding::Behind))
 }
@@ -293,20 +261,20 @@ fn of_one_behind(seen: &Seen, last: &Sight) -> (Sight, Option<Finding>) {
 
 /// Whether a way from the front of the surface goes through it, also when it is lifted off it at its beginning and, with
 /// `lift_end`, at its end.
-fn goes_through(ground: &Ground, way: &[Vec3], may: &Allowance, lift_end: bool) -> bool {
+fn goes_through(view: &View, way: &[Vec3], may: &Allowance, lift_end: bool) -> bool {
     let last = way.len() - 1;
-    let lifted = |k: usize, x: &Vec3| if k < last || lift_end { lift(ground, x, may) } else { *x };
+    let lifted = |k: usize, x: &Vec3| if k < last || lift_end { lift(view, x, may) } else { *x };
     let way: Vec<Vec3> = way.iter().enumerate().map(|(k, x)| lifted(k, x)).collect();
-    way.windows(2).any(|ends| crosses(ground, &ends[0], &ends[1], &way[last], may))
+    way.windows(2).any(|ends| crosses(view, &ends[0], &ends[1], &way[last], may))
 }
 
 /// A place a little farther off the surface, if it is near; in a corner off both its sides.
-fn lift(ground: &Ground, x: &Vec3, may: &Allowance) -> Vec3 {
+fn lift(view: &View, x: &Vec3, may: &Allowance) -> Vec3 {
     const SIDES: usize = 3;
     let lift = may.controls.watch_lift * may.facet;
     let mut x = *x;
     for _ in 0..SIDES {
-        match ground.nearest(&x, lift).filter(|p| p.gap >= -allowed(ground, p, may)) {
+        match view.nearest(&x, lift).filter(|p| p.gap >= -allowed(view, p, may)) {
             Some(p) => x += p.normal * (lift - p.gap),
             None => break,
         }
@@ -316,8 +284,8 @@ fn lift(ground: &Ground, x: &Vec3, may: &Allowance) -> Vec3 {
 
 /// Whether a straight way crosses the surface from its front to its back, or a wall from front to front; the ground is known
 /// around `center`.
-fn crosses(ground: &Ground, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowance) -> bool {
-    let look = |x: &Vec3| Point::new(ground, x, (may.reach - (x - center).norm()).max(may.facet));
+fn crosses(view: &View, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowance) -> bool {
+    let look = |x: &Vec3| Point::new(view, x, (may.reach - (x - center).norm()).max(may.facet));
     let (length, along) = ((to - from).norm(), (to - from).normalize());
     let mut here = look(from);
     let mut done = 0.0;
@@ -342,8 +310,8 @@ struct Point {
 }
 
 impl Point {
-    fn new(ground: &Ground, x: &Vec3, reach: f64) -> Self {
-        let found = ground.nearest(x, reach);
+    fn new(view: &View, x: &Vec3, reach: f64) -> Self {
+        let found = view.nearest(x, reach);
         Self { x: *x, gap: found.map_or(reach, |p| p.gap), normal: found.map_or(Vec3::zeros(), |p| p.normal) }
     }
 

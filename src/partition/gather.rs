@@ -53,6 +53,11 @@ impl Gather {
         self.numbers.binary_search(&number).ok().map(|k| k as u32)
     }
 
+    /// Global number of a node of the list.
+    pub fn number(&self, index: u32) -> u64 {
+        self.numbers[index as usize]
+    }
+
     /// The owned local nodes that some rank asks for; some more than once.
     pub fn asked(&self) -> impl Iterator<Item = u32> + '_ {
         self.asked.iter().copied()

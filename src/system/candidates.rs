@@ -9,10 +9,12 @@
 //! and have its slip origin on the other.
 
 use super::dofs::{DofMap, NONE};
+use super::masters::equations;
 use crate::Vec3;
-use crate::contact::{BodySurface, Master, Pair, Slave, Status};
+use crate::contact::{Masters, Pair, Slave, Status};
 use crate::partition::Bounds;
 use crate::partition::parcels::grown;
+use mpi::topology::SimpleCommunicator;
 
 /// The candidates of all slave nodes of this rank.
 #[derive(Clone, Debug, Default)]
@@ -23,12 +25,13 @@ pub struct Candidates {
 
 impl Candidates {
     /// Looks around each slave node, which `place` puts in space, on the surfaces as they are.
-    pub fn new(pairs: &[Pair], surfaces: &[BodySurface], place: impl Fn(u32) -> Vec3) -> Self {
-        let of_pair = |pair: &Pair| match pair.master {
-            Master::Tool(_) => Vec::new(),
-            Master::Surface(k) => {
-                let shapes = surfaces[k].shapes();
-                let facet = pair.facet_size.min(surfaces[k].facet_size).min(pair.reach);
+    pub fn new(pairs: &[Pair], masters: &Masters, place: impl Fn(u32) -> Vec3) -> Self {
+        let of_pair = |pair: &Pair| match pair.master.surface() {
+            None => vec![Vec::new(); pair.slaves.len()],
+            Some(k) => {
+                let surface = &masters.surfaces[k];
+                let shapes = surface.shapes();
+                let facet = pair.facet_size.min(surface.facet_size).min(pair.reach);
                 let near = |(s, slave): (usize, &Slave)| {
                     if let Some(mate) = &slave.mate {
                         return vec![mate.patch];
@@ -59,17 +62,24 @@ impl Candidates {
     }
 
     /// Groups of equations that are coupled with each other.
-    pub fn groups(&self, pairs: &[Pair], surfaces: &[BodySurface], dofs: &DofMap) -> Vec<Vec<i64>> {
+    /// A force-driven tool is coupled with every slave node of its pairs. Collective.
+    pub fn groups(&self, comm: &SimpleCommunicator, pairs: &[Pair], masters: &Masters, dofs: &DofMap) -> Vec<Vec<i64>> {
         let mut groups = Vec::new();
         for ((pair, of_pair), multipliers) in pairs.iter().zip(&self.ids).zip(&dofs.multiplier) {
-            let Master::Surface(k) = pair.master else { continue };
+            let ground = masters.of(pair.master);
+            let of_master = equations(comm, masters, pair.master, dofs);
+            let is_tool = pair.master.tool().is_some();
             for ((slave, ids), multiplier) in pair.slaves.iter().zip(of_pair).zip(multipliers) {
                 let own = dofs.node[slave.node as usize].iter().chain(multiplier);
                 let own: Vec<i64> = own.copied().filter(|&e| e != NONE).collect();
                 let of_patch = |id: &u32| {
-                    let stencil = surfaces[k].patch(*id).map_or(&[][..], |(_, stencil)| stencil);
-                    stencil.iter().flat_map(|&n| surfaces[k].equations[n as usize]).filter(|&e| e != NONE)
+                    let stencil = ground.patch(*id).map_or(&[][..], |(_, stencil)| stencil);
+                    stencil.iter().flat_map(|&n| of_master[n as usize]).filter(|&e| e != NONE)
                 };
+                if is_tool && of_master[0] != [NONE; 3] {
+                    let of_tool = of_master[0].into_iter().filter(|&e| e != NONE);
+                    groups.push(own.iter().copied().chain(of_tool).collect());
+                }
                 let together = if pair.friction > 0.0 { ids.len().max(1) } else { 1 };
                 for ids in ids.chunks(together) {
                     let mut group: Vec<i64> = ids.iter().flat_map(of_patch).chain(own.iter().copied()).collect();

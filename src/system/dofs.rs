@@ -3,7 +3,6 @@
 //! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
-use crate::contact::Master;
 use crate::failure::Place;
 use crate::model::Model;
 use crate::parallel::{number, starts};
@@ -23,8 +22,6 @@ pub struct DofMap {
     pub node: Vec<[i64; 3]>,
     /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
-    /// For each pair and slave node the components that a contact force can have on a tool.
-    pub carried: Vec<Vec<[bool; 3]>>,
     /// For each tool the equations of its free translations.
     pub tool: Vec<[i64; 3]>,
     /// Global number of this rank's first equation.
@@ -60,7 +57,6 @@ impl DofMap {
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
-            carried: model.pairs.iter().map(|p| vec![[true; 3]; p.slaves.len()]).collect(),
             tool: vec![[NONE; 3]; tools.len()],
             first: 0,
             count: 0,
@@ -84,11 +80,10 @@ impl DofMap {
             }
             for &(p, s) in slaves {
                 let pair = &model.pairs[p];
-                let carried = match pair.master {
-                    Master::Tool(t) => carried(&prescribed, &tools[t], pair.friction > 0.0),
-                    Master::Surface(_) => [true, true, !pair.planar],
+                let carried = match pair.master.tool() {
+                    Some(t) => carried(&prescribed, &tools[t], pair.friction > 0.0),
+                    None => [true, true, !pair.planar],
                 };
-                map.carried[p][s] = carried;
                 let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
                 for d in (0..3).filter(|&d| carried[d] && wanted[d]) {
                     map.multiplier[p][s][d] = number();

@@ -7,11 +7,10 @@ use super::candidates::Candidates;
 use super::dofs::{DofMap, NONE};
 use super::foreign::Foreign;
 use crate::Vec3;
-use crate::contact::Master;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::elements::carrying;
-use crate::parallel::{Parcels, agree, exchange};
+use crate::parallel::agree;
 use mpi::topology::SimpleCommunicator;
 
 /// Length from which a row is rid of repetitions: long before it is crowded with them.
@@ -59,24 +58,20 @@ impl Pattern {
                 }
             }
         }
-        let mut of_tools: Vec<Vec<i32>> = vec![Vec::new(); model.tools.len()];
         for (pair, multipliers) in model.pairs.iter().zip(&dofs.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(multipliers) {
                 let of_node: Vec<i32> = free(&dofs.node[slave.node as usize]).chain(free(equations)).collect();
-                let mut tool = Vec::new();
-                if let Master::Tool(t) = pair.master {
-                    tool.extend(free(&dofs.tool[t]));
-                    of_tools[t].extend(&of_node);
-                }
                 for &row in &of_node {
-                    let row = &mut rows[(i64::from(row) - dofs.first) as usize];
-                    row.extend(of_node.iter().chain(&tool));
+                    rows[(i64::from(row) - dofs.first) as usize].extend(&of_node);
                 }
             }
         }
-        tool_rows(comm, dofs, &of_tools, &mut rows);
-        let candidates = Candidates::new(&model.pairs, &model.surfaces, place);
-        let groups = candidates.groups(&model.pairs, &model.surfaces, dofs);
+        // Tools that nothing touches yet have a stiffness, too.
+        for (row, equation) in dofs.tool.iter().flatten().filter_map(|&e| Some((dofs.local(e)?, e))) {
+            rows[row].push(equation as i32);
+        }
+        let candidates = Candidates::new(&model.pairs, &model.masters, place);
+        let groups = candidates.groups(comm, &model.pairs, &model.masters, dofs);
         let (foreign, received) = Foreign::new(comm, add_groups(dofs, &groups, &mut rows), &dofs.starts);
         for [row, column] in &received {
             rows[(i64::from(*row) - dofs.first) as usize].push(*column);
@@ -206,19 +201,6 @@ fn free(equations: &[i64; 3]) -> impl Iterator<Item = i32> + '_ {
 fn tidy(row: &mut Vec<i32>) {
     row.sort_unstable();
     row.dedup();
-}
-
-/// Rows of force-driven tools, on rank 0: they see every slave node that may touch them. Collective.
-fn tool_rows(comm: &SimpleCommunicator, dofs: &DofMap, of_tools: &[Vec<i32>], rows: &mut [Vec<i32>]) {
-    for (equations, columns) in dofs.tool.iter().zip(of_tools) {
-        if free(equations).next().is_none() {
-            continue;
-        }
-        let all = exchange(comm, &Parcels::from([(0, columns.clone())]));
-        for row in equations.iter().filter_map(|&e| dofs.local(e)) {
-            rows[row].extend(all.values().flatten().copied().chain(free(equations)));
-        }
-    }
 }
 
 #[cfg(test)]

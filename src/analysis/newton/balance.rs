@@ -11,7 +11,7 @@
 //! its own forces round to, has no result.
 
 use super::Newton;
-use crate::contact::{Master, Pair, Slave, Status};
+use crate::contact::{Pair, Slave, Status};
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::system::DofMap;
@@ -60,7 +60,7 @@ impl Balance {
         let mut augmentations: Vec<f64> = model.pairs.iter().map(largest_of).collect();
         max(comm, &mut augmentations);
         let pairs = augmentations.into_iter().map(|a| given.unwrap_or(share * a * model.size));
-        bodies.chain(pairs).chain(model.tools.iter().map(|_| largest)).collect()
+        bodies.chain(pairs).chain(model.masters.tools.iter().map(|_| largest)).collect()
     }
 
     pub fn new(model: &Model, dofs: &DofMap, seen: Vec<f64>, floors: Vec<f64>) -> Self {
@@ -231,9 +231,9 @@ impl Newton<'_> {
         if group < bodies + self.system.model.pairs.len() {
             return self.epsilon() * groups[group].measure * groups[group].far;
         }
-        let tool = Master::Tool(group - bodies - self.system.model.pairs.len());
+        let tool = group - bodies - self.system.model.pairs.len();
         pairs
-            .filter(|p| self.system.model.pairs[*p].master == tool)
+            .filter(|p| self.system.model.pairs[*p].master.tool() == Some(tool))
             .map(|p| self.rounding(self.system.model.pairs[p].body))
             .fold(0.0, f64::max)
     }

@@ -1,148 +1,221 @@
 //! Contact in the nonlinear problem of an increment: its share of the residual and of the tangent, force-driven tools, and
 //! whether the search has seen enough.
+//!
+//! The elements of this rank's slave nodes have rows at nodes of masters that other ranks may own, those of tools at rank 0:
+//! forces and matrix entries travel to them.
 
 use super::Newton;
-use crate::contact::element::{self, Element};
-use crate::contact::{Guide, Master, Status, touching, watch_all};
+use crate::Vec3;
+use crate::contact::meeting::{Meeting, Moves, Workspace};
+use crate::contact::{Receiver, Status};
+use crate::error::Result;
 use crate::model::Model;
-use crate::parallel::{Parcels, exchange, max, sum};
+use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
-use crate::system::{DofMap, Pattern};
-use crate::{Mat3, Vec3};
+use crate::system::{MasterNodes, Pattern};
+
+/// What contact works with besides the model.
+#[derive(Default)]
+pub(super) struct Touching {
+    /// What each slave node of each pair was evaluated with.
+    meetings: Vec<Vec<Option<Meeting>>>,
+    /// For each pair the nodes of its master.
+    nodes: Vec<MasterNodes>,
+    /// Least distance of the slave nodes of each pair from its master, at most the reach; 0 in contact.
+    clearances: Vec<f64>,
+    workspace: Workspace,
+}
+
+impl Touching {
+    pub fn new(model: &Model) -> Self {
+        let meetings = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
+        Self { meetings, clearances: vec![0.0; model.pairs.len()], ..Self::default() }
+    }
+}
 
 impl Newton<'_> {
     /// Contact elements of the owned slave nodes: their status, forces and residuals; with prescribed displacements that are
     /// still `ahead`, as if they were done. Collective.
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
-        let mut on_tools = vec![0.0; 3 * self.system.model.tools.len()];
-        let mut nearest = vec![f64::NEG_INFINITY; self.system.model.tools.len()];
+        self.follow(ahead);
         let first = self.is_first();
-        let group = self.system.model.bodies.len();
-        let Model { part, tools, pairs, .. } = &mut *self.system.model;
-        let balance = &mut self.found.balance;
-        for (p, pair) in pairs.iter_mut().enumerate() {
-            let Master::Tool(t) = pair.master else { continue };
-            let tool = &tools[t];
-            for (s, slave) in pair.slaves.iter_mut().enumerate() {
-                let node = slave.node as usize;
+        let Model { part, masters, pairs, bodies, .. } = &mut *self.system.model;
+        let (dofs, balance, group) = (self.system.dofs, &mut self.found.balance, bodies.len());
+        pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
+        let mut on_tools = vec![0.0; 3 * masters.tools.len()];
+        let mut nearest = vec![f64::NEG_INFINITY; pairs.len()];
+        for p in 0..pairs.len() {
+            let pair = &mut pairs[p];
+            let ground = masters.of(pair.master);
+            let mut on_master = vec![Vec3::zeros(); ground.count()];
+            for s in 0..pair.slaves.len() {
+                let node = pair.slaves[s].node as usize;
                 let position =
                     part.points[node] + self.found.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
-                let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-                let projection = tool.project(&position, pair.reach, warm);
-                let gap = |x: &Vec3| tool.project(x, pair.reach, None).map(|p| p.gap);
-                let start = |place: &Vec3| Some(tool.trial.outward(place));
-                let projection = projection.filter(|p| !slave.is_beside(start, &position, p, pair.facet_size, gap));
-                slave.trial.projection = projection;
-                let clearance = projection.map_or(pair.reach, |p| p.gap.max(0.0));
-                nearest[t] = nearest[t].max(-clearance);
-                let (equations, carried) = (self.system.dofs.multiplier[p][s], self.system.dofs.carried[p][s]);
-                if carried == [false; 3] {
-                    slave.trial.status = Status::Gap;
-                    continue;
+                let equations = dofs.multiplier[p][s].map(|e| dofs.local(e));
+                let unknown = Vec3::from_fn(|d, _| equations[d].map_or(0.0, |k| x[k]));
+                let slave_moves = [0, 1, 2].map(|d| self.system.conditions.move_of(node as u32, d));
+                let moves = Moves { slave: slave_moves, master: &self.touching.nodes[p].moves };
+                let meeting = Meeting::new(pair, &ground, (s, &position), &moves, &unknown, first);
+                let e = self.touching.workspace.evaluate(&ground, &meeting, false);
+                self.touching.meetings[p][s] = Some(meeting);
+                let trial = &mut pair.slaves[s].trial;
+                trial.update(&e);
+                nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
+                self.found.forces[node] += e.load;
+                for group in [Some(pair.body), pair.master_body, Some(group + p)].into_iter().flatten() {
+                    balance.action(group, e.force.amax());
                 }
-                let lambda =
-                    Vec3::from_fn(|d, _| self.system.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal));
-                let locked = self.system.conditions.locked(slave.node, t);
-                let held = carried.map(|can| !can);
-                let guide = Guide { held, drawn: [0, 1, 2].map(|d| locked[d] && !held[d]) };
-                let felt = projection.filter(|p| guide.gives_way(&p.normal)).map(|p| element::framed(p, pair.tangent));
-                let felt =
-                    felt.map(|p| if first { touching(p, pair.controls.touching_gap * pair.facet_size) } else { p });
-                let sigma = slave.local.at(&(position - tool.trial.translation), |_| None);
-                let multiplier = slave.multiplier(pair.method, lambda, tool.trial.rotation * slave.held.carried, sigma);
-                let anchor = slave.slip_origin(&tool.trial);
-                let e = element::element(slave.law, &multiplier, felt.as_ref(), anchor, &guide);
-                self.found.elements[p][s] = Some(e);
-                slave.trial.update(&e.response);
-                let (force, residual) = (e.response.load, e.response.constraint);
-                if pair.method.holds_multipliers() {
-                    slave.trial.sigma = sigma;
-                    slave.trial.relative = position - tool.trial.translation;
-                }
-                self.found.forces[node] += force;
-                balance.action(pair.body, force.amax());
-                balance.action(group + p, force.amax());
-                for d in 0..3 {
-                    if let Some(k) = self.system.dofs.local(equations[d]) {
-                        r[k] += residual[d];
+                for (equation, residual) in equations.iter().zip(&e.constraint) {
+                    if let Some(k) = equation {
+                        r[*k] += residual;
                     }
-                    on_tools[3 * t + d] += force[d];
                 }
+                let element = &self.touching.workspace.element;
+                element.nodes.iter().zip(&element.forces).for_each(|(&n, f)| on_master[n as usize] += f);
             }
+            let (master, forces) = (pair.master, &mut self.found.forces);
+            let receiver = if pair.is_self() { Some(p) } else { pair.other };
+            let mut receiver = receiver.map(|p| &mut pairs[p]);
+            masters.scatter(self.system.comm, master, &on_master, |to, force| match to {
+                Receiver::Tool(t) => (0..3).for_each(|d| on_tools[3 * t + d] -= force[d]),
+                Receiver::Node(n) => {
+                    let node = part.tie[n as usize];
+                    forces[node as usize] += force;
+                    if let Some(slave) = receiver.as_mut().and_then(|pair| pair.slave_at(node)) {
+                        slave.trial.received += force;
+                    }
+                }
+            });
         }
         sum(self.system.comm, &mut on_tools);
         max(self.system.comm, &mut nearest);
-        self.found.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
-        let pairs = self.system.model.pairs.len();
+        self.touching.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
+        self.add_tool_forces(&on_tools, r);
+    }
+
+    /// Balance of the tools that forces drive, with the contact forces on all tools.
+    fn add_tool_forces(&mut self, on_tools: &[f64], r: &mut [f64]) {
+        let first = self.system.model.bodies.len() + self.system.model.pairs.len();
         for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
             let driving = self.system.conditions.tool_forces[t].at(self.s);
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
-                    self.found.balance.action(group + pairs + t, driving[d].abs().max(force[d].abs()));
+                    self.found.balance.action(first + t, driving[d].abs().max(force[d].abs()));
                 }
             }
-        }
-    }
-    /// Tangents of the contact elements. A tool that moves by q is a slave node that moves by -q. Collective when a tool is
-    /// driven by force.
-    pub(super) fn add_contact_tangent(&mut self) {
-        let (dofs, pattern, values) = (self.system.dofs, &*self.system.pattern, &mut self.values);
-        let mut to_tools: Vec<Entry> = Vec::new();
-        for (p, pair) in self.system.model.pairs.iter_mut().enumerate() {
-            let Master::Tool(t) = pair.master else { continue };
-            let tool = &dofs.tool[t];
-            for (s, slave) in pair.slaves.iter_mut().enumerate() {
-                let Some(element) = &self.found.elements[p][s] else { continue };
-                if pair.method.holds_multipliers() {
-                    slave.local.learn(slave.trial.sigma, &element.response);
-                    let by_slave = -element.response.inverse * element.constraint_position;
-                    slave.local.by.push((None, by_slave, slave.trial.relative));
-                }
-                let (node, multiplier) = (&dofs.node[slave.node as usize], &dofs.multiplier[p][s]);
-                let Element { force_position, force_multiplier, constraint_position, .. } = *element;
-                add_block(dofs, pattern, values, node, node, &force_position);
-                add_block(dofs, pattern, values, node, multiplier, &force_multiplier);
-                add_block(dofs, pattern, values, multiplier, node, &constraint_position);
-                add_block(dofs, pattern, values, multiplier, multiplier, &element.constraint_multiplier);
-                if *tool != [NONE; 3] {
-                    add_block(dofs, pattern, values, node, tool, &-force_position);
-                    add_block(dofs, pattern, values, multiplier, tool, &-constraint_position);
-                    collect(&mut to_tools, tool, node, &-force_position);
-                    collect(&mut to_tools, tool, multiplier, &-force_multiplier);
-                    collect(&mut to_tools, tool, tool, &force_position);
-                }
-            }
-        }
-        if dofs.tool.iter().flatten().any(|&e| e != NONE) {
-            self.add_tool_rows(&to_tools);
         }
     }
 
-    /// Brings the entries of tool rows to rank 0, which owns them. A tool that nothing touches yet gets the stiffness with
-    /// which its force drives it to the nearest slave node, and a little into it. Collective.
-    fn add_tool_rows(&mut self, entries: &[Entry]) {
-        let parcel = entries.iter().flat_map(|e| [e.row as f64, e.column as f64, e.value]).collect();
-        let gathered: Vec<f64> =
-            exchange(self.system.comm, &Parcels::from([(0, parcel)])).into_values().flatten().collect();
-        let mut touched = vec![false; 3 * self.system.dofs.tool.len()];
-        let equations: Vec<i64> = self.system.dofs.tool.iter().flatten().copied().collect();
-        for entry in gathered.chunks_exact(3) {
-            let (row, column) = (entry[0] as i64, entry[1] as i64);
-            if let Some(local) = self.system.dofs.local(row) {
-                self.system.pattern.add(&mut self.values, local, column, entry[2]);
-                if entry[2] != 0.0 {
-                    touched[equations.iter().position(|&e| e == row).unwrap_or_default()] = true;
+    /// Lets the masters follow the iterate. Collective.
+    fn follow(&mut self, ahead: Option<&[Vec3]>) {
+        let Model { part, masters, pairs, .. } = &mut *self.system.model;
+        let u = &self.found.u;
+        let place = |n: u32| {
+            let n = n as usize;
+            part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
+        };
+        if masters.follow(self.system.comm, pairs, place) {
+            self.learn();
+        }
+    }
+
+    /// Learns what stays the same over the increment of the nodes of the masters. Collective.
+    pub(super) fn learn(&mut self) {
+        let Model { part, masters, pairs, .. } = &mut *self.system.model;
+        let (comm, conditions) = (self.system.comm, self.system.conditions);
+        masters.remember(comm, |n| part.points[n as usize] + self.system.committed[n as usize]);
+        let of_tools = conditions.moves_of_tools();
+        let of_pair = |master| {
+            let moves = (&of_tools[..], |n: u32, d: usize| conditions.move_of(n, d));
+            MasterNodes::new(comm, masters, master, self.system.dofs, moves)
+        };
+        self.touching.nodes = pairs.iter().map(|pair| of_pair(pair.master)).collect();
+    }
+
+    /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
+    pub(super) fn widen_pattern(&mut self) -> Result<bool> {
+        let Model { masters, pairs, part, .. } = &*self.system.model;
+        let mut lacks = false;
+        for (p, pair) in pairs.iter().enumerate() {
+            let ground = masters.of(pair.master);
+            for (s, _) in pair.slaves.iter().enumerate().filter(|(_, s)| s.trial.status != Status::Gap) {
+                let mut patches = self.touching.meetings[p][s].iter().flat_map(Meeting::patches);
+                let is_new = |id: u32| ground.patch(id).is_some() && !self.system.pattern.candidates.has(p, s, id);
+                lacks |= patches.any(is_new);
+            }
+        }
+        let widen = any(self.system.comm, lacks);
+        if widen {
+            let u = &self.found.u;
+            let place = |n: u32| part.points[n as usize] + u[n as usize];
+            *self.system.pattern = Pattern::new(self.system.comm, self.system.model, self.system.dofs, place)?;
+            self.values.resize(self.system.pattern.columns.len(), 0.0);
+            self.course.rebuilds += 1;
+        }
+        Ok(widen)
+    }
+
+    /// Tangents of the contact elements. Collective.
+    pub(super) fn add_contact_tangent(&mut self) {
+        let (dofs, pattern, values) = (self.system.dofs, &*self.system.pattern, &mut self.values);
+        let mut foreign = vec![0.0; pattern.foreign.len()];
+        let Model { masters, pairs, .. } = &mut *self.system.model;
+        let mut equations = Vec::new();
+        for (p, pair) in pairs.iter_mut().enumerate() {
+            let ground = masters.of(pair.master);
+            let of_master = &self.touching.nodes[p].equations;
+            for (s, slave) in pair.slaves.iter_mut().enumerate() {
+                let Some(meeting) = &self.touching.meetings[p][s] else { continue };
+                let workspace = &mut self.touching.workspace;
+                let e = workspace.evaluate(&ground, meeting, true);
+                let multiplier = dofs.multiplier[p][s];
+                if pair.method.holds_multipliers() {
+                    workspace.learn(slave, &e, &ground);
+                } else if pair.friction > 0.0 {
+                    workspace.hold(multiplier.map(|e| e != NONE), meeting);
+                }
+                let element = &workspace.element;
+                equations.clear();
+                equations.extend(dofs.node[slave.node as usize]);
+                equations.extend(&multiplier[..if pair.friction > 0.0 { 3 } else { 1 }]);
+                equations.extend(element.nodes.iter().flat_map(|&n| of_master[n as usize]));
+                let columns = element.shape[1];
+                for (&row, entries) in equations.iter().zip(element.matrix.chunks(columns)).filter(|(r, _)| **r != NONE)
+                {
+                    let local = dofs.local(row);
+                    for (&column, &value) in equations.iter().zip(entries).filter(|(c, v)| **c != NONE && **v != 0.0) {
+                        if let Some(local) = local {
+                            pattern.add(values, local, column, value);
+                        } else if let Some(k) = pattern.foreign.index(row as i32, column as i32) {
+                            foreign[k] += value;
+                        }
+                    }
                 }
             }
         }
-        for (k, &equation) in equations.iter().enumerate().filter(|(k, _)| !touched[*k]) {
-            if let Some(row) = self.system.dofs.local(equation) {
-                let (force, distance) =
-                    (self.system.conditions.tool_forces[k / 3].at(self.s).norm(), self.found.clearances[k / 3]);
+        pattern.foreign.deliver(self.system.comm, &foreign, values);
+        self.guide_free_tools();
+    }
+
+    /// A tool that nothing touches yet gets the stiffness with which its force drives it to the nearest slave node, and a little
+    /// into it.
+    fn guide_free_tools(&mut self) {
+        let pattern = &*self.system.pattern;
+        for (t, equations) in self.system.dofs.tool.iter().enumerate() {
+            for (row, equation) in equations.iter().filter_map(|&e| Some((self.system.dofs.local(e)?, e))) {
+                let entries = pattern.offsets[row] as usize..pattern.offsets[row + 1] as usize;
+                if self.values[entries].iter().any(|value| *value != 0.0) {
+                    continue;
+                }
+                let of_tool = self.system.model.pairs.iter().zip(&self.touching.clearances);
+                let distance = of_tool.filter(|(pair, _)| pair.master.tool() == Some(t)).map(|(_, distance)| *distance);
+                let distance = distance.reduce(f64::min).unwrap_or(f64::INFINITY);
+                let force = self.system.conditions.tool_forces[t].at(self.s).norm();
                 let compliance = 1.0 / self.system.model.stiffness + if force > 0.0 { distance / force } else { 0.0 };
-                self.system.pattern.add(&mut self.values, row, equation, 1.0 / compliance);
+                pattern.add(&mut self.values, row, equation, 1.0 / compliance);
             }
         }
     }
@@ -164,60 +237,27 @@ impl Newton<'_> {
     /// After convergence: a node that moved farther than the search reaches may have crossed the surface unseen, and one
     /// outside the region that was fetched may miss a patch. Widens the search and says whether it had to. Collective.
     pub fn widen_search(&mut self) -> bool {
-        let Model { part, tools, pairs, .. } = &mut *self.system.model;
-        let place = |n: u32| part.points[n as usize] + self.found.u[n as usize];
-        let mut lost = false;
+        let Model { part, masters, pairs, controls, .. } = &mut *self.system.model;
+        let then = |n: u32| part.points[n as usize] + self.system.committed[n as usize];
+        let now = |n: u32| part.points[n as usize] + self.found.u[n as usize];
+        let mut widen = false;
         for pair in pairs.iter_mut() {
-            let Master::Tool(t) = pair.master else { continue };
-            let tool = &tools[t];
-            let mut longest = [0.0f64];
-            for slave in &pair.slaves {
-                let here = tool.trial.inward(&place(slave.node));
-                longest[0] = longest[0].max(slave.committed.place.map_or(0.0, |from| (here - from).norm()));
-            }
-            max(self.system.comm, &mut longest);
-            if longest[0] > pair.reach {
-                pair.reach = pair.controls.reach_farther * longest[0];
-                lost = true;
+            let travel = masters.travel(self.system.comm, pair, controls.watch_turn, then, now);
+            if travel > pair.reach {
+                pair.reach = pair.controls.reach_farther * travel;
+                widen = true;
             }
         }
-        lost |= watch_all(self.system.comm, tools, pairs, place);
-        let widen = self.widen_deformable_search() || lost;
+        widen |= masters.watch(self.system.comm, pairs, now);
         if widen {
             self.judge_again();
         }
         widen
     }
-}
 
-impl Newton<'_> {
     /// The next solve judges this iterate again.
     pub(super) fn judge_again(&mut self) {
         self.course.trace.pop();
         self.course.changes.pop();
-    }
-}
-
-/// An entry of a row that rank 0 owns.
-struct Entry {
-    row: i64,
-    column: i64,
-    value: f64,
-}
-
-fn add_block(dofs: &DofMap, pattern: &Pattern, values: &mut [f64], rows: &[i64; 3], columns: &[i64; 3], block: &Mat3) {
-    for i in 0..3 {
-        let Some(row) = dofs.local(rows[i]) else { continue };
-        for j in (0..3).filter(|&j| columns[j] != NONE) {
-            pattern.add(values, row, columns[j], block[(i, j)]);
-        }
-    }
-}
-
-fn collect(entries: &mut Vec<Entry>, rows: &[i64; 3], columns: &[i64; 3], block: &Mat3) {
-    for i in (0..3).filter(|&i| rows[i] != NONE) {
-        for j in (0..3).filter(|&j| columns[j] != NONE) {
-            entries.push(Entry { row: rows[i], column: columns[j], value: block[(i, j)] });
-        }
     }
 }

@@ -2,22 +2,19 @@
 //!
 //! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
 //! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
-//! the last converged increment. [`contact`] has the part of the contact elements on tools, [`deformable`] that of those
-//! on deformable masters, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
+//! the last converged increment. [`contact`] has the part of the contact elements, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
 //! from overshooting, [`drag`] what helps a jump along,
 //! [`share`] how long an increment may be.
 
 mod backtrack;
 pub(super) mod balance;
 mod contact;
-mod deformable;
 mod drag;
 mod rounds;
 mod share;
 
 use super::conditions::Conditions;
 use crate::Vec3;
-use crate::contact::element::Element;
 use crate::contact::{Manner, Pair, Pose, Slave, Status};
 use crate::error::Error;
 use crate::interrupt;
@@ -29,8 +26,7 @@ use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
 use backtrack::LineSearch;
 use balance::Balance;
-pub(super) use deformable::relative_travel;
-use deformable::{Meeting, Workspace};
+use contact::Touching;
 use drag::Drag;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -70,10 +66,6 @@ pub struct Evaluated {
     pub tool_forces: Vec<Vec3>,
     /// Sum of the internal forces of this rank on each body.
     internal: Vec<Vec3>,
-    /// Distance of each tool from the nearest slave node, at most its reach; 0 in contact.
-    clearances: Vec<f64>,
-    elements: Vec<Vec<Option<Element>>>,
-    meetings: Vec<Vec<Option<Meeting>>>,
     /// Forces and residuals. Those of other iterates do not count, for some are far from any equilibrium.
     pub(super) balance: Balance,
     /// Equation of this rank's largest residual, and that over the forces that it counts against.
@@ -125,7 +117,7 @@ pub struct Newton<'a> {
     pub course: Course,
     strategy: Strategy<'a>,
     line_search: LineSearch,
-    workspace: Workspace,
+    touching: Touching,
     /// Entries of the Jacobian.
     values: Vec<f64>,
 }
@@ -165,19 +157,16 @@ impl<'a> Newton<'a> {
             u: committed.to_vec(),
             offsets: start.offsets.to_vec(),
             forces: vec![Vec3::zeros(); model.part.owned],
-            tool_forces: vec![Vec3::zeros(); model.tools.len()],
+            tool_forces: vec![Vec3::zeros(); model.masters.tools.len()],
             internal: vec![Vec3::zeros(); model.bodies.len()],
-            clearances: vec![0.0; model.tools.len()],
-            elements: model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect(),
-            meetings: model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect(),
             balance: Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec()),
             worst: (0, 0.0),
             at: Vec::new(),
         };
         let memory = if start.strict { 1 } else { model.controls.line_search_memory };
         let line_search = LineSearch::new(model.can_flow(), memory);
-        let (course, workspace) = (Course::default(), Workspace::default());
-        let mut newton = Self { system, s: start.s, found, course, strategy, line_search, workspace, values };
+        let (course, touching) = (Course::default(), Touching::new(model));
+        let mut newton = Self { system, s: start.s, found, course, strategy, line_search, touching, values };
         let model = &mut *newton.system.model;
         model.history.go_back();
         let controls = model.controls;
@@ -266,7 +255,7 @@ impl<'a> Newton<'a> {
             }
         }
         self.system.conditions.place_tools(
-            &mut self.system.model.tools,
+            &mut self.system.model.masters.tools,
             self.system.start_poses,
             &self.found.offsets,
             self.s,
@@ -298,7 +287,6 @@ impl<'a> Newton<'a> {
         r.fill(0.0);
         let begun = Instant::now();
         self.add_contact(x, ahead.as_deref(), r);
-        self.add_deformable(x, ahead.as_deref(), r);
         self.system.phases.add(Phase::Search, begun.elapsed());
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
@@ -364,7 +352,6 @@ impl Newton<'_> {
             );
         }
         self.add_contact_tangent();
-        self.add_deformable_tangent();
         self.add_drag_tangent();
     }
 }
@@ -405,7 +392,8 @@ impl Problem for Newton<'_> {
         }
         // What a motion begins with may be small against all forces and yet be its whole effect, as on a thin sheet, of which
         // the forces round to more than its contact feels of the first gap.
-        let driven = self.strategy.moves || self.system.model.tools.iter().any(|tool| tool.trial != tool.committed);
+        let driven =
+            self.strategy.moves || self.system.model.masters.tools.iter().any(|tool| tool.trial != tool.committed);
         let begins = self.course.trace.len() == 1 && driven && touching > 0.0 && residual > 0.0;
         let small = self.found.balance.holds(self.tolerance_now()) && !begins;
         if !residual.is_finite() {

@@ -23,8 +23,7 @@ const SAME: f64 = 0.5;
 /// Refuses contacts whose master looks away. Collective.
 pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model, sights: &[Vec<Sight>]) -> Result<()> {
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        // A rank without slave nodes of the pair does not know.
-        if any(comm, pair.within_body || pair.slaves.iter().any(|s| s.mate.is_some())) {
+        if pair.within_body || matches!(pair.master, Master::Nodes(_)) {
             continue;
         }
         // Least distances, and that of nodes in front that look away, as negative numbers.
@@ -50,8 +49,8 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
         max(comm, &mut least);
         let master = model.master_name(pair);
         let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -pair.controls.touching_gap * pair.facet_size);
-        if let Master::Tool(t) = pair.master
-            && model.tools[t].surface.is_closed(comm)
+        if let Some(t) = pair.master.tool()
+            && model.masters.tools[t].surface.is_closed(comm)
             && !any(comm, sights.iter().any(in_front))
         {
             let what = format!(

@@ -11,7 +11,7 @@
 //! rotations are scaled by the half diagonal of the body.
 
 use crate::Vec3;
-use crate::contact::{Master, Pair};
+use crate::contact::Pair;
 use crate::model::Model;
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, hull};
@@ -73,7 +73,7 @@ impl RigidMotions {
             (body.name.clone(), center, if size > 0.0 { size } else { 1.0 })
         };
         let bodies = model.bodies.iter().enumerate().map(named).collect();
-        Self::of(bodies, model.tools.iter().map(|t| t.name.clone()).zip(free.iter().copied()).collect())
+        Self::of(bodies, model.masters.tools.iter().map(|t| t.name.clone()).zip(free.iter().copied()).collect())
     }
 
     fn of(bodies: Vec<(String, Vec3, f64)>, tools: Vec<(String, [bool; 3])>) -> Self {
@@ -220,11 +220,8 @@ pub fn sides(model: &Model, scene: &crate::scene::Scene) -> Vec<(usize, Side)> {
         model.bodies.iter().position(|b| b.name == name).unwrap_or_default()
     };
     let side = |(pair, contact): (&Pair, &crate::scene::Contact)| {
-        let master = match pair.master {
-            Master::Tool(t) => Side::Tool(t),
-            Master::Surface(_) => Side::Body(body(&contact.master.value)),
-        };
-        (body(&contact.slave.value), master)
+        let on_body = || Side::Body(body(&contact.master.value));
+        (body(&contact.slave.value), pair.master.tool().map_or_else(on_body, Side::Tool))
     };
     model.pairs.iter().zip(&scene.passes()).map(side).collect()
 }

@@ -5,14 +5,13 @@
 //! given back at the end.
 
 use crate::Vec3;
-use crate::contact::{BodySurface, Master, Pair, Tool, follow_all, watch_all};
+use crate::contact::master::Prospect;
+use crate::contact::{Master, Pair};
 use crate::model::Model;
 use crate::parallel::any;
 use crate::partition::Part;
 use crate::surface::Projection;
-use crate::tool::shape::side_normal;
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeSet;
 
 /// How much farther the search goes when nothing is found.
 const WIDER: f64 = 4.0;
@@ -48,53 +47,40 @@ impl Sight {
 /// For each pair what its slave nodes see. Collective.
 pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Sight>> {
     let own: Vec<Vec<Sight>> = model.pairs.iter().map(|pair| own_side(&model.part, pair)).collect();
-    let Model { part, tools, surfaces, pairs, .. } = model;
+    let Model { part, masters, pairs, .. } = model;
     let place = |n: u32| part.points[n as usize];
     // Those within a body look as in the run: only what looks back at them counts.
-    follow_all(comm, surfaces, pairs, place);
+    masters.follow(comm, pairs, place);
+    let fetches: Vec<usize> = masters.surfaces.iter().map(|s| s.fetches).collect();
     let mut seen = Vec::new();
     for (pair, mut sights) in pairs.iter().zip(own) {
-        let fixed = pair.within_body || pair.slaves.iter().any(|s| s.mate.is_some());
-        match pair.master {
-            Master::Surface(k) if any(comm, fixed) => {
-                for (s, sight) in sights.iter_mut().enumerate() {
-                    sight.contact = pair.project(&surfaces[k], s, &place(pair.slaves[s].node), None);
-                }
+        if pair.within_body || matches!(pair.master, Master::Nodes(_)) {
+            let ground = masters.of(pair.master);
+            for (s, sight) in sights.iter_mut().enumerate() {
+                sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), None);
             }
-            Master::Surface(k) => {
-                let fetches = surfaces[k].fetches;
-                widen(comm, pair, place, &mut sights, |points, own, reach| {
-                    surfaces[k].follow(comm, points, reach, &BTreeSet::new(), place);
-                    of_surface(&surfaces[k], points, own, reach)
-                });
-                surfaces[k].forget();
-                surfaces[k].fetches = fetches;
-            }
-            Master::Tool(t) => {
-                widen(comm, pair, place, &mut sights, |points, own, reach| {
-                    of_tool(comm, &mut tools[t], points, own, reach)
-                });
-                tools[t].surface.forget();
-            }
+        } else {
+            widen(comm, pair, place, &mut sights, |points, outward, reach| {
+                masters.seek(comm, pair.master, (points, outward), reach, place)
+            });
+            masters.forget(pair.master);
         }
         seen.push(sights);
     }
     // As they were found.
-    let fetches: Vec<usize> = surfaces.iter().map(|s| s.fetches).collect();
-    watch_all(comm, tools, pairs, place);
-    follow_all(comm, surfaces, pairs, place);
-    surfaces.iter_mut().zip(fetches).for_each(|(surface, fetches)| surface.fetches = fetches);
+    masters.attend(comm, pairs, place);
+    masters.surfaces.iter_mut().zip(fetches).for_each(|(surface, fetches)| surface.fetches = fetches);
     seen
 }
 
-/// Asks `find` for the nodes that have found nothing, farther and farther; it gets their places, what is known of them, and the
-/// reach. Collective.
+/// Asks `find` for the nodes that have found nothing, farther and farther; it gets their places, their outward normals, and
+/// the reach. Collective.
 fn widen(
     comm: &SimpleCommunicator,
     pair: &Pair,
     place: impl Fn(u32) -> Vec3,
     sights: &mut [Sight],
-    mut find: impl FnMut(&[Vec3], &[Sight], f64) -> Vec<Option<Sight>>,
+    mut find: impl FnMut(&[Vec3], &[Vec3], f64) -> Vec<Option<Prospect>>,
 ) {
     let mut open: Vec<usize> = (0..sights.len()).collect();
     let mut reach = pair.reach;
@@ -103,47 +89,18 @@ fn widen(
             return;
         }
         let points: Vec<Vec3> = open.iter().map(|&s| place(pair.slaves[s].node)).collect();
-        let own: Vec<Sight> = open.iter().map(|&s| sights[s]).collect();
-        let found = find(&points, &own, reach);
+        let outward: Vec<Vec3> = open.iter().map(|&s| sights[s].outward).collect();
+        let found = find(&points, &outward, reach);
         let mut rest = Vec::new();
         for (&s, found) in open.iter().zip(found) {
             match found {
-                Some(sight) => sights[s] = sight,
+                Some(Prospect { contact, nearest }) => sights[s] = Sight { contact, nearest, ..sights[s] },
                 None => rest.push(s),
             }
         }
         open = rest;
         reach *= WIDER;
     }
-}
-
-/// What points see of a tool where it stands, within a reach. Collective.
-fn of_tool(
-    comm: &SimpleCommunicator,
-    tool: &mut Tool,
-    points: &[Vec3],
-    own: &[Sight],
-    reach: f64,
-) -> Vec<Option<Sight>> {
-    let surface = &mut tool.surface;
-    surface.watch(comm, points, reach);
-    let sight = |(x, own): (&Vec3, &Sight)| {
-        surface.near().nearest(x, reach)?;
-        let (contact, nearest) = (surface.project(x, reach, None), surface.near().side_normal(x, &own.outward));
-        Some(Sight { contact, nearest, ..*own })
-    };
-    points.iter().zip(own).map(sight).collect()
-}
-
-/// The same of a deformable master that follows these points.
-fn of_surface(surface: &BodySurface, points: &[Vec3], own: &[Sight], reach: f64) -> Vec<Option<Sight>> {
-    let shapes = surface.shapes();
-    let sight = |(x, own): (&Vec3, &Sight)| {
-        shapes.nearest_within(x, reach)?;
-        let (contact, nearest) = (shapes.closest(x, reach, None), side_normal(shapes, x, &own.outward));
-        Some(Sight { contact, nearest, ..*own })
-    };
-    points.iter().zip(own).map(sight).collect()
 }
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.

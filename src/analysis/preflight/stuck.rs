@@ -8,7 +8,7 @@
 use super::super::conditions::Conditions;
 use super::worst;
 use crate::Vec3;
-use crate::contact::{Master, Pair, Pose};
+use crate::contact::{Pair, Pose};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -27,7 +27,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
     let contacts = scene.passes();
     // How far each direction of each owned node has moved, NaN where equilibrium has decided; and where tools are.
     let mut moved = vec![Vec3::zeros(); model.part.owned];
-    let mut poses: Vec<Option<Pose>> = model.tools.iter().map(|tool| Some(tool.committed)).collect();
+    let mut poses: Vec<Option<Pose>> = model.masters.tools.iter().map(|tool| Some(tool.committed)).collect();
     let mut found = Ok(());
     for (step, conditions) in scene.steps.iter().zip(steps) {
         let before = moved.clone();
@@ -38,14 +38,14 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             *pose = pose.filter(|_| motion.free == [false; 3]);
         }
         for (pair, contact) in model.pairs.iter().zip(&contacts) {
-            let Master::Tool(t) = pair.master else { continue };
+            let Some(t) = pair.master.tool() else { continue };
             let Some(start) = poses[t] else { continue };
             let watched: Vec<usize> = (0..pair.slaves.len()).filter(|&s| is_held(pair, s, conditions)).collect();
             if !any(comm, !watched.is_empty()) {
                 continue;
             }
             let motion = &conditions.motions[t];
-            let tool = &mut model.tools[t];
+            let tool = &mut model.masters.tools[t];
             let mut deep: Vec<(u32, f64)> = Vec::new();
             for look in 0..=LOOKS {
                 let s = look as f64 / LOOKS as f64;

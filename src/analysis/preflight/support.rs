@@ -50,7 +50,7 @@ pub fn check(
         }
         let first = step.sizes().initial / step.duration;
         let drifts = drifts(comm, model, conditions);
-        let mut touched = supported(comm, model, conditions, &vec![[false; 3]; model.tools.len()], still);
+        let mut touched = supported(comm, model, conditions, &vec![[false; 3]; model.masters.tools.len()], still);
         for (p, pair) in model.pairs.iter().enumerate() {
             let (body, side) = sides[p];
             let state = |s: usize| {
@@ -60,7 +60,10 @@ pub fn check(
                     Side::Body(other) => drifts[other] * first,
                     Side::Tool(t) => {
                         let motion = &conditions.motions[t];
-                        model.tools[t].committed.moved(&motion.by, motion.rotation.as_ref(), first).outward(&at.point)
+                        model.masters.tools[t]
+                            .committed
+                            .moved(&motion.by, motion.rotation.as_ref(), first)
+                            .outward(&at.point)
                             - at.point
                     }
                 };

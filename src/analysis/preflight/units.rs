@@ -73,7 +73,7 @@ pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights
     };
     let named = |b: usize| (format!("body `{}`", model.bodies[b].name), diagonals[b]);
     (1..diagonals.len()).for_each(|b| compare(named(0), named(b)));
-    for tool in &model.tools {
+    for tool in &model.masters.tools {
         let Some((low, high)) = tool.surface.bounds(comm) else { continue };
         compare(named(0), (format!("tool `{}`", tool.name), (high - low).norm()));
     }

@@ -1,27 +1,33 @@
-//! The contact element of one slave node and a patch of a deformable master: residual and tangent.
+//! The contact element of one slave node and its master: residual and tangent.
 //!
-//! The slave node has the residual F of [`super::law`], the multiplier -(λ - F), and the nodes of the patch -W_j^T F with
-//! the weights W_j of the [`Transfer`]. With the variational ones, and without friction, all of it derives from a
-//! potential, and the exact tangent is symmetric; with the others it is not. As for rigid tools the multiplier's unknown
-//! is λ' = λ / ε_n.
+//! The slave node has the residual F of [`super::law`], the multiplier -(λ - F), and each node of the master -W_j^T F. The
+//! multiplier's unknown is λ' = λ / ε_n, a length, so that every block of the tangent is of the size of ε_n and every
+//! residual is a force. Without friction one multiplier λ_n a node suffices.
 //!
-//! The exact tangent has the motion of the closest point and of the normal, from `motion`, the change of the weights as
-//! the closest point moves and as the patch changes its shape, and the motion of the slip origin with the patch that it
-//! is on:
+//! - A rigid tool is a master of one node, its translation, with the weight 1: only the place relative to it matters. With
+//!   N = ∂n/∂x, which has the curvature of the surface, and ∂g/∂x = n, the closest point moves by ∂x̄/∂x = 1 - nn - gN.
+//! - The patch of a deformable master has the nodes of its stencil, with the weights W_j of the [`Transfer`]. With the
+//!   variational ones, and without friction, all of it derives from a potential, and the exact tangent is symmetric; with
+//!   the others it is not. The tangent has the motion of the closest point and of the normal, from `motion`, the change of
+//!   the weights as the closest point moves and as the patch changes its shape, and the motion of the slip origin with the
+//!   patch that it is on.
 //!
 //! ```text
 //!     dF = F,g dg + F,n dn + F,Δ d(x̄ - x̃) + F,λ dλ       d(-W_j^T F) = -W_j^T dF - (dW_j)^T F
 //! ```
 //!
 //! Geometry always has the full dependence on the nodes, whatever the transfer. A tangential force that is held is carried
-//! along by the patch of the slip origin: its components stand still in the frame of the tangents and the normal there.
+//! along by the tool, or by the patch of the slip origin: its components stand still in the frame of the tangents and the
+//! normal there.
 
 mod motion;
 #[cfg(test)]
-mod tests;
+mod tests_on_patches;
+#[cfg(test)]
+mod tests_on_tools;
 
 use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes, Status};
-pub use super::method::Tangent;
+use super::method::Tangent;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
@@ -31,9 +37,20 @@ use motion::{Motion, Part};
 #[derive(Clone, Copy, Debug)]
 pub struct Site<'a> {
     pub patch: &'a MovingPatch,
+    /// Which nodes of the master `patch.nodes` are.
+    pub stencil: &'a [u32],
     /// Of `patch.nodes`, at the current iterate.
     pub positions: &'a [Vec3],
     pub xi: [f64; 2],
+}
+
+/// What a slave node meets.
+#[derive(Clone, Copy, Debug)]
+pub enum Opposite<'a> {
+    /// A rigid tool, turned so far from its frame; its node 0 is its translation.
+    Tool(Mat3),
+    /// The patch with the closest point.
+    Patch(Site<'a>),
 }
 
 /// Where slip is measured from.
@@ -41,20 +58,19 @@ pub struct Site<'a> {
 pub enum Origin<'a> {
     /// The contact point of the last converged increment, on the patch that it was on.
     Carried(Site<'a>),
-    /// For a node that was out of reach then: a place in space, that of the node itself at that time.
+    /// A place in space. On a tool that point as the tool has carried it; on a patch, for a node that was out of reach then,
+    /// where the node itself was.
     Fixed(Vec3),
 }
 
 /// Where a slave node meets the master.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact<'a> {
-    /// Onto `patch.shape(positions)`.
+    /// Onto what it meets as that is at the current iterate.
     pub projection: &'a Projection,
-    pub patch: &'a MovingPatch,
-    /// Of `patch.nodes`, at the current iterate.
-    pub positions: &'a [Vec3],
+    pub opposite: Opposite<'a>,
     pub origin: Origin<'a>,
-    /// With a multiplier that is held, a part of λ_t in the [`frame`] at the slip origin.
+    /// With a multiplier that is held, a part of λ_t in the frame of the tool, or the [`frame`] at the slip origin.
     pub carried: Vec3,
 }
 
@@ -74,12 +90,12 @@ pub struct Method {
 /// The element, with buffers to be reused from one slave node to the next. In the gap it has no master nodes.
 #[derive(Clone, Debug, Default)]
 pub struct Element {
-    /// Global numbers of the master nodes: those of the current patch, which have residuals and rows, then others of the
-    /// patch of the slip origin, which have columns only.
-    pub nodes: Vec<u64>,
-    /// Residuals -W_j^T F of the nodes of the current patch.
+    /// Which nodes of the master: the tool's, or those of the current patch, which have residuals and rows, then others of
+    /// the patch of the slip origin, which have columns only.
+    pub nodes: Vec<u32>,
+    /// Residuals -W_j^T F of the nodes with rows.
     pub forces: Vec<Vec3>,
-    /// Rows: slave 3, multiplier or local unknown 3 (1 without friction), each node of the current patch 3. Columns: slave, λ' = λ / ε_n,
+    /// Rows: slave 3, multiplier or local unknown 3 (1 without friction), each of `forces` 3. Columns: slave, λ' = λ / ε_n,
     /// each of `nodes`. A local unknown is eliminated from all rows but its own. Row by row. Rows and columns of what a guide holds mean nothing.
     pub matrix: Vec<f64>,
     /// Rows and columns of `matrix`.
@@ -105,6 +121,21 @@ struct Weight {
     slopes: [Vec3; 2],
 }
 
+impl Site<'_> {
+    fn frame(&self) -> Mat3 {
+        frame(&self.patch.shape(self.positions).local(self.xi))
+    }
+}
+
+impl Opposite<'_> {
+    fn frame(&self) -> Mat3 {
+        match self {
+            Self::Tool(turn) => *turn,
+            Self::Patch(site) => site.frame(),
+        }
+    }
+}
+
 impl Contact<'_> {
     fn place(&self) -> Place {
         let p = self.projection;
@@ -117,8 +148,8 @@ impl Contact<'_> {
 
     fn carried(&self) -> Vec3 {
         match &self.origin {
-            Origin::Carried(site) => frame(&site.patch.shape(site.positions).local(site.xi)) * self.carried,
-            Origin::Fixed(_) => frame(&self.patch.shape(self.positions).local(self.projection.xi)) * self.carried,
+            Origin::Carried(site) => site.frame() * self.carried,
+            Origin::Fixed(_) => self.opposite.frame() * self.carried,
         }
     }
 }
@@ -167,10 +198,18 @@ impl Element {
         self.nodes.clear();
         self.forces.clear();
         let Some(contact) = contact.filter(|_| response.status != Status::Gap) else { return };
-        contact.patch.vary(contact.positions, contact.projection.xi, &mut self.at_foot);
-        self.nodes.extend_from_slice(&contact.patch.nodes);
-        let force = |j| -self.at_foot.weight(transfer, j)[0].tr_mul(&response.load);
-        self.forces.extend((0..contact.patch.nodes.len()).map(force));
+        match &contact.opposite {
+            Opposite::Tool(_) => {
+                self.nodes.push(0);
+                self.forces.push(-response.load);
+            }
+            Opposite::Patch(site) => {
+                site.patch.vary(site.positions, site.xi, &mut self.at_foot);
+                self.nodes.extend_from_slice(site.stencil);
+                let force = |j| -self.at_foot.weight(transfer, j)[0].tr_mul(&response.load);
+                self.forces.extend((0..site.stencil.len()).map(force));
+            }
+        }
     }
 
     /// The tangent, after [`Self::spread`], with `width` multipliers.
@@ -179,10 +218,17 @@ impl Element {
         let own = self.nodes.len();
         self.columns.clear();
         self.weights.clear();
+        let mut bends = false;
         if let Some(contact) = contact {
-            match method.tangent {
-                Tangent::Exact => self.exact(method.transfer, response, contact),
-                Tangent::FixedFrame => self.fixed_frame(method.transfer, response, contact),
+            match (&contact.opposite, method.tangent) {
+                (Opposite::Tool(_), tangent) => self.rigid(tangent, response, contact.projection),
+                (Opposite::Patch(site), Tangent::Exact) => {
+                    bends = true;
+                    self.exact(method.transfer, response, (contact, site));
+                }
+                (Opposite::Patch(_), Tangent::FixedFrame) => {
+                    self.fixed_frame(method.transfer, response, contact.projection);
+                }
             }
         }
         let (normal, first) = (method.law.normal, 3 + width);
@@ -208,7 +254,7 @@ impl Element {
                 for (slope, parameter) in slopes.iter().zip(&parameters) {
                     block += slope * parameter.transpose();
                 }
-                if (1..=own).contains(&c) {
+                if bends && (1..=own).contains(&c) {
                     block += self.at_foot.second(i, c - 1);
                 }
                 let column = if c == 0 { 0 } else { first + 3 * (c - 1) };
@@ -249,11 +295,24 @@ impl Element {
         }
     }
 
+    /// Columns and weights of a tool, whose motion is the opposite of that of the slave node; with a fixed frame nothing turns
+    /// the normal, eqs. (68)-(70).
+    fn rigid(&mut self, tangent: Tangent, response: &Response, projection: &Projection) {
+        let p = projection;
+        let turn = if tangent == Tangent::Exact { p.normal_gradient } else { Mat3::zeros() };
+        // It does not change with the path along n.
+        let by_position = |by: &Slopes| by.gap * p.normal.transpose() + by.path + (by.normal - by.path * p.gap) * turn;
+        let [force, constraint] = [&response.force_by, &response.constraint_by].map(by_position);
+        self.columns.push(Column { force, constraint, ..Column::default() });
+        self.columns.push(Column { force: -force, constraint: -constraint, ..Column::default() });
+        self.weights.push(Weight { transposed: Mat3::identity(), slopes: [Vec3::zeros(); 2] });
+    }
+
     /// Columns and weights of the exact tangent; adds the nodes of the slip origin's patch.
-    fn exact(&mut self, transfer: Transfer, response: &Response, contact: &Contact) {
+    fn exact(&mut self, transfer: Transfer, response: &Response, (contact, foot): (&Contact, &Site)) {
         let Response { force, force_by, constraint_by, .. } = response;
-        let (patch, own) = (contact.patch, contact.patch.nodes.len());
-        let straight = patch.straight(contact.positions);
+        let (patch, own) = (foot.patch, foot.stencil.len());
+        let straight = patch.straight(foot.positions);
         let motion = Motion::new(&straight, &self.at_foot.local, contact.projection);
         patch.bend(transfer, force, &mut self.at_foot);
         let change =
@@ -277,7 +336,7 @@ impl Element {
         site.patch.vary(site.positions, site.xi, &mut self.at_origin);
         let frame = frame(&self.at_origin.local);
         let dual = frame.try_inverse().map_or(Mat3::zeros(), |inverse| inverse.transpose());
-        for (j, node) in site.patch.nodes.iter().enumerate() {
+        for (j, node) in site.stencil.iter().enumerate() {
             let place = self.nodes.iter().position(|n| n == node).unwrap_or_else(|| {
                 self.nodes.push(*node);
                 self.columns.push(Column::default());
@@ -297,13 +356,12 @@ impl Element {
         }
     }
 
-    /// Columns and weights with normal, weights and slip origin at rest: only the distance from x to x̄ changes.
-    fn fixed_frame(&mut self, transfer: Transfer, response: &Response, contact: &Contact) {
-        let n = contact.projection.normal;
+    /// Columns and weights of a patch with normal, weights and slip origin at rest: only the distance from x to x̄ changes.
+    fn fixed_frame(&mut self, transfer: Transfer, response: &Response, projection: &Projection) {
+        let n = projection.normal;
         let [apart, parting] = [&response.force_by, &response.constraint_by].map(|by| by.gap * n.transpose() + by.path);
         self.columns.push(Column { force: apart, constraint: parting, ..Column::default() });
-        contact.patch.bend(Transfer::Bilinear, &Vec3::zeros(), &mut self.at_foot);
-        for j in 0..contact.patch.nodes.len() {
+        for j in 0..self.forces.len() {
             let weight = self.at_foot.weight(transfer, j)[0];
             let (force, constraint) = (-apart * weight, -parting * weight);
             self.columns.push(Column { force, constraint, ..Column::default() });

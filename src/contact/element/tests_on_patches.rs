@@ -1,5 +1,4 @@
 use super::*;
-use crate::contact::element;
 use crate::contact::law::LAW;
 use crate::controls::Controls;
 use crate::mesh::Mesh;
@@ -36,6 +35,24 @@ enum Foot {
     Face,
     Edge,
     Corner,
+}
+
+/// A patch with where its nodes stand.
+struct Stencil<'a> {
+    patch: &'a MovingPatch,
+    nodes: Vec<u32>,
+    positions: Vec<Vec3>,
+}
+
+impl<'a> Stencil<'a> {
+    fn new(pair: &'a Pair, patch: usize) -> Self {
+        let nodes = pair.patches[patch].nodes.iter().map(|&n| n as u32).collect();
+        Self { patch: &pair.patches[patch], nodes, positions: pair.positions(patch) }
+    }
+
+    fn site(&self, xi: [f64; 2]) -> Site<'_> {
+        Site { patch: self.patch, stencil: &self.nodes, positions: &self.positions, xi }
+    }
 }
 
 fn noise(k: usize) -> f64 {
@@ -132,11 +149,10 @@ impl Pair {
 
     /// The element, and its residual: slave, multiplier, nodes of the current patch.
     fn element(&self, width: usize, transfer: Transfer, tangent: Tangent) -> (Status, Element, DVector<f64>) {
-        let [now, before] = [self.now, self.before].map(|f| (&self.patches[f], self.positions(f)));
         let projection = self.projection();
-        let origin = Origin::Carried(Site { patch: before.0, positions: &before.1, xi: ORIGIN });
-        let contact =
-            Contact { projection: &projection, patch: now.0, positions: &now.1, origin, carried: self.carried };
+        let [now, before] = [self.now, self.before].map(|f| Stencil::new(self, f));
+        let (opposite, origin) = (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site(ORIGIN)));
+        let contact = Contact { projection: &projection, opposite, origin, carried: self.carried };
         let (mut method, mut e) = (self.method(transfer, tangent), Element::default());
         method.law.friction = if width == 3 { method.law.friction } else { 0.0 };
         let residual = e.tangent(&method, &(self.kind)(self.multiplier), Some(&contact), &Guide::default());
@@ -146,7 +162,7 @@ impl Pair {
     }
 
     /// The residual with an unknown of the element displaced: of the slave, the multiplier λ', or a node.
-    fn displaced(&self, width: usize, transfer: Transfer, nodes: &[u64], column: usize, by: f64) -> DVector<f64> {
+    fn displaced(&self, width: usize, transfer: Transfer, nodes: &[u32], column: usize, by: f64) -> DVector<f64> {
         let mut pair = self.clone();
         match column {
             d if d < 3 => pair.slave[d] += by,
@@ -321,7 +337,7 @@ fn what_the_slave_gets_the_master_gets() {
             let force = Vec3::new(residual[0], residual[1], residual[2]);
             let sum: Vec3 = e.forces.iter().sum();
             assert!((sum + force).norm() < 1e-14 * force.norm());
-            let arm = |n: &u64| pair.points[*n as usize] - pair.projection().point;
+            let arm = |n: &u32| pair.points[*n as usize] - pair.projection().point;
             let moment: Vec3 = e.nodes.iter().zip(&e.forces).map(|(n, f)| arm(n).cross(f)).sum();
             defects[t] = defects[t].max(moment.norm() / (force.norm() * pair.size()));
         }
@@ -343,7 +359,7 @@ fn lost_moment(n: usize, transfer: Transfer) -> f64 {
     (pair.multiplier, pair.friction) = (normal * -8.0 + (middle - pair.origin()).normalize() * 9.0, 0.3);
     let (status, e, residual) = pair.element(3, transfer, Tangent::Exact);
     assert_eq!(status, Status::Slip);
-    let arm = |n: &u64| pair.points[*n as usize] - middle;
+    let arm = |n: &u32| pair.points[*n as usize] - middle;
     let moment: Vec3 = e.nodes.iter().zip(&e.forces).map(|(n, f)| arm(n).cross(f)).sum();
     moment.norm() / residual.fixed_rows::<3>(0).norm()
 }
@@ -405,7 +421,7 @@ fn a_master_at_rest_is_a_tool() {
                 let (projection, anchor) = (pair.projection(), pair.origin());
                 let law = Law { friction: pair.friction, ..LAW };
                 let lambda = Multiplier::Augmented(pair.multiplier);
-                let tool = element::element(law, &lambda, Some(&projection), anchor, &Guide::default());
+                let tool = tests_on_tools::element(law, &lambda, &projection, anchor, &Guide::default());
                 let (_, e, residual) = pair.element(3, Transfer::Variational, Tangent::Exact);
                 let e = matrix(&e);
                 assert!((residual.fixed_rows::<3>(0) - tool.response.force).amax() < 1e-13);
@@ -482,11 +498,11 @@ fn plane_strain_holds_the_direction_across() {
         let mut pair = pair.with_status(status);
         pair.multiplier.z = 0.0;
         let run = |pair: &Pair| {
-            let [now, before] = [pair.now, pair.before].map(|f| (&pair.patches[f], pair.positions(f)));
             let projection = pair.projection();
-            let origin = Origin::Carried(Site { patch: before.0, positions: &before.1, xi: [0.55, 0.5] });
-            let carried = Vec3::zeros();
-            let contact = Contact { projection: &projection, patch: now.0, positions: &now.1, origin, carried };
+            let [now, before] = [pair.now, pair.before].map(|f| Stencil::new(pair, f));
+            let (opposite, origin) =
+                (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site([0.55, 0.5])));
+            let contact = Contact { projection: &projection, opposite, origin, carried: Vec3::zeros() };
             let method = pair.method(Transfer::Variational, Tangent::Exact);
             let mut e = Element::default();
             let r = e.tangent(&method, &Multiplier::Augmented(pair.multiplier), Some(&contact), &guide);
@@ -497,7 +513,7 @@ fn plane_strain_holds_the_direction_across() {
         assert!(residual.force.z.abs() < 1e-13 && e.forces.iter().all(|f| f.z.abs() < 1e-13));
         let tangent = matrix(&e);
         let h = 3e-4 * size;
-        for node in (0..half as u64).filter(|n| e.nodes.contains(n)) {
+        for node in (0..half as u32).filter(|n| e.nodes.contains(n)) {
             for d in 0..2 {
                 let at = |s: f64| {
                     let mut pair = pair.clone();
@@ -507,7 +523,7 @@ fn plane_strain_holds_the_direction_across() {
                     run(&pair).0.force
                 };
                 let by = (at(1.0) - at(-1.0)) * (2.0 / (3.0 * h)) - (at(2.0) - at(-2.0)) / (12.0 * h);
-                let columns = e.nodes.iter().enumerate().filter(|(_, n)| **n % half as u64 == node);
+                let columns = e.nodes.iter().enumerate().filter(|(_, n)| **n % half as u32 == node);
                 let sum: Vec3 = columns.map(|(j, _)| tangent.fixed_view::<3, 1>(0, 6 + 3 * j + d).into_owned()).sum();
                 assert!((by - sum).xy().norm() < 1e-7 * LAW.normal, "{by} {sum}");
             }

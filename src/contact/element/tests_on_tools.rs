@@ -1,0 +1,277 @@
+//! The element on rigid tools: spheres, bores and planes.
+
+use super::*;
+use crate::contact::Compliance;
+use crate::contact::law::LAW;
+
+/// The element of a slave node and a tool in blocks of three; without friction the multiplier is its first component.
+pub struct Blocks {
+    pub response: Response,
+    pub force_position: Mat3,
+    pub force_multiplier: Mat3,
+    pub constraint_position: Mat3,
+    pub constraint_multiplier: Mat3,
+}
+
+/// The element with slip origin x̃ = `origin`. What the tool gets is the opposite of what the node gets.
+pub fn element(law: Law, multiplier: &Multiplier, at: &Projection, origin: Vec3, guide: &Guide) -> Blocks {
+    let (tool, origin) = (Opposite::Tool(Mat3::identity()), Origin::Fixed(origin));
+    let contact = Contact { projection: at, opposite: tool, origin, carried: Vec3::zeros() };
+    let method = Method { law, transfer: Transfer::Bilinear, tangent: Tangent::Exact };
+    let mut e = Element::default();
+    let response = e.tangent(&method, multiplier, Some(&contact), guide);
+    let first = if law.friction == 0.0 { 4 } else { 6 };
+    let entry = |row: usize, column: usize| e.matrix[row * e.shape[1] + column];
+    let block = |row: usize, column: usize| {
+        let outside = |k: usize, start: usize| start == 3 && start + k >= first;
+        Mat3::from_fn(|i, j| if outside(i, row) || outside(j, column) { 0.0 } else { entry(row + i, column + j) })
+    };
+    if response.status == Status::Gap {
+        assert!(e.nodes.is_empty() && e.shape == [first; 2]);
+    } else {
+        assert_eq!((&e.nodes[..], &e.forces[..], e.shape), (&[0][..], &[-response.load][..], [first + 3; 2]));
+        assert_eq!([block(first, 0), block(first, 3)], [-block(0, 0), -block(0, 3)]);
+        assert_eq!([block(0, first), block(3, first), block(first, first)], [-block(0, 0), -block(3, 0), block(0, 0)]);
+    }
+    Blocks {
+        response,
+        force_position: block(0, 0),
+        force_multiplier: block(0, 3),
+        constraint_position: block(3, 0),
+        constraint_multiplier: block(3, 3),
+    }
+}
+
+/// Projection onto a sphere of radius 3 about the origin, solid or hollow, or onto the plane z = 2.9.
+#[derive(Clone, Copy, Debug)]
+enum Master {
+    Sphere,
+    Bore,
+    Plane,
+}
+
+impl Master {
+    fn project(self, x: Vec3) -> Projection {
+        let (gap, normal, normal_gradient) = match self {
+            Self::Plane => (x.z - 2.9, Vec3::z(), Mat3::zeros()),
+            Self::Sphere | Self::Bore => {
+                let sign = if matches!(self, Self::Sphere) { 1.0 } else { -1.0 };
+                let (r, e) = (x.norm(), x.normalize());
+                (sign * (r - 3.0), sign * e, sign * (Mat3::identity() - e * e.transpose()) / r)
+            }
+        };
+        Projection { gap, point: x - normal * gap, normal, normal_gradient, patch: 0, xi: [0.0; 2] }
+    }
+}
+
+impl Master {
+    /// A point 0.1 or less inside the solid.
+    fn penetrating(self) -> Vec3 {
+        Vec3::new(0.31, -0.42, 2.86) * if matches!(self, Self::Bore) { 1.06 } else { 1.0 }
+    }
+}
+
+/// A state in each status: (position, multiplier, slip origin).
+fn states(master: Master) -> [(Status, Vec3, Vec3, Vec3); 3] {
+    let x = master.penetrating();
+    let p = master.project(x);
+    let origin = p.point + Vec3::new(0.05, 0.12, 0.01);
+    let pressed = -8.0 * p.normal;
+    let tangent = p.normal.cross(&Vec3::new(0.3, 1.0, 0.2)).normalize();
+    [
+        (Status::Gap, x, p.normal * (LAW.normal * p.gap.abs() + 1.0), origin),
+        (Status::Stick, x, pressed - LAW.tangential * 0.2 * (p.point - origin), origin),
+        (Status::Slip, x, pressed + 4.0 * tangent, origin),
+    ]
+}
+
+/// Fourth-order difference of `f` along each axis.
+fn gradient<const N: usize>(f: impl Fn(Vec3) -> nalgebra::SVector<f64, N>, x: Vec3) -> nalgebra::SMatrix<f64, N, 3> {
+    let h = 5e-4;
+    let columns = [Vec3::x(), Vec3::y(), Vec3::z()]
+        .map(|e| (8.0 * (f(x + h * e) - f(x - h * e)) - (f(x + 2.0 * h * e) - f(x - 2.0 * h * e))) / (12.0 * h));
+    nalgebra::SMatrix::from_columns(&columns)
+}
+
+/// The ways in which λ can enter: augmented, and as the force under each active set. The law is that of the state.
+fn kinds(lambda: Vec3) -> [Multiplier; 4] {
+    let [gap, stick, slip] = [Status::Gap, Status::Stick, Status::Slip].map(|set| Multiplier::Force(lambda, set));
+    [Multiplier::Augmented(lambda), gap, stick, slip]
+}
+
+/// The same kind with another λ or σ.
+fn with(multiplier: &Multiplier, lambda: Vec3) -> Multiplier {
+    match *multiplier {
+        Multiplier::Augmented(_) => Multiplier::Augmented(lambda),
+        Multiplier::Force(_, set) => Multiplier::Force(lambda, set),
+        Multiplier::Held { gap, tangential, .. } => Multiplier::Held { gap, tangential, force: lambda },
+    }
+}
+
+/// Largest errors over the normal penalty, among the free directions, of the four blocks against differences.
+fn errors(law: Law, master: Master, x: Vec3, multiplier: &Multiplier, origin: Vec3, guide: &Guide) -> f64 {
+    let at = |x: Vec3, multiplier: &Multiplier| element(law, multiplier, &master.project(x), origin, guide);
+    let e = at(x, multiplier);
+    let lambda = match *multiplier {
+        Multiplier::Augmented(lambda) | Multiplier::Force(lambda, _) => lambda,
+        Multiplier::Held { force, .. } => force,
+    };
+    // What was eliminated is put back.
+    let solved = e.response.force_by.multiplier * e.response.inverse * e.constraint_position;
+    let pairs = [
+        (e.force_position + solved, gradient(|x| at(x, multiplier).response.force, x)),
+        (e.constraint_position, gradient(|x| at(x, multiplier).response.constraint, x)),
+        (e.force_multiplier, gradient(|l| at(x, &with(multiplier, l)).response.force, lambda) * law.normal),
+        (e.constraint_multiplier, gradient(|l| at(x, &with(multiplier, l)).response.constraint, lambda) * law.normal),
+    ];
+    let free = guide.held.map(|held| if held { 0.0 } else { 1.0 });
+    let error = |(a, b): &(Mat3, Mat3)| (a - b).map_with_location(|i, j, v| v * free[i] * free[j]).amax();
+    pairs.iter().map(error).fold(0.0, f64::max) / law.normal
+}
+
+#[test]
+fn the_tangent_is_the_derivative_of_the_residual() {
+    let compliance = Compliance { slack: 0.3, rest: Vec3::new(-3.0, 1.0, 2.0) };
+    let yielding = Law { compliance, ..LAW };
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        for (status, x, lambda, origin) in states(master) {
+            for (multiplier, law) in kinds(lambda).into_iter().flat_map(|m| [(m, LAW), (m, yielding)]) {
+                let e = element(law, &multiplier, &master.project(x), origin, &Guide::default());
+                let expected = if let Multiplier::Force(_, set) = multiplier { set } else { status };
+                assert_eq!((e.response.status, e.response.asked), (expected, status), "{master:?}");
+                let error = errors(law, master, x, &multiplier, origin, &Guide::default());
+                assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_frictionless_tangent_is_symmetric_and_the_derivative_of_the_residual() {
+    let law = Law { friction: 0.0, ..LAW };
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        let x = master.penetrating();
+        for lambda in [-7.0, 30.0].map(|l| Vec3::x() * l) {
+            let held = Multiplier::Held { gap: 0.01, tangential: Vec3::zeros(), force: lambda };
+            for multiplier in kinds(lambda).into_iter().chain([held]) {
+                let e = element(law, &multiplier, &master.project(x), Vec3::zeros(), &Guide::default());
+                let error = errors(law, master, x, &multiplier, Vec3::zeros(), &Guide::default());
+                assert!(error < 2e-10, "{master:?} {multiplier:?}: {error:e}");
+                let skew = (e.force_position - e.force_position.transpose()).amax();
+                assert!(skew < 1e-13);
+                let share = if multiplier == held { 1.0 - law.normal / law.penalty } else { 1.0 };
+                assert!((e.force_multiplier - e.constraint_position.transpose() * share).amax() < 1e-13);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_tangent_of_a_held_node_is_the_derivative_in_the_free_directions() {
+    for (master, held) in [Master::Sphere, Master::Bore]
+        .into_iter()
+        .flat_map(|m| [[true, false, false], [false, true, false], [true, true, false]].map(|held| (m, held)))
+    {
+        let guide = Guide { held, drawn: [false; 3] };
+        let free = Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 }));
+        for (_, x, lambda, origin) in states(master) {
+            let lambda = lambda.component_mul(&free);
+            let tangential = Vec3::new(0.2, 0.4, 0.1);
+            let local = Multiplier::Held { gap: -0.02, tangential, force: lambda };
+            for multiplier in kinds(lambda).into_iter().chain([local]) {
+                let error = errors(LAW, master, x, &multiplier, origin, &guide);
+                assert!(error < 5e-10, "{master:?} {held:?} {multiplier:?}: {error:e}");
+            }
+        }
+    }
+}
+
+/// σ at which its residual is zero, from a first guess.
+fn settled(law: Law, master: Master, x: Vec3, held: &Multiplier, origin: Vec3) -> Blocks {
+    let mut multiplier = *held;
+    for _ in 0..30 {
+        let e = element(law, &multiplier, &master.project(x), origin, &Guide::default());
+        let Multiplier::Held { force, .. } = multiplier else { unreachable!() };
+        if e.response.constraint.amax() < 1e-14 * (1.0 + force.amax()) {
+            return e;
+        }
+        multiplier = with(held, force - e.response.inverse * e.response.constraint);
+    }
+    panic!("{multiplier:?} does not settle");
+}
+
+/// The local unknown and the augmentation below the penalty change nothing: F = λ + ε g, returned to the cone.
+#[test]
+fn with_the_local_unknown_the_penalty_law_is_as_it_is() {
+    let (gap, tangential) = (-0.02, Vec3::new(0.9, -0.4, 0.3));
+    for penalty in [LAW.normal, 100.0, 1e4] {
+        let law = Law { penalty, tangential: LAW.normal, ..LAW };
+        for master in [Master::Sphere, Master::Bore, Master::Plane] {
+            let x = master.penetrating();
+            let (p, mut seen) = (master.project(x), [false; 3]);
+            for slip in [1e-4, 0.3] {
+                let origin = p.point + Vec3::new(0.5, 1.2, 0.1) * slip;
+                let force = p.normal * (penalty * (p.gap + gap));
+                let held = Multiplier::Held { gap, tangential, force };
+                let of = |x: Vec3| settled(law, master, x, &held, origin);
+                let e = of(x);
+                let normal = penalty * (p.gap + gap);
+                let along = |v: Vec3| v - p.normal * p.normal.dot(&v);
+                let trial = along(tangential + (p.point - origin) * penalty);
+                let bound = -law.friction * normal;
+                let expected = p.normal * normal + trial * (bound / trial.norm()).min(1.0);
+                assert!((e.response.force - expected).norm() < 1e-11 * expected.norm());
+                assert!((e.response.load - expected).norm() < 1e-11 * expected.norm());
+                // Steps that are short against the elastic slip.
+                let by = |y: Vec3| of(x + y * (10.0 / penalty)).response.load / 10.0;
+                let error = (gradient(by, Vec3::zeros()) - e.force_position / penalty).amax();
+                assert!(error < 3e-8, "{master:?} {:?} {penalty}: {error:e}", e.response.status);
+                seen[e.response.status as usize] = true;
+                assert_eq!(e.response.status == Status::Stick, trial.norm() < bound);
+            }
+            assert!(seen[1] || penalty < 1e3);
+            assert!(seen[2]);
+        }
+    }
+}
+
+#[test]
+fn a_held_node_gives_the_force_of_the_whole_normal() {
+    // Without friction to speak of, the force is along the normal, whatever is held.
+    let (_, x, _, origin) = states(Master::Sphere)[2];
+    let p = Master::Sphere.project(x);
+    let law = Law { friction: 1e-12, ..LAW };
+    let guide = Guide { held: [true, false, false], drawn: [false; 3] };
+    let pressed = Vec3::new(0.0, p.normal.y, p.normal.z) * -5.0;
+    let e = element(law, &Multiplier::Augmented(pressed), &p, origin, &guide).response;
+    assert!(e.status == Status::Slip && e.force.normalize().dot(&p.normal) < -1.0 + 1e-11);
+    assert!(guide.gives_way(&p.normal) && !guide.gives_way(&Vec3::x()));
+}
+
+#[test]
+fn a_drawn_node_cannot_stick() {
+    let (status, x, lambda, origin) = states(Master::Sphere)[1];
+    let p = Master::Sphere.project(x);
+    let multiplier = Multiplier::Augmented(lambda);
+    let guide = |drawn| Guide { held: [false; 3], drawn };
+    let at = |drawn| element(LAW, &multiplier, &p, origin, &guide(drawn)).response;
+    assert_eq!((status, at([false; 3]).status), (Status::Stick, Status::Stick));
+    let e = at([false, true, false]);
+    let normal = e.force.dot(&p.normal);
+    assert_eq!(e.status, Status::Slip);
+    assert!(((e.force - p.normal * normal).norm() + LAW.friction * normal).abs() < 1e-14);
+}
+
+#[test]
+fn slipping_friction_obeys_coulomb_and_opposes_the_slip() {
+    let (_, x, lambda, origin) = states(Master::Sphere)[2];
+    let p = Master::Sphere.project(x);
+    let at = |lambda| element(LAW, &Multiplier::Augmented(lambda), &p, origin, &Guide::default()).response;
+    let e = at(lambda);
+    let normal = e.force.dot(&p.normal);
+    let tangential = e.force - p.normal * normal;
+    assert!((tangential.norm() + LAW.friction * normal).abs() < 1e-14);
+    // On the slave acts -F; with a multiplier of zero the only tangential force is that of the slip.
+    let pressed = at(-0.5 * p.normal);
+    assert!((-pressed.force).dot(&pressed.slip) < 0.0);
+}

@@ -1,0 +1,498 @@
+//! Masters: what slave surfaces meet, of whatever kind, behind one type.
+//!
+//! A rigid tool is a master of one node, its translation; its pose is given. The faces of a body move with the nodes of
+//! the mesh. Both say where a slave node meets them, from where its slip counts, what they remember of an accepted
+//! increment, how far they have moved, and who gets the forces. Another kind of master is a variant more, here.
+
+use super::method::Tangent;
+use super::pose::way_past;
+use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
+use crate::partition::parcels::{bounds, hull};
+use crate::surface::projection::descend;
+use crate::surface::{EXTENSION, MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
+use crate::tool::shape::side_normal;
+use crate::{Mat3, Vec3};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
+
+/// What a slave surface meets, by the index of the tool or of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Master {
+    /// A rigid tool.
+    Tool(usize),
+    /// The faces of a body.
+    Faces(usize),
+    /// Its own faces.
+    Own(usize),
+    /// Nodes of the faces of a body, each slave node one for good.
+    Nodes(usize),
+}
+
+impl Master {
+    /// Index of the tool, if it is one.
+    pub fn tool(self) -> Option<usize> {
+        match self {
+            Self::Tool(t) => Some(t),
+            _ => None,
+        }
+    }
+
+    /// Index of the surface of a body, if it is on one.
+    pub fn surface(self) -> Option<usize> {
+        match self {
+            Self::Tool(_) => None,
+            Self::Faces(k) | Self::Own(k) | Self::Nodes(k) => Some(k),
+        }
+    }
+}
+
+/// All masters on this rank.
+pub struct Masters {
+    pub tools: Vec<Tool>,
+    /// One for each pair with a deformable master, in their order.
+    pub surfaces: Vec<BodySurface>,
+}
+
+/// The master of a pair as it is now.
+#[derive(Clone, Copy)]
+pub enum Ground<'a> {
+    Tool(&'a Tool),
+    Faces(&'a BodySurface),
+    Own(&'a BodySurface),
+    Nodes(&'a BodySurface),
+}
+
+/// From where slip is measured.
+#[derive(Clone, Copy, Debug)]
+pub enum SlipOrigin {
+    /// Patch and parameters: the contact point of the last converged increment, which the patch carries along.
+    Carried(u32, [f64; 2]),
+    /// A place in space.
+    Fixed(Vec3),
+}
+
+/// Who gets a force on a master.
+#[derive(Clone, Copy, Debug)]
+pub enum Receiver {
+    /// A tool, from this rank's slave nodes.
+    Tool(usize),
+    /// An owned node, from all ranks.
+    Node(u32),
+}
+
+/// What a place sees of a master, see [`Masters::seek`].
+#[derive(Clone, Copy, Debug)]
+pub struct Prospect {
+    /// Where a node there would meet it; `None` beyond an end of it.
+    pub contact: Option<Projection>,
+    /// The normal where it is nearest, ends included, and the distance.
+    pub nearest: Option<(Vec3, f64)>,
+}
+
+impl Masters {
+    /// One of them.
+    pub fn of(&self, master: Master) -> Ground<'_> {
+        match master {
+            Master::Tool(t) => Ground::Tool(&self.tools[t]),
+            Master::Faces(k) => Ground::Faces(&self.surfaces[k]),
+            Master::Own(k) => Ground::Own(&self.surfaces[k]),
+            Master::Nodes(k) => Ground::Nodes(&self.surfaces[k]),
+        }
+    }
+
+    /// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Says whether
+    /// pieces had to be fetched. Collective.
+    pub fn watch(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
+        let mut fetched = false;
+        for (t, tool) in self.tools.iter_mut().enumerate() {
+            let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
+            let reach = of_tool().map(|pair| pair.reach).fold(0.0, f64::max);
+            fetched |= tool.watch(comm, of_tool(), reach, &place);
+        }
+        fetched
+    }
+
+    /// Lets every surface follow its nodes at `place` (owned local nodes), and keeps track of all the slave nodes of its
+    /// pair. Says whether patches were fetched. Collective.
+    pub fn follow(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
+        let mut fetched = false;
+        for pair in pairs {
+            if let Some(k) = pair.master.surface() {
+                fetched |= self.surfaces[k].follow_pair(comm, pair, pair.reach, &place);
+            }
+        }
+        fetched
+    }
+
+    /// All masters see the slave nodes of their pairs, with nodes at `place`. Collective.
+    pub fn attend(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) {
+        self.watch(comm, pairs, &place);
+        self.follow(comm, pairs, place);
+    }
+
+    /// Lets the master of a pair see its slave nodes within `reach`, whatever that of the pair is. Collective.
+    pub fn look_out(&mut self, comm: &SimpleCommunicator, pair: &Pair, reach: f64, place: impl Fn(u32) -> Vec3) {
+        match pair.master {
+            Master::Tool(t) => self.tools[t].watch(comm, std::iter::once(pair), reach, place),
+            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+                self.surfaces[k].follow_pair(comm, pair, reach, place)
+            }
+        };
+    }
+
+    /// Remembers where the near nodes of the surfaces were at the last converged increment. Collective.
+    pub fn remember(&mut self, comm: &SimpleCommunicator, before: impl Fn(u32) -> Vec3) {
+        self.surfaces.iter_mut().for_each(|surface| surface.remember(comm, &before));
+    }
+
+    /// Three values for each node of a master that this rank sees: those of the tool, or those that the owners of nodes give.
+    /// Collective.
+    pub fn gather<T>(
+        &self,
+        comm: &SimpleCommunicator,
+        master: Master,
+        of_tools: &[[T; 3]],
+        of_node: impl Fn(u32, usize) -> T,
+    ) -> Vec<[T; 3]>
+    where
+        T: mpi::datatype::Equivalence + Copy + Default,
+    {
+        match master {
+            Master::Tool(t) => vec![of_tools[t]],
+            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].gather(comm, of_node),
+        }
+    }
+
+    /// What points see of a master where it stands, within a reach; `None` where nothing is. Of several normals where it is
+    /// nearest that which is the most along the point's `outward` one. Leaves the master with what is near these points: see
+    /// [`Self::forget`]. Collective.
+    pub fn seek(
+        &mut self,
+        comm: &SimpleCommunicator,
+        master: Master,
+        (points, outward): (&[Vec3], &[Vec3]),
+        reach: f64,
+        place: impl Fn(u32) -> Vec3,
+    ) -> Vec<Option<Prospect>> {
+        let points_with_normals = points.iter().zip(outward);
+        match master {
+            Master::Tool(t) => {
+                let surface = &mut self.tools[t].surface;
+                surface.watch(comm, points, reach);
+                let see = |(x, outward): (&Vec3, &Vec3)| {
+                    surface.near().nearest(x, reach)?;
+                    let contact = surface.project(x, reach, None);
+                    Some(Prospect { contact, nearest: surface.near().side_normal(x, outward) })
+                };
+                points_with_normals.map(see).collect()
+            }
+            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+                let surface = &mut self.surfaces[k];
+                surface.follow(comm, points, reach, &BTreeSet::new(), place);
+                let shapes = surface.shapes();
+                let see = |(x, outward): (&Vec3, &Vec3)| {
+                    shapes.nearest_within(x, reach)?;
+                    Some(Prospect { contact: shapes.closest(x, reach, None), nearest: side_normal(shapes, x, outward) })
+                };
+                points_with_normals.map(see).collect()
+            }
+        }
+    }
+
+    /// Gives back what was sought of a master; the next look fetches it anew.
+    pub fn forget(&mut self, master: Master) {
+        match master {
+            Master::Tool(t) => self.tools[t].surface.forget(),
+            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].forget(),
+        }
+    }
+
+    /// Hands forces on the nodes of a master that this rank sees to those who have them. Collective.
+    pub fn scatter(
+        &self,
+        comm: &SimpleCommunicator,
+        master: Master,
+        forces: &[Vec3],
+        mut add: impl FnMut(Receiver, Vec3),
+    ) {
+        match master {
+            Master::Tool(t) => forces.iter().for_each(|force| add(Receiver::Tool(t), *force)),
+            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+                self.surfaces[k].add_forces(comm, forces, |n, force| add(Receiver::Node(n), force));
+            }
+        }
+    }
+
+    /// How far the slave nodes of a pair go against its master at most, between places of then and now; the way of a tool that
+    /// turns, in parts of `turn` radians, is an arc. What one surface moves against another is bounded by the boxes of their
+    /// motions. Collective.
+    pub fn travel(
+        &self,
+        comm: &SimpleCommunicator,
+        pair: &Pair,
+        turn: f64,
+        then: impl Fn(u32) -> Vec3,
+        now: impl Fn(u32) -> Vec3,
+    ) -> f64 {
+        let nodes = || pair.slaves.iter().map(|slave| slave.node);
+        match self.of(pair.master) {
+            Ground::Tool(tool) => {
+                let poses = tool.committed.turning(&tool.trial, turn);
+                let way = |n: u32| match poses.is_empty() {
+                    true => (tool.trial.inward(&now(n)) - tool.committed.inward(&then(n))).norm(),
+                    false => {
+                        let way = way_past(&poses, &then(n), &now(n));
+                        way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum()
+                    }
+                };
+                let mut longest = [nodes().map(way).fold(0.0, f64::max)];
+                crate::parallel::max(comm, &mut longest);
+                longest[0]
+            }
+            Ground::Faces(surface) | Ground::Own(surface) | Ground::Nodes(surface) => {
+                let slaves = bounds(nodes().map(|n| now(n) - then(n)));
+                match [hull(comm, slaves), hull(comm, surface.travel(then, now))] {
+                    [Some((lo, hi)), Some((low, high))] => (hi - low).sup(&(high - lo)).sup(&Vec3::zeros()).norm(),
+                    _ => 0.0,
+                }
+            }
+        }
+    }
+}
+
+impl<'a> Ground<'a> {
+    /// In words: "the tool `punch`", "`body.faces`".
+    pub fn name(&self) -> String {
+        match self {
+            Self::Tool(tool) => format!("the tool `{}`", tool.name),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => format!("`{}`", surface.name),
+        }
+    }
+
+    /// Number of its nodes that this rank sees.
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Tool(_) => 1,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions().len(),
+        }
+    }
+
+    /// A patch that moves with nodes, with which of these it has; a tool has none.
+    pub fn patch(&self, id: u32) -> Option<(&'a MovingPatch, &'a [u32])> {
+        match self {
+            Self::Tool(_) => None,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.patch(id),
+        }
+    }
+
+    /// Where its nodes are now, those that this rank sees.
+    pub fn position(&self, node: u32) -> Vec3 {
+        match self {
+            Self::Tool(tool) => tool.trial.translation,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions()[node as usize],
+        }
+    }
+
+    /// The name of a node that stays the same, whatever this rank sees.
+    pub fn number(&self, node: u32) -> u64 {
+        match self {
+            Self::Tool(_) => 0,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.number(node),
+        }
+    }
+
+    /// Where a node with such a name is, if this rank sees it.
+    pub fn position_of(&self, number: u64) -> Option<Vec3> {
+        match self {
+            Self::Tool(tool) => Some(tool.trial.translation),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.position(number),
+        }
+    }
+
+    /// Closest point to slave node `s` of a pair at `x`; the search starts at `warm`.
+    ///
+    /// A node stays on the extension of the patch that it comes from: where patches meet there is a small kink, between
+    /// whose sides an iteration could go to and fro. Outside a sharp edge of a body it meets one of the edge's sides.
+    pub fn project(&self, pair: &Pair, s: usize, x: &Vec3, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+        let (surface, outlook) = match self {
+            Self::Tool(tool) => return tool.project(x, pair.reach, warm),
+            Self::Nodes(surface) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
+            Self::Own(surface) => (surface, pair.outlook(s, x)),
+            Self::Faces(surface) => (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing }),
+        };
+        let shapes = surface.shapes();
+        let found = shapes.closest_of(x, pair.reach, warm, &outlook)?;
+        let found = shapes.beside_edge(x, &found, pair.controls.edge_beside).unwrap_or(found);
+        let stays = shapes.stays(x, warm, &found, (surface.facet_size, pair.controls.kink_same));
+        Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+    }
+
+    /// Where a slave node was at the last converged increment, as seen from the master where it has the point `at` now.
+    pub fn start(&self, slave: &Slave, at: &Projection) -> Option<Vec3> {
+        let place = slave.committed.place?;
+        match self {
+            Self::Tool(tool) => Some(tool.trial.outward(&place)),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                let before = surface.shape_before(at.patch)?;
+                Some(at.point + (place - before.point(at.xi)))
+            }
+        }
+    }
+
+    /// Where slip is measured from: where the node was on the master at the last converged increment. One that was out of
+    /// reach then counts from its own place, carried along by the tool, or beside the patch that it is on `now`; slip sees
+    /// no distance along the normal.
+    pub fn slip_origin(&self, slave: &Slave, now: &Projection) -> SlipOrigin {
+        const BESIDE: f64 = 2.0;
+        let surface = match self {
+            Self::Tool(tool) => {
+                let origin = slave.committed.anchor.or(slave.committed.place);
+                return SlipOrigin::Fixed(origin.map_or(Vec3::zeros(), |origin| tool.trial.outward(&origin)));
+            }
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+        };
+        if let Some((mate, before)) = slave.mate.zip(slave.committed.place)
+            && let Some(place) = mate.slip_origin(surface, &before)
+        {
+            return SlipOrigin::Fixed(place);
+        }
+        let kept = slave.committed.warm.filter(|(id, _)| surface.patch(*id).is_some());
+        let beside = || {
+            let shape = surface.shape_before(now.patch)?;
+            Some((now.patch, descend(&shape, &slave.committed.place?, &[BESIDE; 4], shape.center()).xi))
+        };
+        let (id, xi) = kept.or_else(beside).unwrap_or((now.patch, now.xi));
+        SlipOrigin::Carried(id, xi)
+    }
+
+    /// The shares of the corners of a patch in the point `at`, with which of its nodes they are; a tool has but one.
+    pub fn bearing(&self, at: &Projection) -> Vec<(u32, f64)> {
+        let Some((patch, stencil)) = self.patch(at.patch) else { return vec![(0, 1.0)] };
+        let [e, z] = at.xi;
+        let weights = match patch.count {
+            3 => [1.0 - e, e - z, z, 0.0],
+            _ => [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z],
+        };
+        stencil[..patch.count as usize].iter().copied().zip(weights).collect()
+    }
+
+    /// Whether `at` is where a node of the master stands, within a part of the shortest edge around.
+    pub fn is_at_node(&self, at: &Projection, part: f64) -> bool {
+        let Some((patch, stencil)) = self.patch(at.patch) else { return false };
+        let count = patch.count as usize;
+        let place = |k: usize| self.position(stencil[k % count]);
+        let shortest = (0..count).map(|k| (place(k + 1) - place(k)).norm()).fold(f64::INFINITY, f64::min);
+        (0..count).any(|k| (place(k) - at.point).norm() < part * shortest)
+    }
+
+    /// Whether forces on it have a potential where there is no friction.
+    pub fn has_potential(&self, tangent: Tangent) -> bool {
+        match self {
+            Self::Tool(_) | Self::Nodes(_) => true,
+            // The derivatives of a facet by its own nodes are all that there are.
+            Self::Faces(surface) | Self::Own(surface) => {
+                let given = &surface.given;
+                tangent == Tangent::Exact
+                    && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet)
+            }
+        }
+    }
+
+    /// How its forces go to its nodes.
+    pub fn transfer(&self) -> Transfer {
+        match self {
+            Self::Tool(_) => Transfer::Bilinear,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.given.transfer,
+        }
+    }
+
+    /// The frame that carries a held force along from an accepted iterate, whose contact point is `at`.
+    pub(super) fn carrier(&self, at: Option<&Projection>) -> Mat3 {
+        match self {
+            Self::Tool(tool) => tool.committed.rotation,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity)
+            }
+        }
+    }
+
+    /// A place as it is remembered: in the frame of the tool, else in space.
+    pub fn inward(&self, x: &Vec3) -> Vec3 {
+        match self {
+            Self::Tool(tool) => tool.committed.inward(x),
+            _ => *x,
+        }
+    }
+
+    /// A place of the last iterate in the frame in which the master is looked at: that of the tool, else space.
+    pub fn seen_from(&self, x: &Vec3) -> Vec3 {
+        match self {
+            Self::Tool(tool) => tool.trial.inward(x),
+            _ => *x,
+        }
+    }
+
+    /// The nearest point, ends included, to slave node `s` at `x` in [that frame](Self::seen_from).
+    pub(super) fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
+        match self {
+            Self::Tool(tool) => tool.surface.nearest(x, reach),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                surface.shapes().nearest_of(x, reach, &pair.outlook(s, x))
+            }
+        }
+    }
+
+    /// The closest point there, wherever the node comes from; none beside an end.
+    pub(super) fn closest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
+        match self {
+            Self::Tool(tool) => tool.surface.closest(x, reach),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                surface.shapes().closest_of(x, reach, None, &pair.outlook(s, x))
+            }
+        }
+    }
+
+    /// How deep `x` is behind the inside of a patch of a body.
+    pub(super) fn depth_behind(&self, patch: u32, x: &Vec3) -> Option<f64> {
+        const EDGE: f64 = 1e-6;
+        let surface = match self {
+            Self::Tool(_) => return None,
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+        };
+        let patch = surface.shapes().get(patch)?;
+        let foot = patch.closest(x);
+        let is_inside = patch.sides(foot.xi).iter().all(|side| *side > EDGE);
+        is_inside.then(|| -(x - foot.point).dot(&patch.normal(foot.xi)))
+    }
+
+    /// How deep a node may be while it stays on the extension of another piece than that of the point `at`, see
+    /// [`Self::project`]: the extension times the sine of the greatest angle there.
+    pub(super) fn lingers(&self, at: &Projection, kink_same: f64) -> f64 {
+        match self {
+            Self::Tool(tool) => tool.surface.lingers(at.patch),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                let cosine = 1.0 - kink_same;
+                EXTENSION * (1.0 - cosine * cosine).sqrt() * surface.facet_size
+            }
+        }
+    }
+
+    /// How it has moved since the last converged increment, of which `place` gives where nodes were; a tool in parts of which
+    /// it turns by no more than `turn`, radians. Collective.
+    pub fn past(&self, comm: &SimpleCommunicator, turn: f64, place: impl Fn(u32) -> Vec3) -> Past {
+        match self {
+            Self::Tool(tool) => Past::Poses(tool.committed.turning(&tool.trial, turn)),
+            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+                Past::Places(surface.places(comm, place))
+            }
+        }
+    }
+}
+
+/// How a master has come to where it is.
+pub enum Past {
+    /// Poses of a tool that turns, on its way; none of one that does not.
+    Poses(Vec<Pose>),
+    /// Where the nodes were that this rank sees.
+    Places(Vec<Vec3>),
+}

@@ -1,0 +1,160 @@
+//! The meeting of a slave node with its master at an iterate: where it is, and what its element is evaluated with.
+
+use super::element::{Contact, Element, Method, Opposite, Origin, Site};
+use super::master::{Ground, SlipOrigin};
+use super::{Guide, Multiplier, Pair, Response, Slave, touching};
+use crate::Vec3;
+use crate::surface::Projection;
+
+/// What the element of a slave node was evaluated with, kept for its tangent.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    method: Method,
+    multiplier: Multiplier,
+    /// The part of a held multiplier that the master carries along.
+    carried: Vec3,
+    /// On the master, unless that is out of reach or feels nothing of the node.
+    contact: Option<(Projection, SlipOrigin)>,
+    /// Where neither can give way.
+    pub guide: Guide,
+}
+
+/// How a step moves a slave node and the nodes of its master along each direction: NaN where they are free, infinite where
+/// their points do not move alike.
+pub struct Moves<'a> {
+    pub slave: [f64; 3],
+    pub master: &'a [[f64; 3]],
+}
+
+impl Meeting {
+    /// Finds slave node `s` of `pair`, at `position`, on the master, and notes in its trial where; `unknown` is λ'. In the
+    /// `first` iteration of a step a gap that is but rounding is closed.
+    pub fn new(
+        pair: &mut Pair,
+        ground: &Ground,
+        (s, position): (usize, &Vec3),
+        moves: &Moves,
+        unknown: &Vec3,
+        first: bool,
+    ) -> Self {
+        let slave = &pair.slaves[s];
+        let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
+        let projection = ground.project(pair, s, position, warm).filter(|p| !is_beside(pair, ground, s, position, p));
+        let (tangent, controls) = (pair.tangent, pair.controls);
+        let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
+        let slave = &mut pair.slaves[s];
+        slave.trial.projection = projection;
+        let guide = projection.map_or(Guide::default(), |p| guide(ground, &p, moves));
+        // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
+        let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
+        slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));
+        let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
+        let contact = felt.map(|p| (touching(p, closed), ground.slip_origin(slave, &p)));
+        let sigma = slave.local.at(position, |n| ground.position_of(n));
+        let multiplier = slave.multiplier(pair.method, unknown * slave.law.normal, sigma);
+        (slave.trial.sigma, slave.trial.position) = (sigma, *position);
+        let from_last = contact.filter(|(_, origin)| match origin {
+            SlipOrigin::Carried(id, xi) => Some((*id, *xi)) == slave.committed.warm,
+            SlipOrigin::Fixed(_) => true,
+        });
+        let carried = from_last.map_or(Vec3::zeros(), |_| slave.held.carried);
+        let method = Method { law: slave.law, transfer: ground.transfer(), tangent };
+        Self { method, multiplier, carried, contact, guide }
+    }
+
+    /// The patches of the master on which the element has nodes; with friction that of the slip origin, too.
+    pub fn patches(&self) -> impl Iterator<Item = u32> {
+        let frictional = self.method.law.friction > 0.0;
+        let (on, origin) = self.contact.map_or((None, None), |(p, origin)| (Some(p.patch), Some(origin)));
+        let from = origin.and_then(|origin| match origin {
+            SlipOrigin::Carried(id, _) if frictional => Some(id),
+            _ => None,
+        });
+        on.into_iter().chain(from)
+    }
+}
+
+/// Whether slave node `s`, found inside the master, has come past an end of it.
+fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Projection) -> bool {
+    let slave = &pair.slaves[s];
+    let gap = |x: &Vec3| ground.project(pair, s, x, None).map(|p| p.gap);
+    slave.is_beside(|| ground.start(slave, at), position, at, pair.facet_size, gap)
+}
+
+/// In which directions a slave node with a prescribed motion cannot give way on the master: where the nodes that bear the
+/// point are prescribed too, it is held when they move alike, else drawn.
+fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
+    const BEARS: f64 = 1e-6;
+    let mut guide = Guide::default();
+    if moves.slave.iter().all(|by| by.is_nan()) {
+        return guide;
+    }
+    let bearing = ground.bearing(at);
+    for (d, &by) in moves.slave.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
+        let bearing = bearing.iter().filter(|(_, weight)| weight.abs() > BEARS);
+        let mut moves = bearing.map(|(n, _)| moves.master[*n as usize][d]);
+        guide.held[d] = moves.clone().all(|m| m == by);
+        guide.drawn[d] = !guide.held[d] && moves.all(|m| !m.is_nan());
+    }
+    guide
+}
+
+/// An element, and the positions of the stencils that it works on.
+#[derive(Clone, Debug, Default)]
+pub struct Workspace {
+    pub element: Element,
+    positions: Vec<Vec3>,
+    origin: Vec<Vec3>,
+}
+
+impl Workspace {
+    /// Evaluates the element of a slave node, with its tangent if asked for.
+    pub fn evaluate(&mut self, ground: &Ground, meeting: &Meeting, with_tangent: bool) -> Response {
+        let Self { element, positions, origin } = self;
+        let contact = meeting.contact.as_ref().and_then(|(projection, from)| {
+            let opposite = match ground {
+                Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation),
+                _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
+            };
+            let origin = match *from {
+                SlipOrigin::Fixed(place) => Origin::Fixed(place),
+                SlipOrigin::Carried(id, xi) => Origin::Carried(site(ground, id, xi, origin)?),
+            };
+            Some(Contact { projection, opposite, origin, carried: meeting.carried })
+        });
+        let (contact, guide, multiplier) = (contact.as_ref(), &meeting.guide, &meeting.multiplier);
+        match with_tangent {
+            false => element.residual(&meeting.method, multiplier, contact, guide),
+            true => element.tangent(&meeting.method, multiplier, contact, guide),
+        }
+    }
+
+    /// Keeps what the last tangent has for the local unknown of a slave node.
+    pub fn learn(&self, slave: &mut Slave, response: &Response, ground: &Ground) {
+        slave.local.learn(slave.trial.sigma, response);
+        let by = |node| -response.inverse * self.element.constraint_by(node, slave.law.friction);
+        slave.local.by.push((None, by(None), slave.trial.position));
+        for (j, &n) in self.element.nodes.iter().enumerate() {
+            slave.local.by.push((Some(ground.number(n)), by(Some(j)), ground.position(n)));
+        }
+    }
+
+    /// A multiplier that has an equation but no say, along a direction in which the node stands still on the master, is zero:
+    /// `has_equation` along each.
+    pub fn hold(&mut self, has_equation: [bool; 3], meeting: &Meeting) {
+        let columns = self.element.shape[1];
+        for d in (0..3).filter(|&d| meeting.guide.held[d] && has_equation[d]) {
+            let row = 3 + d;
+            self.element.matrix[row * columns..(row + 1) * columns].fill(0.0);
+            self.element.matrix[row * columns + row] = -meeting.method.law.normal;
+        }
+    }
+}
+
+/// A point of a patch, with the positions of its nodes in `positions`.
+fn site<'a>(ground: &Ground<'a>, id: u32, xi: [f64; 2], positions: &'a mut Vec<Vec3>) -> Option<Site<'a>> {
+    let (patch, stencil) = ground.patch(id)?;
+    positions.clear();
+    positions.extend(stencil.iter().map(|&n| ground.position(n)));
+    Some(Site { patch, stencil, positions, xi })
+}
