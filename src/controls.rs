@@ -153,7 +153,7 @@ controls! {
         calm_least: f64 = 1e-3, [1e-9, 1.0], "friction penalty over the augmentation",
             "A penalty below is not reduced further: slip directions turn the more slowly the lower it is.";
         step_facets: f64 = 1.5, [0.1, 100.0], "longest edge of the slave facets",
-            "How far a slave node may move in one iteration: farther, and it may come out behind what it should meet. Which of several solutions facets find that fold onto each other without friction depends on it: 0.75 changes their forces by 3e-3.";
+            "How far a slave node may move in one iteration: farther, and it may come out behind what it should meet.";
         step_halvings: usize = 6, [0, 60], "halvings",
             "How often a step that turns an element inside out is halved before it is taken even so, and the increment fails.";
         line_search_shortest: f64 = 0.01, [1e-6, 1.0], "shortest step over the full one",
@@ -231,7 +231,7 @@ controls! {
     }
     "contact" {
         augmentation: f64 = 0.2, [1e-3, 10.0], "stiffness with which the slave node, or a softer master, resists contact",
-            "Measured to be robust over loading, reversal and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions turn slowly. Twice and half change the number of iterations, and with it increments; and which of several solutions facets find that fold onto each other without friction, 3e-3 apart.";
+            "Measured to be robust over loading, reversal and sliding. Above a few times the stiffness slipping nodes flip between opposite slips, far below it slip directions turn slowly. Twice and half change the number of iterations, and with it increments.";
         uzawa_penalty: f64 = 1000.0, [1.0, 1e6], "the same stiffness",
             "Automatic penalty of Uzawa's method: Newton's method does not mind it, and each round divides the error by about as much.";
         penalty_method: f64 = 100.0, [1.0, 1e6], "the same stiffness",
@@ -241,9 +241,9 @@ controls! {
         no_gap: f64 = 1e-9, [1e-15, 1e-6], "longest edge of the slave facets",
             "A gap below is none: an active set begins with what touches, and a node so deep behind a master may be beside it.";
         slack: f64 = 1e-3, [1e-6, 0.1], "compliance over that of the automatic penalty",
-            "Of constraints that give way: always in self-contact, where slave nodes that meet each other make the same condition twice. More leaves an error when it is tightened there, in the forces about a third of it; with 3e-4 facets without friction slide off each other, tip from tip, long before they do with this. From 0.9 to 1.7 times as much the forces of the strip in inputs/ change by 6e-4 of the change of slack, so that what is left of it is 6e-7; half and twice find other solutions of its folds, 8e-5 and 5e-3 away.";
+            "Of constraints that give way: always in self-contact, where slave nodes that meet each other make the same condition twice. What is left of it when it is tightened there is an error: in the forces of the strip in inputs/ 6e-7 while it closes, up to 5e-4 where its legs are drawn along each other, and as much more as there is more of it. With 3e-4 facets without friction slide off each other, tip from tip, long before they do with this; with 2e-3 nodes of the strip that meet each other are balanced on a point, and rounding decides to which side they slide.";
         wide_slack: f64 = 3e-2, [1e-6, 1.0], "compliance over that of the automatic penalty",
-            "That of self-contact where Newton's method has failed. A strip that closes onto itself in 54 ways (faceted and smoothed, mu = 0, 0.2 and 1, in 10 to 40 increments): with 1e-3 alone 7 fail; with this after 1e-4, 3e-4 or 1e-3 none; with 3e-3 and 1e-2 after 1e-3 none and one, and twice the cuts. Twice and half change the forces of frictionless facets by 8e-4 and 2e-4, for which fold rests on which then differs.";
+            "That of self-contact where Newton's method has failed. A strip that closes onto itself in 54 ways (faceted and smoothed, mu = 0, 0.2 and 1, in 10 to 40 increments): with 1e-3 alone 7 fail; with this after 1e-4, 3e-4 or 1e-3 none; with 3e-3 and 1e-2 after 1e-3 none and one, and twice the cuts. It is taken back with `slack`, in two rounds; one round with itself left gaps of up to 2e-3 of a facet, and forces off by 4e-4.";
         two_pass_bulge: f64 = 0.99, [0.0, 1.0], "bulge of a Nagata patch",
             "Share of it that patches take with two passes. Smooth surfaces that share the whole of it may curve together without any node entering the other side: on flat faces the conditions of two passes would depend on each other: with all of it the patch test takes 55 more iterations and is off by 4e-4.";
         repeat_distance: f64 = 0.05, [0.0, 0.45], "shortest edge of the master patch",
@@ -265,9 +265,9 @@ controls! {
     }
     "search" {
         reach_facets: f64 = 2.0, [0.5, 100.0], "longest edge of the slave facets",
-            "How far a slave node may be from the master and still be watched, where the scene does not say. A node that moves farther than that widens it. Less, and facets that fold onto each other without friction find another of their solutions, 3e-3 away.";
+            "How far a slave node may be from the master and still be watched, where the scene does not say. A node that moves farther than that widens it.";
         reach_farther: f64 = 1.5, [1.0, 10.0], "way of the farthest slave node",
-            "The reach after a node moved farther than it: more than its way, so that the same solution fits. With 1 facets that fold onto each other without friction find another of their solutions, 3e-3 away.";
+            "The reach after a node moved farther than it: more than its way, so that the same solution fits.";
     }
     "self_contact" {
         self_facing: f64 = 60.0, [5.0, 89.0], "degrees",

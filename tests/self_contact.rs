@@ -240,3 +240,31 @@ fn what_cannot_meet_before_long_is_not_coupled() {
     };
     assert_eq!(entries("tube.rmax"), entries("far"));
 }
+
+/// Where constraints gave way by `wide_slack`, nothing of it is left: increments are found so here, and neither forces nor
+/// gaps depend on it.
+#[test]
+fn what_gave_way_is_tightened() {
+    let common =
+        "contact.inside.smoothing=facet contact.inside.friction=0 step.close.increments=5 step.roll.increments=5";
+    let closed = |control: &str| {
+        let mut args = vec!["--steps", "2", "--set", control];
+        args.extend(common.split(' ').flat_map(|entry| ["--set", entry]));
+        strip(|s| s).solve(1, &args).history()
+    };
+    let [narrow, wide, plain] =
+        ["wide_slack=0.015", "wide_slack=0.06", "step_facets=0.75"].map(|entry| closed(&format!("controls.{entry}")));
+    let retried = |history: &History| history.column("failures").iter().filter(|n| **n > 0.0).count();
+    assert_eq!([retried(&narrow), retried(&wide), retried(&plain)], [1, 1, 0]);
+    let scale = plain.largest_force("strip.leg-top");
+    for history in [&narrow, &wide, &plain] {
+        let off = history.last("strip.leg-top.fy") - plain.last("strip.leg-top.fy");
+        assert_small("force", off.abs() / scale, 1e-6);
+        let deep = history.column("inside.max_penetration").iter().fold(0.0, |most: f64, deep| most.max(*deep));
+        assert_small("penetration", deep / FACET, 1e-6);
+        for column in ["inside.fx", "inside.fy"] {
+            let sum = history.column(column).iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+            assert_small(column, sum / scale, 1e-9);
+        }
+    }
+}

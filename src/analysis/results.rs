@@ -108,7 +108,10 @@ impl Results {
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
                 let sign = if pass.is_second { 1.0 } else { -1.0 };
                 for slave in &pass.slaves {
-                    (0..3).for_each(|d| force[d] += sign * slave.accepted.force[d]);
+                    // In self-contact all that the nodes get, which adds up to nothing: what they bear themselves depends on
+                    // how those that meet each other share a force, which is left open.
+                    let on_slave = if pair.is_self() { slave.accepted.on_node() } else { sign * slave.accepted.force };
+                    (0..3).for_each(|d| force[d] += on_slave[d]);
                     counts[0] += f64::from(slave.accepted.status != Status::Gap);
                     counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);

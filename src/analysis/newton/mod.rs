@@ -101,6 +101,8 @@ struct Strategy<'a> {
     watcher: &'a mut Watcher<'a>,
     /// What touches sticks until all is nearly in balance.
     settling: bool,
+    /// Constraints give way by more than they do anyway.
+    yields: bool,
     /// The prescribed displacements enter the first iteration linearly, from the last converged state.
     predicting: bool,
     /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
@@ -149,6 +151,7 @@ impl<'a> Newton<'a> {
             max_iterations: start.max_iterations,
             watcher,
             settling: start.manner.settles,
+            yields: start.manner.yields,
             predicting: true,
             moves: any(comm, conditions.prescribed.iter().enumerate().any(away)),
             drag: Drag::default(),

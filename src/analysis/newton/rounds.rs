@@ -8,7 +8,8 @@
 //! Where several slave nodes or masters make the same condition, only constraints that give way share the force out. When
 //! they have converged, they give way about the multipliers of then, and so on (the proximal method of multipliers): it
 //! ends where the conditions hold as if none had given way, with the least multipliers that bear the load. Self-contact,
-//! which gives way always, does so once: further rounds only change what faceted folds make of each other.
+//! which gives way always, does so once, with some 1e-6 of the forces left: one round more is one in which tips of folds may
+//! slide off each other. Where it has given way by `wide_slack`, it does so twice with `slack`, and as little is left.
 //!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.
@@ -101,6 +102,8 @@ impl Newton<'_> {
     pub fn tighten(&mut self, x: &[f64]) -> Round {
         let multipliers = self.multipliers(x);
         let (tolerance, bodies) = (self.tolerance_now(), self.system.model.bodies.len());
+        let Controls { slack: narrow, outer_rounds, .. } = self.system.model.controls;
+        let rounds = if self.strategy.yields { 2 } else { 1 };
         let (mut repeats, mut left, mut worst) = (false, 0.0, None);
         let pairs = self.system.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
         for (p, (pair, multipliers)) in pairs {
@@ -108,6 +111,9 @@ impl Newton<'_> {
             for (s, (slave, multiplier)) in pair.slaves.iter_mut().zip(multipliers).enumerate() {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
+                if slave.repeats {
+                    *slack = narrow;
+                }
                 if slave.trial.status == Status::Gap {
                     continue;
                 }
@@ -117,13 +123,13 @@ impl Newton<'_> {
                 }
             }
         }
-        let mut most = [left, f64::from(repeats && self.course.rounds.tightened == 0)];
+        let mut most = [left, f64::from(repeats && self.course.rounds.tightened < rounds)];
         max(self.system.comm, &mut most);
         if most[0] <= 1.0 && most[1] == 0.0 {
             return Round::Done;
         }
         self.course.rounds.tightened += 1;
-        if self.course.rounds.tightened > self.system.model.controls.outer_rounds {
+        if self.course.rounds.tightened > outer_rounds {
             let worst = worst.filter(|_| left == most[0]).map(|(p, s, way)| (p, s, format!("off by {way:.1e}")));
             return Round::Contradicts(self.told(worst, "conditions of contacts contradict each other"));
         }
