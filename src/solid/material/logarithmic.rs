@@ -153,7 +153,11 @@ impl Axes {
     /// The second divided difference of 1/2 ln.
     fn second_difference(&self, a: usize, b: usize, c: usize) -> f64 {
         let mut order = [a, b, c];
-        order.sort_by(|&i, &j| self.squares[i].total_cmp(&self.squares[j]));
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if self.squares[order[j]] < self.squares[order[i]] {
+                order.swap(i, j);
+            }
+        }
         let [low, middle, high] = order;
         let values = order.map(|i| self.squares[i]);
         let mean = (values[0] + values[1] + values[2]) / 3.0;
@@ -196,6 +200,9 @@ fn transpose(a: &[Voigt; 6]) -> [Voigt; 6] {
 /// Spread of three squares over their mean below which the series is better than the difference.
 const CLOSE: f64 = 0.1;
 
+/// Terms of the series below it, and all that follow them, are lost in the rounding of its sum, 1/2.
+const NEGLIGIBLE: f64 = 1e-18;
+
 /// The series of twice the second divided difference of 1/2 ln at m = 1 for deviations whose sum is 0.
 fn close_difference(deviations: [f64; 3]) -> f64 {
     let [p, q, r] = deviations;
@@ -208,6 +215,9 @@ fn close_difference(deviations: [f64; 3]) -> f64 {
         last = [next, last[0], last[1]];
         sum += sign * next / f64::from(k + 2);
         sign = -sign;
+        if last.iter().all(|h| h.abs() < NEGLIGIBLE) {
+            break;
+        }
     }
     sum
 }
