@@ -419,7 +419,7 @@ impl<'a> Simulation<'a> {
     /// An element that cannot follow; the state is then what it was.
     pub(super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) -> Result<()> {
         let flown = agree(self.comm, states::flown(&mut self.model, &converged.u))?;
-        states::flow(&mut self.model, flown);
+        self.model.history.accept(flown);
         for tool in &mut self.model.masters.tools {
             tool.committed = tool.trial;
         }

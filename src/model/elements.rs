@@ -11,6 +11,7 @@ use crate::solid::element::{
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
+use std::ops::Deref;
 
 /// Matrices of one element, made once for a sweep over all.
 #[derive(Default)]
@@ -85,17 +86,38 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     z(4) - z(0)
 }
 
+/// The integration points of one element, eight at most.
+#[derive(Clone, Copy)]
+pub(super) struct Samples {
+    points: [Sample; hex8::POINTS],
+    count: usize,
+}
+
+impl<const Q: usize> From<[Sample; Q]> for Samples {
+    fn from(points: [Sample; Q]) -> Self {
+        Self { points: std::array::from_fn(|q| points[q.min(Q - 1)]), count: Q }
+    }
+}
+
+impl Deref for Samples {
+    type Target = [Sample];
+
+    fn deref(&self) -> &[Sample] {
+        &self.points[..self.count]
+    }
+}
+
 /// The integration points of element `e` of the part at displacements `u`.
-pub(super) fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Vec<Sample>, Inverted> {
+pub(super) fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted> {
     let solid = &model.part.solids[e];
     let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
     let medium = medium(model, e);
     if body.plane_strain {
         let nodes = (&gather(points, solid), &gather(u, solid));
-        return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.to_vec());
+        return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.into());
     }
     if solid.shape == SolidShape::Tet4 {
-        return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.to_vec());
+        return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.into());
     }
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match body.element {
@@ -104,7 +126,7 @@ pub(super) fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Vec<Sample>
         Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),
         Formulation::Hex8 | Formulation::Tet4 => hex8::samples(&x, &u),
     };
-    Ok(samples?.to_vec())
+    Ok(samples?.into())
 }
 
 /// Whether an element could be evaluated.
@@ -165,7 +187,7 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
 pub fn largest_strain(model: &Model, before: &[Vec3], after: &[Vec3]) -> f64 {
     let of = |e: usize| {
         let (before, after) = (samples(model, e, before).ok()?, samples(model, e, after).ok()?);
-        let mut strains = before.iter().zip(&after).map(|(from, to)| strain_between(&from.f, &to.f));
+        let mut strains = before.iter().zip(after.iter()).map(|(from, to)| strain_between(&from.f, &to.f));
         strains.try_fold(0.0, |most: f64, strain| Some(most.max(strain?)))
     };
     mine(model).map(|e| of(e).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)

@@ -8,37 +8,29 @@ use crate::solid::element::{Inverted, advance, average_plastic_strain, average_s
 use crate::solid::material::State;
 use crate::solid::voigt::Voigt;
 
-/// The states of all integration points at displacements `u`, by element, and there the enhanced strain, too. Every rank
-/// finds those of all elements that it knows, from the same numbers. [`flow`] makes them those of the history.
+/// The states of all integration points at displacements `u`, and there the enhanced strain, too. Every rank finds those of all
+/// elements that it knows, from the same numbers. [`History::accept`](crate::solid::history::History::accept) makes them
+/// those of the history.
 ///
 /// # Errors
 /// An element that is inverted, by its number.
-pub fn flown(model: &mut Model, u: &[Vec3]) -> Result<Vec<(usize, Vec<State>)>> {
+pub fn flown(model: &mut Model, u: &[Vec3]) -> Result<Vec<State>> {
     let mut scratch = Scratch::default();
-    let mut flown = Vec::new();
+    let mut flown = model.history.states().to_vec();
     for e in 0..model.part.solids.len() {
         if model.history.amplitudes(e).is_some() {
             scratch.evaluate(model, e, u, true).map_err(|_| lost(model, e))?;
             scratch.keep(model, e);
         }
-        if model.history.of(e).is_empty() {
+        let states = &mut flown[model.history.range(e)];
+        if states.is_empty() {
             continue;
         }
         let material = &model.bodies[model.part.solids[e].body as usize].material;
-        let mut states = model.history.of(e).to_vec();
-        let advanced = samples(model, e, u).and_then(|samples| advance(&samples, material, &mut states));
+        let advanced = samples(model, e, u).and_then(|samples| advance(&samples, material, states));
         advanced.map_err(|_| lost(model, e))?;
-        flown.push((e, states));
     }
     Ok(flown)
-}
-
-/// Makes the states that have been found those of the history.
-pub fn flow(model: &mut Model, flown: Vec<(usize, Vec<State>)>) {
-    for (e, states) in flown {
-        model.history.of_mut(e).copy_from_slice(&states);
-    }
-    model.history.accept();
 }
 
 /// Mean Cauchy stress of each element that this rank counts (xx, yy, zz, xy, yz, zx).

@@ -17,33 +17,43 @@ pub fn symmetric_eigen(a: &Voigt) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut off = [a[4], a[5], a[3]];
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..MAX_SWEEPS {
-        let mut rotated = false;
-        for (p, q, r) in [(1, 2, 0), (2, 0, 1), (0, 1, 2)] {
-            let apq = off[r];
-            let negligible = 0.25 * f64::EPSILON * f64::EPSILON * (diagonal[p] * diagonal[q]).abs();
-            if apq * apq <= negligible {
-                continue;
-            }
-            rotated = true;
-            let theta = 0.5 * (diagonal[q] - diagonal[p]) / apq;
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            diagonal[p] -= t * apq;
-            diagonal[q] += t * apq;
-            off[r] = 0.0;
-            (off[q], off[p]) = (c * off[q] - s * off[p], s * off[q] + c * off[p]);
-            for i in 0..3 {
-                let (vp, vq) = (vectors[p][i], vectors[q][i]);
-                vectors[p][i] = c * vp - s * vq;
-                vectors[q][i] = s * vp + c * vq;
-            }
-        }
+        let rotated = rotate::<1, 2, 0>(&mut diagonal, &mut off, &mut vectors)
+            | rotate::<2, 0, 1>(&mut diagonal, &mut off, &mut vectors)
+            | rotate::<0, 1, 2>(&mut diagonal, &mut off, &mut vectors);
         if !rotated {
             break;
         }
     }
     (diagonal, vectors)
+}
+
+/// Makes the entry in row P and column Q zero, and says whether it was not; R is the third row. Constants, so that all stays
+/// in registers.
+#[inline(always)]
+fn rotate<const P: usize, const Q: usize, const R: usize>(
+    diagonal: &mut [f64; 3],
+    off: &mut [f64; 3],
+    vectors: &mut [[f64; 3]; 3],
+) -> bool {
+    let apq = off[R];
+    let negligible = 0.25 * f64::EPSILON * f64::EPSILON * (diagonal[P] * diagonal[Q]).abs();
+    if apq * apq <= negligible {
+        return false;
+    }
+    let theta = 0.5 * (diagonal[Q] - diagonal[P]) / apq;
+    let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+    let c = 1.0 / (t * t + 1.0).sqrt();
+    let s = t * c;
+    diagonal[P] -= t * apq;
+    diagonal[Q] += t * apq;
+    off[R] = 0.0;
+    (off[Q], off[P]) = (c * off[Q] - s * off[P], s * off[Q] + c * off[P]);
+    for i in 0..3 {
+        let (vp, vq) = (vectors[P][i], vectors[Q][i]);
+        vectors[P][i] = c * vp - s * vq;
+        vectors[Q][i] = s * vp + c * vq;
+    }
+    true
 }
 
 #[cfg(test)]

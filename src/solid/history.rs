@@ -3,6 +3,7 @@
 
 use super::element::Amplitudes;
 use super::material::State;
+use std::ops::Range;
 
 /// What elements remember, one element after the other.
 #[derive(Clone, Debug, Default)]
@@ -31,12 +32,17 @@ impl History {
 
     /// The states of an element.
     pub fn of(&self, element: usize) -> &[State] {
-        &self.states[self.starts[element] as usize..self.starts[element + 1] as usize]
+        &self.states[self.range(element)]
     }
 
-    /// The states of an element, to be changed.
-    pub fn of_mut(&mut self, element: usize) -> &mut [State] {
-        &mut self.states[self.starts[element] as usize..self.starts[element + 1] as usize]
+    /// All states.
+    pub fn states(&self) -> &[State] {
+        &self.states
+    }
+
+    /// The places of an element's states among all.
+    pub fn range(&self, element: usize) -> Range<usize> {
+        self.starts[element] as usize..self.starts[element + 1] as usize
     }
 
     /// The amplitudes of an element with enhanced strain.
@@ -49,8 +55,9 @@ impl History {
         self.amplitudes[element].as_deref_mut()
     }
 
-    /// The amplitudes are those of an accepted increment.
-    pub fn accept(&mut self) {
+    /// An increment is accepted, with these states and the amplitudes as they are.
+    pub fn accept(&mut self, states: Vec<State>) {
+        self.states = states;
         self.accepted.clone_from(&self.amplitudes);
     }
 
@@ -72,7 +79,9 @@ mod tests {
     #[test]
     fn elements_with_and_without_states() {
         let mut history = History::new([(4, false), (0, true), (1, false)]);
-        history.of_mut(2)[0].equivalent = 0.5;
+        let mut states = history.states().to_vec();
+        states[history.range(2).start].equivalent = 0.5;
+        history.accept(states);
         assert_eq!([0, 1, 2].map(|e| history.of(e).len()), [4, 0, 1]);
         assert_eq!((history.of(0)[3], history.of(2)[0].equivalent), (State::VIRGIN, 0.5));
         assert!(!history.is_empty() && History::new([(0, false), (0, true)]).is_empty());

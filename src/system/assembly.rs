@@ -6,20 +6,25 @@ use crate::Vec3;
 use crate::model::Model;
 use crate::model::elements::{Outcome, Scratch, carrying, facet_pressure};
 
+/// Values of a tangent with their pattern.
+pub type Tangent<'a> = (&'a Pattern, &'a mut [f64]);
+
 /// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete), and tells of
-/// each element its body and its largest nodal force.
+/// each element its body and its largest nodal force. In the same pass it adds their tangents to the matrix values of this
+/// rank's rows, if these are given: [`add_tangent`], but for enhanced strain, which is not kept.
 ///
 /// # Errors
-/// The first inverted element; the forces are then of no use.
+/// The first inverted element; the forces, and the values, are then of no use.
 pub fn internal_forces(
     model: &Model,
     u: &[Vec3],
     forces: &mut [Vec3],
+    mut tangent: Option<Tangent>,
     mut of_element: impl FnMut(u32, f64),
 ) -> Outcome {
     let mut scratch = Scratch::default();
     for (e, solid) in model.part.solids.iter().enumerate() {
-        scratch.evaluate(model, e, u, false)?;
+        scratch.evaluate(model, e, u, tangent.is_some())?;
         let nodes = carrying(model, solid);
         let mut largest = 0.0f64;
         for (&n, force) in nodes.iter().zip(scratch.forces(nodes.len())) {
@@ -28,6 +33,9 @@ pub fn internal_forces(
             forces[n as usize] += force;
         }
         of_element(solid.body, largest);
+        if let Some((pattern, values)) = &mut tangent {
+            scatter(pattern, values, e, nodes, &scratch);
+        }
     }
     Ok(())
 }
@@ -59,11 +67,15 @@ pub fn add_tangent(model: &mut Model, pattern: &Pattern, u: &[Vec3], values: &mu
         if scratch.evaluate(model, e, u, true).is_err() {
             continue;
         }
-        match carrying(model, &model.part.solids[e]) {
-            four @ [_, _, _, _] => pattern.add_element(values, four, e, &scratch.of_four.tangent),
-            eight => pattern.add_element(values, eight, e, &scratch.of_eight.tangent),
-        }
+        scatter(pattern, values, e, carrying(model, &model.part.solids[e]), &scratch);
         scratch.keep(model, e);
+    }
+}
+
+fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32], scratch: &Scratch) {
+    match nodes.len() {
+        4 => pattern.add_element(values, nodes, element, &scratch.of_four.tangent),
+        _ => pattern.add_element(values, nodes, element, &scratch.of_eight.tangent),
     }
 }
 

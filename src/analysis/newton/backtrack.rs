@@ -51,12 +51,12 @@ impl Newton<'_> {
         self.line_search.recent.push(start);
         let highest = self.line_search.recent.iter().rev().take(self.line_search.memory).copied().fold(0.0, f64::max);
         let trials: Vec<Trial> = self.slaves().map(|s| s.trial).collect();
-        let mut factor = 1.0;
-        let mut best = self.try_step(x, step, factor, &trials);
+        let (mut factor, will_go_on) = (1.0, self.will_go_on());
+        let mut best = self.try_step(x, step, factor, (&trials, will_go_on));
         while best > highest - 2.0 * DECREASE * factor * start {
             if factor <= line_search_shortest {
                 factor = 1.0;
-                self.try_step(x, step, factor, &trials);
+                self.try_step(x, step, factor, (&trials, will_go_on));
                 break;
             }
             // r^2 = start (1 - 2 t) + bend t^2.
@@ -64,18 +64,24 @@ impl Newton<'_> {
             let lowest = start / bend;
             let part = if lowest.is_finite() { lowest / factor } else { 0.0 };
             factor *= part.clamp(line_search_least, line_search_most);
-            best = self.try_step(x, step, factor, &trials);
+            best = self.try_step(x, step, factor, (&trials, will_go_on));
         }
         factor
     }
 
     /// The squared residual after a part of the step, infinite where an element is inverted. Each try begins from the same
-    /// state of contact. Collective.
-    pub(super) fn try_step(&mut self, x: &[f64], step: &[f64], factor: f64, trials: &[Trial]) -> f64 {
+    /// state of contact; from some Newton's method `will_go_on`. Collective.
+    pub(super) fn try_step(
+        &mut self,
+        x: &[f64],
+        step: &[f64],
+        factor: f64,
+        (trials, will_go_on): (&[Trial], bool),
+    ) -> f64 {
         self.reset(trials);
         let mut tried = Tried { x: x.iter().zip(step).map(|(x, s)| x - factor * s).collect(), ..Tried::default() };
         tried.residual.resize(x.len(), 0.0);
-        let sound = self.evaluate(&tried.x, &mut tried.residual);
+        let sound = self.evaluate(&tried.x, &mut tried.residual, will_go_on);
         let inverted = any(self.system.comm, !sound);
         self.line_search.tried = (!inverted).then_some(tried);
         if inverted || !self.line_search.squared_residual.is_finite() {

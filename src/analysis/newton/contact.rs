@@ -153,6 +153,7 @@ impl Newton<'_> {
             let place = |n: u32| part.points[n as usize] + u[n as usize];
             *self.system.pattern = Pattern::new(self.system.comm, self.system.model, self.system.dofs, place)?;
             self.values.resize(self.system.pattern.columns.len(), 0.0);
+            self.holds_elements = false;
             self.course.rebuilds += 1;
         }
         Ok(widen)

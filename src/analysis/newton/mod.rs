@@ -21,6 +21,7 @@ use crate::interrupt;
 use crate::model::{Model, elements};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{any, max, sum};
+use crate::solid::element::Formulation;
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
@@ -122,6 +123,8 @@ pub struct Newton<'a> {
     touching: Touching,
     /// Entries of the Jacobian.
     values: Vec<f64>,
+    /// They are the tangent of the elements at the last evaluated point, and no more yet.
+    holds_elements: bool,
 }
 
 /// State that outlives an increment, handed to [`Newton::new`].
@@ -169,7 +172,9 @@ impl<'a> Newton<'a> {
         let memory = if start.strict { 1 } else { model.controls.line_search_memory };
         let line_search = LineSearch::new(model.can_flow(), memory);
         let (course, touching) = (Course::default(), Touching::new(model));
-        let mut newton = Self { system, s: start.s, found, course, strategy, line_search, touching, values };
+        let holds_elements = false;
+        let mut newton =
+            Self { system, s: start.s, found, course, strategy, line_search, touching, values, holds_elements };
         let model = &mut *newton.system.model;
         model.history.go_back();
         let controls = model.controls;
@@ -265,15 +270,30 @@ impl<'a> Newton<'a> {
         );
     }
 
-    /// Evaluates everything at `x`: forces, contact, residual. `false` if an element of this rank is inverted. Collective.
-    fn evaluate(&mut self, x: &[f64], r: &mut [f64]) -> bool {
+    /// Whether Newton's method will go on from the next iterate, as far as can be foreseen: when it converges quadratically,
+    /// the one after a residual below the root of what is let through is the last.
+    fn will_go_on(&self) -> bool {
+        self.course.trace.last().is_none_or(|residual| residual * residual > self.limit())
+    }
+
+    /// Evaluates everything at `x`: forces, contact, residual; and the tangent of the elements, if it `will_go_on` from there,
+    /// for the most of both is the same. `false` if an element of this rank is inverted. Collective.
+    fn evaluate(&mut self, x: &[f64], r: &mut [f64], will_go_on: bool) -> bool {
         let begun = Instant::now();
         self.unpack(x);
         let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
         self.found.balance.clear();
         let balance = &mut self.found.balance;
         let of_element = |body: u32, force: f64| balance.element(body as usize, force);
-        let sound = assembly::internal_forces(self.system.model, &self.found.u, &mut forces, of_element).is_ok();
+        let model = &*self.system.model;
+        // Enhanced strain goes on from the last tangent: one that is not used must not be it.
+        let with_tangent = will_go_on && model.bodies.iter().all(|body| body.element != Formulation::Hex8Eas);
+        let tangent = with_tangent.then(|| {
+            self.values.fill(0.0);
+            (&*self.system.pattern, &mut self.values[..])
+        });
+        let sound = assembly::internal_forces(model, &self.found.u, &mut forces, tangent, of_element).is_ok();
+        self.holds_elements = with_tangent && sound;
         self.found.internal.fill(Vec3::zeros());
         for (force, body) in forces.iter().zip(&self.system.model.part.body).take(self.system.model.part.owned) {
             self.found.balance.force(*body as usize, force.amax());
@@ -342,8 +362,10 @@ impl<'a> Newton<'a> {
 impl Newton<'_> {
     /// The Jacobian at the last evaluated point, in `self.values`.
     fn tangent(&mut self) {
-        self.values.fill(0.0);
-        assembly::add_tangent(self.system.model, self.system.pattern, &self.found.u, &mut self.values);
+        if !std::mem::take(&mut self.holds_elements) {
+            self.values.fill(0.0);
+            assembly::add_tangent(self.system.model, self.system.pattern, &self.found.u, &mut self.values);
+        }
         for (set, ramp) in &self.system.conditions.pressures {
             let system = (self.system.dofs, &*self.system.pattern);
             assembly::subtract_pressure_tangent(
@@ -361,14 +383,14 @@ impl Newton<'_> {
 
 impl Problem for Newton<'_> {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> std::result::Result<Evaluation, String> {
-        let sound = (self.line_search.is_wanted && self.recall(x, r)) || self.evaluate(x, r);
+        let sound = (self.line_search.is_wanted && self.recall(x, r)) || self.evaluate(x, r, self.will_go_on());
         Ok(if sound { Evaluation::Done } else { Evaluation::OutOfDomain })
     }
 
     fn jacobian(&mut self, x: &[f64]) -> std::result::Result<Jacobian<'_>, String> {
         if any(self.system.comm, self.found.at != x) {
             let mut r = vec![0.0; x.len()];
-            self.evaluate(x, &mut r);
+            self.evaluate(x, &mut r, true);
         }
         let begun = Instant::now();
         let is_new = self.widen_pattern().map_err(|error| error.to_string())?;

@@ -63,7 +63,7 @@ impl Newton<'_> {
     /// The share of the slave nodes that touch or leave in the trial state of a share of the increment; one node does not
     /// count. Collective.
     fn trial_changes(&mut self, x: &[f64], step: &[f64], r: f64, trials: &[Trial]) -> f64 {
-        self.try_step(x, step, r, trials);
+        self.try_step(x, step, r, (trials, false));
         let mut counts = [0.0; 2];
         for pair in &self.system.model.pairs {
             let none = self.system.model.controls.touching_gap * pair.facet_size;

@@ -22,7 +22,7 @@
 
 use crate::Mat3;
 use crate::solid::eigen::symmetric_eigen;
-use crate::solid::voigt::{INDEX, Voigt, compose, right_cauchy_green, symmetric_product};
+use crate::solid::voigt::{INDEX, Voigt, compose, mirror, right_cauchy_green, symmetric_product};
 
 /// The components of a symmetric tensor: rows and columns.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
@@ -34,89 +34,107 @@ const TIMES: Voigt = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
 pub struct LogarithmicStrain {
     /// E, tensor components.
     pub strain: Voigt,
+    f: Mat3,
+    principal: Principal,
+}
+
+impl LogarithmicStrain {
+    /// Of a deformation gradient; `None` unless det F > 0.
+    #[inline]
+    pub fn new(f: Mat3) -> Option<Self> {
+        let principal = Principal::new(&right_cauchy_green(&f), f.determinant())?;
+        Some(Self { strain: compose(&principal.strains, &principal.directions), f, principal })
+    }
+
+    /// Its axes.
+    #[inline]
+    pub fn axes(&self) -> Axes {
+        let Principal { squares, strains, directions } = self.principal;
+        let stretches = squares.map(f64::sqrt);
+        let mut turned = [[0.0; 3]; 3];
+        for a in 0..3 {
+            turned[a] = (self.f * crate::Vec3::from(directions[a]) / stretches[a]).into();
+        }
+        let (mut reference, mut spatial, mut theta) = ([[0.0; 6]; 6], [[0.0; 6]; 6], [1.0; 6]);
+        for (p, &(a, b)) in PAIRS.iter().enumerate() {
+            reference[p] = symmetric_product(&directions[a], &directions[b]);
+            (0..6).for_each(|v| reference[p][v] *= TIMES[v]);
+            spatial[p] = symmetric_product(&turned[a], &turned[b]);
+            let x = strains[a] - strains[b];
+            if x != 0.0 {
+                theta[p] = x / x.sinh();
+            }
+        }
+        Axes { squares, stretches, theta, reference, spatial }
+    }
+}
+
+/// The principal axes of a strain before and after the deformation: between components by them, and tensors in space.
+pub struct Axes {
     /// C_A.
     squares: [f64; 3],
-    /// e_A.
-    principal: [f64; 3],
-    /// sym(N_A x N_B).
+    /// l_A.
+    stretches: [f64; 3],
+    /// theta_AB.
+    theta: Voigt,
+    /// sym(N_A x N_B), with components as often as they stand in the tensor.
     reference: [Voigt; 6],
     /// sym(n_A x n_B).
     spatial: [Voigt; 6],
 }
 
-impl LogarithmicStrain {
-    /// Of a deformation gradient; `None` unless det F > 0.
-    pub fn new(f: &Mat3) -> Option<Self> {
-        let Principal { squares, strains, directions } = Principal::new(&right_cauchy_green(f), f.determinant())?;
-        let turned: [[f64; 3]; 3] = std::array::from_fn(|a| {
-            let stretch = squares[a].sqrt();
-            (f * crate::Vec3::from(directions[a]) / stretch).into()
-        });
-        Some(Self {
-            strain: compose(&strains, &directions),
-            squares,
-            principal: strains,
-            reference: PAIRS.map(|(a, b)| symmetric_product(&directions[a], &directions[b])),
-            spatial: PAIRS.map(|(a, b)| symmetric_product(&turned[a], &turned[b])),
-        })
-    }
-
+impl Axes {
     /// tau of T.
+    #[inline]
     pub fn kirchhoff(&self, stress: &Voigt) -> Voigt {
-        let components = self.components(stress);
-        let mut kirchhoff = [0.0; 6];
-        for (p, &(a, b)) in PAIRS.iter().enumerate() {
-            let factor = TIMES[p] * self.theta(a, b) * components[p];
-            (0..6).for_each(|v| kirchhoff[v] += factor * self.spatial[p][v]);
-        }
-        kirchhoff
+        let (mut components, weights) = (self.components(stress), self.weights());
+        (0..6).for_each(|p| components[p] *= weights[p]);
+        combine(&components, &self.spatial)
     }
 
     /// c of T and of D, for engineering shear rates.
+    #[inline]
     pub fn tangent(&self, stress: &Voigt, moduli: &[Voigt; 6]) -> [Voigt; 6] {
-        let mut by_axes = [[0.0; 6]; 6];
-        let half: [Voigt; 6] = moduli.map(|row| self.components(&row));
-        let weights: Voigt = std::array::from_fn(|p| TIMES[p] * self.theta(PAIRS[p].0, PAIRS[p].1));
-        for q in 0..6 {
-            let column = self.components(&std::array::from_fn(|v| half[v][q]));
-            (0..6).for_each(|p| by_axes[p][q] = weights[p] * column[p] * weights[q]);
+        let (mut form, weights) = (congruent(&self.reference, moduli), self.weights());
+        for p in 0..6 {
+            (0..6).for_each(|q| form[p][q] = weights[p] * form[p][q] * weights[q]);
         }
-        self.add_turning(&self.components(stress), &mut by_axes);
-        let half: [Voigt; 6] = by_axes.map(|row| self.spread(&row));
-        let mut tangent = [[0.0; 6]; 6];
-        for w in 0..6 {
-            let column = self.spread(&std::array::from_fn(|p| half[p][w]));
-            (0..=w).for_each(|v| {
-                tangent[v][w] = column[v];
-                tangent[w][v] = column[v];
-            });
-        }
+        self.add_turning(&self.components(stress), &mut form);
+        let mut tangent = congruent(&transpose(&self.spatial), &form);
+        mirror(&mut tangent);
         tangent
     }
 
     /// Components by the N_A of a tensor of stress.
+    #[inline(always)]
     fn components(&self, stress: &Voigt) -> Voigt {
-        std::array::from_fn(|p| (0..6).map(|v| TIMES[v] * self.reference[p][v] * stress[v]).sum())
+        combine(stress, &transpose(&self.reference))
     }
 
-    /// The sum of these values times sym(n_A x n_B).
-    fn spread(&self, values: &Voigt) -> Voigt {
-        std::array::from_fn(|v| (0..6).map(|p| values[p] * self.spatial[p][v]).sum())
-    }
-
-    fn theta(&self, a: usize, b: usize) -> f64 {
-        let x = self.principal[a] - self.principal[b];
-        if x == 0.0 { 1.0 } else { x / x.sinh() }
+    #[inline(always)]
+    fn weights(&self) -> Voigt {
+        std::array::from_fn(|p| TIMES[p] * self.theta[p])
     }
 
     /// Adds the sum of g_AKB T_AB d_AK d_KB, as a symmetric form in the components d_P.
+    #[inline(always)]
     fn add_turning(&self, stress: &Voigt, form: &mut [Voigt; 6]) {
-        let stretch = self.squares.map(f64::sqrt);
+        let unlike = self.second_difference(0, 1, 2);
+        // [C_A, C_A, C_K].
+        let mut alike = [[0.0; 3]; 3];
+        for (a, k) in (0..3).flat_map(|a| (0..3).map(move |k| (a, k))) {
+            alike[a][k] = self.second_difference(a, a, k);
+        }
         for a in 0..3 {
             for b in a..3 {
                 for k in 0..3 {
-                    let difference = self.second_difference(a, k, b);
-                    let g = 8.0 * difference * stretch[a] * self.squares[k] * stretch[b];
+                    let difference = match k {
+                        _ if a == b => alike[a][k],
+                        _ if k == a => alike[a][b],
+                        _ if k == b => alike[b][a],
+                        _ => unlike,
+                    };
+                    let g = 8.0 * difference * self.stretches[a] * self.squares[k] * self.stretches[b];
                     // Both of AB and BA, half of it in each of PQ and QP.
                     let (p, q) = (INDEX[a][k], INDEX[k][b]);
                     let value = if a == b { 0.5 } else { 1.0 } * g * stress[INDEX[a][b]];
@@ -129,13 +147,17 @@ impl LogarithmicStrain {
 
     /// The first divided difference of 1/2 ln.
     fn first_difference(&self, a: usize, b: usize) -> f64 {
-        0.5 * self.theta(a, b) / (self.squares[a] * self.squares[b]).sqrt()
+        0.5 * self.theta[INDEX[a][b]] / (self.squares[a] * self.squares[b]).sqrt()
     }
 
     /// The second divided difference of 1/2 ln.
     fn second_difference(&self, a: usize, b: usize, c: usize) -> f64 {
         let mut order = [a, b, c];
-        order.sort_by(|&i, &j| self.squares[i].total_cmp(&self.squares[j]));
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if self.squares[order[j]] < self.squares[order[i]] {
+                order.swap(i, j);
+            }
+        }
         let [low, middle, high] = order;
         let values = order.map(|i| self.squares[i]);
         let mean = (values[0] + values[1] + values[2]) / 3.0;
@@ -147,8 +169,39 @@ impl LogarithmicStrain {
     }
 }
 
+/// The sum of values times vectors.
+#[inline(always)]
+fn combine(values: &Voigt, vectors: &[Voigt; 6]) -> Voigt {
+    let mut sum = [0.0; 6];
+    for (value, vector) in values.iter().zip(vectors) {
+        (0..6).for_each(|i| sum[i] += value * vector[i]);
+    }
+    sum
+}
+
+/// A M A^T.
+#[inline(always)]
+fn congruent(a: &[Voigt; 6], m: &[Voigt; 6]) -> [Voigt; 6] {
+    let (transposed, mut half, mut product) = (transpose(a), [[0.0; 6]; 6], [[0.0; 6]; 6]);
+    (0..6).for_each(|i| half[i] = combine(&m[i], &transposed));
+    (0..6).for_each(|i| product[i] = combine(&a[i], &half));
+    product
+}
+
+#[inline(always)]
+fn transpose(a: &[Voigt; 6]) -> [Voigt; 6] {
+    let mut transposed = [[0.0; 6]; 6];
+    for i in 0..6 {
+        (0..6).for_each(|j| transposed[j][i] = a[i][j]);
+    }
+    transposed
+}
+
 /// Spread of three squares over their mean below which the series is better than the difference.
 const CLOSE: f64 = 0.1;
+
+/// Terms of the series below it, and all that follow them, are lost in the rounding of its sum, 1/2.
+const NEGLIGIBLE: f64 = 1e-18;
 
 /// The series of twice the second divided difference of 1/2 ln at m = 1 for deviations whose sum is 0.
 fn close_difference(deviations: [f64; 3]) -> f64 {
@@ -162,6 +215,9 @@ fn close_difference(deviations: [f64; 3]) -> f64 {
         last = [next, last[0], last[1]];
         sum += sign * next / f64::from(k + 2);
         sign = -sign;
+        if last.iter().all(|h| h.abs() < NEGLIGIBLE) {
+            break;
+        }
     }
     sum
 }
@@ -205,7 +261,7 @@ mod tests {
                 let middle = random.number(0.5 * spread);
                 let stretches: [f64; 3] = [-0.5 * spread, middle, 0.5 * spread].map(|d| (1.3 * (1.0 + d)).sqrt());
                 let f = rotation(random.vector(2.0)) * Mat3::from_diagonal(&stretches.into());
-                let strain = LogarithmicStrain::new(&f).unwrap();
+                let strain = LogarithmicStrain::new(f).unwrap().axes();
                 let values = strain.squares;
                 let mean = values.iter().sum::<f64>() / 3.0;
                 let series = 0.5 * close_difference(values.map(|v| (v - mean) / mean)) / (mean * mean);
@@ -232,12 +288,12 @@ mod tests {
 
     #[test]
     fn differences_of_the_logarithm_in_closed_form() {
-        let strain = LogarithmicStrain::new(&Mat3::from_diagonal(&[1.0, 2f64.sqrt(), 2.0].into())).unwrap();
+        let strain = LogarithmicStrain::new(Mat3::from_diagonal(&[1.0, 2f64.sqrt(), 2.0].into())).unwrap().axes();
         assert!((strain.first_difference(0, 1) - 0.5 * 2f64.ln()).abs() < 1e-15);
         // ([1, 2] - [2, 4]) / (1 - 4), and with two equal ([1, 1] - [1, 2]) / (1 - 2).
         assert!((strain.second_difference(2, 0, 1) + 2f64.ln() / 12.0).abs() < 1e-15);
         assert!((strain.second_difference(0, 1, 0) + 0.5 - 0.5 * 2f64.ln()).abs() < 1e-15);
-        let same = LogarithmicStrain::new(&(2.0 * Mat3::identity())).unwrap();
+        let same = LogarithmicStrain::new(2.0 * Mat3::identity()).unwrap().axes();
         assert!((same.second_difference(0, 1, 2) + 0.25 / 16.0).abs() < 1e-17);
     }
 }

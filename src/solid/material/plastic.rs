@@ -98,13 +98,14 @@ impl Plastic {
         let flow = self.relax(&strain.strain, before);
         let stress = self.stress(&flow);
         let moduli = self.moduli(&flow, before.equivalent);
-        Some(Response { kirchhoff: strain.kirchhoff(&stress), tangent: strain.tangent(&stress, &moduli) })
+        let axes = strain.axes();
+        Some(Response { kirchhoff: axes.kirchhoff(&stress), tangent: axes.tangent(&stress, &moduli) })
     }
 
     /// Kirchhoff stress.
     pub fn kirchhoff(&self, f: &Mat3, before: &State) -> Option<Voigt> {
         let strain = self.strain(f)?;
-        Some(strain.kirchhoff(&self.stress(&self.relax(&strain.strain, before))))
+        Some(strain.axes().kirchhoff(&self.stress(&self.relax(&strain.strain, before))))
     }
 
     /// The state at the end of the increment.
@@ -135,7 +136,7 @@ impl Plastic {
 
     /// The strain by the material's axes.
     fn strain(&self, f: &Mat3) -> Option<LogarithmicStrain> {
-        LogarithmicStrain::new(&(f * self.axes))
+        LogarithmicStrain::new(f * self.axes)
     }
 
     /// m_i.

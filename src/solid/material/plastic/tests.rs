@@ -179,7 +179,7 @@ fn hills_yield_stresses_and_r_values() {
             let width = fx * sin * sin + fy * cos * cos - 2.0 * fxy * sin * cos;
             assert!((width / fz - r_value).abs() < 1e-3, "{degrees} {}", width / fz);
             // T itself, by the material's axes.
-            let strain = LogarithmicStrain::new(&(deformation * q)).unwrap().strain;
+            let strain = LogarithmicStrain::new(deformation * q).unwrap().strain;
             let found = material.stress(&material.relax(&strain, &State::VIRGIN));
             let exact = [stress * xx, stress * yy, 0.0, stress * xy, 0.0, 0.0];
             (0..6).for_each(|v| assert!((found[v] - exact[v]).abs() < 1e-10 * stress, "{found:?}"));
