@@ -246,7 +246,7 @@ fn what_cannot_meet_before_long_is_not_coupled() {
 #[test]
 fn what_gave_way_is_tightened() {
     let common =
-        "contact.inside.smoothing=facet contact.inside.friction=0 step.close.increments=5 step.roll.increments=5";
+        "contact.inside.smoothing=facet contact.inside.friction=0 step.close.increments=6 step.roll.increments=10";
     let closed = |control: &str| {
         let mut args = vec!["--steps", "2", "--set", control];
         args.extend(common.split(' ').flat_map(|entry| ["--set", entry]));

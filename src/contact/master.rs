@@ -7,9 +7,10 @@
 use super::method::Tangent;
 use super::pose::way_past;
 use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
+use crate::controls::Controls;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{EXTENSION, MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
+use crate::surface::{MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -181,7 +182,7 @@ impl Masters {
                 surface.watch(comm, points, reach);
                 let see = |(x, outward): (&Vec3, &Vec3)| {
                     surface.near().nearest(x, reach)?;
-                    let contact = surface.project(x, reach, None);
+                    let contact = surface.project(x, reach, (None, false));
                     Some(Prospect { contact, nearest: surface.near().side_normal(x, outward) })
                 };
                 points_with_normals.map(see).collect()
@@ -309,13 +310,18 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Closest point to slave node `s` of a pair at `x`; the search starts at `warm`.
-    ///
-    /// A node stays on the extension of the patch that it comes from: where patches meet there is a small kink, between
-    /// whose sides an iteration could go to and fro. Outside a sharp edge of a body it meets one of the edge's sides.
-    pub fn project(&self, pair: &Pair, s: usize, x: &Vec3, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+    /// Closest point to slave node `s` of a pair at `x`; the search starts at `warm`. Outside a sharp edge of a body a node
+    /// meets one of the edge's sides. One that `keeps` to the patch that it comes from stays on its extension for a while:
+    /// where patches meet there is a small kink, between whose sides an iteration could go to and fro.
+    pub fn project(
+        &self,
+        pair: &Pair,
+        s: usize,
+        x: &Vec3,
+        (warm, keeps): (Option<(u32, [f64; 2])>, bool),
+    ) -> Option<Projection> {
         let (surface, outlook) = match self {
-            Self::Tool(tool) => return tool.project(x, pair.reach, warm),
+            Self::Tool(tool) => return tool.project(x, pair.reach, (warm, keeps)),
             Self::Nodes(surface) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
             Self::Own(surface) => (surface, pair.outlook(s, x)),
             Self::Faces(surface) => (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing }),
@@ -323,7 +329,7 @@ impl<'a> Ground<'a> {
         let shapes = surface.shapes();
         let found = shapes.closest_of(x, pair.reach, warm, &outlook)?;
         let found = shapes.beside_edge(x, &found, pair.controls.edge_beside).unwrap_or(found);
-        let stays = shapes.stays(x, warm, &found, (surface.facet_size, pair.controls.kink_same));
+        let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
         Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
@@ -465,14 +471,12 @@ impl<'a> Ground<'a> {
         is_inside.then(|| -(x - foot.point).dot(&patch.normal(foot.xi)))
     }
 
-    /// How deep a node may be while it stays on the extension of another piece than that of the point `at`, see
-    /// [`Self::project`]: the extension times the sine of the greatest angle there.
-    pub(super) fn lingers(&self, at: &Projection, kink_same: f64) -> f64 {
+    /// How deep a node may be while it keeps to another piece than that of the point `at`, see [`Self::project`].
+    pub(super) fn kink(&self, at: &Projection, controls: &Controls) -> f64 {
         match self {
-            Self::Tool(tool) => tool.surface.lingers(at.patch),
+            Self::Tool(tool) => tool.surface.kink(at.patch),
             Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                let cosine = 1.0 - kink_same;
-                EXTENSION * (1.0 - cosine * cosine).sqrt() * surface.facet_size
+                surface.shapes().kink(at.patch, controls)
             }
         }
     }

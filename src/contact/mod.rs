@@ -166,7 +166,7 @@ pub struct Slave {
     /// The force, where it is a local unknown.
     pub local: Local,
     /// State of the last converged increment.
-    pub committed: History,
+    pub committed: Committed,
     /// State of the current iterate.
     pub trial: Trial,
     /// The iterate that became the last converged increment.
@@ -178,7 +178,7 @@ pub struct Slave {
 
 /// What a slave node remembers of the last converged increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct History {
+pub struct Committed {
     /// Nodal contact force λ, N; without friction λ_n stands in the first entry.
     pub multiplier: Vec3,
     /// Closest point, in the frame of a tool the slip origin, else in space. Kept for every node in reach, in contact or not.
@@ -243,6 +243,10 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
+    /// The piece of the master that it left last, and whether it has come back to one: from then on it keeps to its piece at
+    /// kinks, so that iterations do not go to and fro.
+    pub left: Option<u32>,
+    pub keeps: bool,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -281,6 +285,17 @@ impl Trial {
         (self.asked, self.violation, self.local) = (asked, violation, constraint.amax());
     }
 
+    /// Takes over where it is on the master; it was on the piece `last` before.
+    pub fn stand(&mut self, projection: Option<Projection>, last: Option<u32>) {
+        self.projection = projection;
+        if let (Some(here), Some(last)) = (projection.map(|p| p.patch), last)
+            && here != last
+        {
+            self.keeps |= self.left == Some(here);
+            self.left = Some(last);
+        }
+    }
+
     /// The force along the surface.
     pub fn traction(&self) -> Vec3 {
         self.projection.map_or(Vec3::zeros(), |p| self.force - p.normal * p.normal.dot(&self.force))
@@ -294,7 +309,7 @@ impl Slave {
         let augmentation = if held { automatic.min(penalty) } else { penalty };
         let compliance = Compliance::default();
         let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false, compliance };
-        let (committed, trial, accepted) = (History::default(), Trial::default(), Trial::default());
+        let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
         let (sight, sighted) = (Sight::default(), Sight::default());
         Self {
@@ -415,7 +430,7 @@ impl Slave {
     pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
-        self.committed = History {
+        self.committed = Committed {
             held: self.handed_on(method, &ground.carrier(projection.as_ref())),
             multiplier,
             anchor: projection.map(|p| ground.inward(&p.point)),
