@@ -372,14 +372,14 @@ impl<'a> Ground<'a> {
     }
 
     /// The shares of the corners of a patch in the point `at`, with which of its nodes they are; a tool has but one.
-    pub fn bearing(&self, at: &Projection) -> Vec<(u32, f64)> {
-        let Some((patch, stencil)) = self.patch(at.patch) else { return vec![(0, 1.0)] };
+    pub fn bearing(&self, at: &Projection) -> impl Iterator<Item = (u32, f64)> + Clone + 'a {
         let [e, z] = at.xi;
-        let weights = match patch.count {
-            3 => [1.0 - e, e - z, z, 0.0],
-            _ => [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z],
+        let (nodes, weights) = match self.patch(at.patch) {
+            None => (&[0][..], [1.0, 0.0, 0.0, 0.0]),
+            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [1.0 - e, e - z, z, 0.0]),
+            Some((_, stencil)) => (&stencil[..4], [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z]),
         };
-        stencil[..patch.count as usize].iter().copied().zip(weights).collect()
+        nodes.iter().copied().zip(weights)
     }
 
     /// Whether `at` is where a node of the master stands, within a part of the shortest edge around.

@@ -87,13 +87,9 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
 fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
     const BEARS: f64 = 1e-6;
     let mut guide = Guide::default();
-    if moves.slave.iter().all(|by| by.is_nan()) {
-        return guide;
-    }
-    let bearing = ground.bearing(at);
+    let bearing = ground.bearing(at).filter(|(_, weight)| weight.abs() > BEARS);
     for (d, &by) in moves.slave.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
-        let bearing = bearing.iter().filter(|(_, weight)| weight.abs() > BEARS);
-        let mut moves = bearing.map(|(n, _)| moves.master[*n as usize][d]);
+        let mut moves = bearing.clone().map(|(n, _)| moves.master[n as usize][d]);
         guide.held[d] = moves.clone().all(|m| m == by);
         guide.drawn[d] = !guide.held[d] && moves.all(|m| !m.is_nan());
     }
