@@ -39,7 +39,8 @@ impl Meeting {
     ) -> Self {
         let slave = &pair.slaves[s];
         let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-        let projection = ground.project(pair, s, position, (warm, slave.trial.keeps));
+        let keeps = slave.trial.returns >= slave.trial.patience;
+        let projection = ground.project(pair, s, position, (warm, keeps));
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };

@@ -142,6 +142,8 @@ pub struct Manner {
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
     pub automatic: bool,
+    /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
+    pub again: bool,
     /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
     /// [`Controls`].
     pub yields: bool,
@@ -243,10 +245,11 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
-    /// The piece of the master that it left last, and whether it has come back to one: from then on it keeps to its piece at
-    /// kinks, so that iterations do not go to and fro.
+    /// The piece of the master that it left last, and how often it has come back to one.
     pub left: Option<u32>,
-    pub keeps: bool,
+    pub returns: u32,
+    /// From so many returns on it keeps to its side of kinks.
+    pub patience: u32,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -291,7 +294,7 @@ impl Trial {
         if let (Some(here), Some(last)) = (projection.map(|p| p.patch), last)
             && here != last
         {
-            self.keeps |= self.left == Some(here);
+            self.returns += u32::from(self.left == Some(here));
             self.left = Some(last);
         }
     }
@@ -337,7 +340,8 @@ impl Slave {
     /// Begins an increment from the last converged one.
     pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
-        self.trial = Trial { status, yields, ..Trial::default() };
+        let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
+        self.trial = Trial { status, yields, patience, ..Trial::default() };
         let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
