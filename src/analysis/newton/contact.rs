@@ -64,7 +64,7 @@ impl Newton<'_> {
                 nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
                 self.found.forces[node] += e.load;
                 for group in [Some(pair.body), pair.master_body, Some(group + p)].into_iter().flatten() {
-                    balance.action(group, e.force.amax());
+                    balance.force(group, e.force.amax());
                 }
                 for (equation, residual) in equations.iter().zip(&e.constraint) {
                     if let Some(k) = equation {
@@ -103,7 +103,8 @@ impl Newton<'_> {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
-                    self.found.balance.action(first + t, driving[d].abs().max(force[d].abs()));
+                    self.found.balance.force(first + t, force[d].abs());
+                    self.found.balance.load(first + t, driving[d].abs());
                 }
             }
         }
