@@ -273,6 +273,13 @@ impl Newton<'_> {
         pairs[p].body == group || pairs[p].master_body == Some(group) || tool == Some(group)
     }
 
+    /// The largest force of the contacts that touch a body or a tool, of those that bear more than rounding, N.
+    fn borne(&self, group: usize) -> f64 {
+        let (bodies, pairs) = (self.system.model.bodies.len(), 0..self.system.model.pairs.len());
+        let real = pairs.filter(|p| self.touches(*p, group) && self.is_real(*p));
+        real.map(|p| self.found.balance.groups[bodies + p].force).fold(0.0, f64::max)
+    }
+
     /// Whether a contact bears more than its gaps round to, or a share of what drives its tool, however little that is.
     fn is_real(&self, p: usize) -> bool {
         let (balance, Model { bodies, pairs, controls, .. }) = (&self.found.balance, &*self.system.model);
@@ -282,28 +289,34 @@ impl Newton<'_> {
         force > rounding || driving > 0.0 && force > controls.rounding_cap * driving
     }
 
-    /// Whether a load acts on a body or a tool, or a contact with more than rounding. Says nothing of a stiff body's own
-    /// rounding: what acts on it is as true, however little it strains it.
+    /// Whether a load acts on a body, a contact with more than rounding, or on a tool a force that drives it, by more than
+    /// what contacts bear across it rounds to. Says nothing of a stiff body's own rounding: what acts on it is as true,
+    /// however little it strains it.
     fn is_loaded(&self, group: usize) -> bool {
-        let model = &self.system.model;
-        let is_contact = (model.bodies.len()..model.bodies.len() + model.pairs.len()).contains(&group);
-        let acts = |p: usize| self.touches(p, group) && self.is_real(p);
-        // What no force drives feels none.
-        let feels = self.found.balance.actual(group) > 0.0;
-        let is_driven = self.found.balance.groups[group].load > 0.0;
-        !is_contact && feels && (is_driven || (0..model.pairs.len()).any(acts))
+        let (bodies, pairs) = (self.system.model.bodies.len(), self.system.model.pairs.len());
+        let load = self.found.balance.groups[group].load;
+        if group < bodies {
+            return load > 0.0 || self.borne(group) > 0.0;
+        }
+        group >= bodies + pairs && load > self.epsilon() * self.borne(group)
     }
 
     /// The forces of which no more than `rounding_cap` may be lost, N; `None` where there are none.
     fn at_stake(&self, group: usize) -> Option<f64> {
         let (balance, model) = (&self.found.balance, &self.system.model);
         let bodies = model.bodies.len();
+        if balance.loaded[group] {
+            return Some(balance.actual(group));
+        }
+        if group >= bodies {
+            // A tool that floats between contacts, along which they bear nothing.
+            let is_tool = group >= bodies + model.pairs.len();
+            return Some(self.borne(group)).filter(|borne| is_tool && *borne > 0.0);
+        }
         // Contacts of which each bears but rounding.
         let acts = |p: usize| self.touches(p, group) && balance.groups[bodies + p].force > 0.0;
-        let strained = model.controls.strained * if group < bodies { self.own_rounding(group) } else { f64::INFINITY };
-        let is_strained = balance.groups[group].element > strained;
-        let counts = balance.loaded[group] || is_strained && (0..model.pairs.len()).any(acts);
-        counts.then(|| balance.actual(group))
+        let is_strained = balance.groups[group].element > model.controls.strained * self.own_rounding(group);
+        (is_strained && (0..model.pairs.len()).any(acts)).then(|| balance.actual(group))
     }
 
     /// Whether a body is strained by so much that its strains, other than its forces, are resolved to `rounding_cap`: the
