@@ -10,11 +10,11 @@
 //! ends where the conditions hold as if none had given way, with the least multipliers that bear the load.
 //!
 //! Self-contact, which gives way always, does so once, with some 1e-7 of the forces left; where it has given way by
-//! `wide_slack`, twice with `slack`, and as little is left. Its rounds lead nowhere. Two nodes that meet and stick are held to
-//! where they met before by each other's patches, which an increment moves apart by 1e-7 of a facet: multipliers grow by the
-//! same in each round, until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far
-//! they lean. Of 54 strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with
-//! thrice the iterations.
+//! `wide_slack`, twice with `slack`, and as little is left. More rounds lead nowhere. Nodes that meet and stick are each held
+//! to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
+//! until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far they lean. Of 54
+//! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
+//! iterations.
 //!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.
