@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, assert_close, assert_small};
+use common::{Bench, assert_close, assert_small, msh};
 
 /// A block of 4 x 4 x 2 under something that comes from above, of which `master` says what it is and `how` what moves.
 fn block(master: &str, how: &str) -> Bench {
@@ -295,4 +295,37 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
     let until = warnings(&(moved("-0.3") + "\n" + drawn));
     assert_eq!(until, ["contact `c`: nothing touches the tool `t` any more since time 1.000000"]);
+}
+
+/// A thin plate of a mesh passes over two blocks, of which the one farther away, whose contact is listed last, is too low for
+/// it: what the watch looks at for that one must not be all that it knows of the plate.
+#[test]
+fn a_tool_is_watched_at_all_its_contacts() {
+    // Along its lower side, and back along the upper one.
+    let plate = msh::surface(120, |u, v| {
+        let (x, z) = if u <= 0.5 { (u, 2.2) } else { (1.0 - u, 2.5) };
+        [92.0 * x - 1.0, 5.0 - 6.0 * v, z]
+    });
+    let scene = |contacts: &str| {
+        format!(
+            r#"
+body.a.material = "m"
+body.a.block = {{ box = {{ size = [4, 4, 2] }}, elements = [4, 4, 2], faces = {{ top = "zmax", bottom = "zmin" }} }}
+body.b.material = "m"
+body.b.block = {{ box = {{ origin = [40, 0, -4], size = [4, 4, 2] }}, elements = [4, 4, 2], faces = {{ top = "zmax", bottom = "zmin" }} }}
+material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+tool.t = {{ mesh = "plate.msh", smoothing = "facet" }}
+{contacts}
+step = [{{ name = "press", increments = 1, fix = [{{ set = "a.bottom" }}, {{ set = "b.bottom" }}], move = [{{ target = "t", by = [0, 0, -1] }}] }}]
+"#
+        )
+    };
+    let [near, far] = ["a", "b"].map(|b| format!("contact.{b} = {{ slave = \"{b}.top\", master = \"t\" }}\n"));
+    for contacts in [near.clone() + &far, far + &near] {
+        let bench = Bench::new(&scene(&contacts));
+        bench.write("plate.msh", &plate);
+        let run = bench.solve(1, &[]);
+        assert!(run.log().contains("went through the tool `t` (contact `a`)"), "{}", run.log());
+        assert_eq!(run.history().last("a.active"), 25.0);
+    }
 }

@@ -171,9 +171,7 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
     let after = |n: u32| part.points[n as usize] + motion.after[n as usize];
     let travels: Vec<f64> =
         pairs.iter().map(|pair| masters.travel(comm, pair, controls.watch_turn, before, after)).collect();
-    for (pair, travel) in pairs.iter().zip(&travels) {
-        masters.look_out(comm, pair, reach(pair, *travel), after);
-    }
+    masters.look_out(comm, pairs, |p| reach(&pairs[p], travels[p]), after);
     travels
 }
 

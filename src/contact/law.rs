@@ -23,6 +23,16 @@
 //!
 //! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
 //!
+//! A constraint that gives way, by s λ/ε about the rest ρ, has this law for the gap g - (s/ε_n)(λ_n - ρ_n) and the slip
+//! g_t - (s/ε_t)(λ_t - ρ_t) that are left, with the penalties ε/(1+s):
+//!
+//!   λ̂ = λ + (ε g - s (λ - ρ))/(1+s) = m + ε g/(1+s),   m = (λ + s ρ)/(1+s).
+//!
+//! So status and force follow from the constraint that is solved: where F = λ, forces are on the cone and no gap pulls,
+//! one state for each gap and slip. Were λ + ε g to decide, a node with ε g between 0 and s|ρ|/(1+s) could touch or not,
+//! and what touches would have another force than its multiplier. With these penalties, and no others, the frictionless
+//! tangent stays symmetric.
+//!
 //! All methods have this law, and differ in the [`Multiplier`]:
 //!
 //! - augmented Lagrangian: λ is an unknown, and its residual -(λ - F).
@@ -188,11 +198,12 @@ struct Section {
 }
 
 impl Response {
-    /// Lets the constraint of an unknown multiplier give way.
-    fn give_way(mut self, lambda: &Vec3, compliance: &Compliance) -> Self {
-        let rest = if self.status == Status::Gap { Vec3::zeros() } else { compliance.rest };
-        self.constraint -= (lambda - rest) * compliance.slack;
-        self.constraint_by.multiplier -= Mat3::from_diagonal_element(compliance.slack);
+    /// The residual of the multiplier times so much.
+    fn times(mut self, factor: f64) -> Self {
+        let by = &mut self.constraint_by;
+        self.constraint *= factor;
+        by.gap *= factor;
+        [&mut by.normal, &mut by.path, &mut by.multiplier].into_iter().for_each(|by| *by *= factor);
         self
     }
 }
@@ -222,15 +233,13 @@ impl Section {
 /// The response of a slave node; without a `place` it is in the gap.
 pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: &Guide) -> Response {
     let response = match *multiplier {
-        Multiplier::Augmented(lambda) => {
-            augmented(law, &lambda, &Vec3::zeros(), place, guide, None).give_way(&lambda, &law.compliance)
-        }
+        Multiplier::Augmented(lambda) => yielding(law, &lambda, place, guide, None),
         Multiplier::Force(lambda, set) => {
-            let with = |set| augmented(law, &lambda, &Vec3::zeros(), place, guide, set);
-            let free = with(None);
-            let fixed = if free.status == set { free } else { with(Some(set)) };
+            let free = yielding(law, &lambda, place, guide, None);
+            let fixed = if free.status == set { free } else { yielding(law, &lambda, place, guide, Some(set)) };
             let violation = (free.constraint - fixed.constraint).norm();
-            let response = pure(law, &lambda, place, guide, fixed).give_way(&lambda, &law.compliance);
+            // With λ for the force, the tangent is symmetric so.
+            let response = pure(law, &lambda, place, guide, fixed).times(1.0 + law.compliance.slack);
             Response { asked: free.status, violation, ..response }
         }
         Multiplier::Held { gap, tangential, force } => {
@@ -243,6 +252,25 @@ pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: 
         }
     };
     Response { load: response.force, ..response }
+}
+
+/// The response with the augmented force of λ, of which the constraint gives way: that of m.
+fn yielding(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, set: Option<Status>) -> Response {
+    let Compliance { slack, rest } = law.compliance;
+    if slack == 0.0 {
+        // To the sign of a zero.
+        return augmented(law, lambda, &Vec3::zeros(), place, guide, set);
+    }
+    let share = 1.0 / (1.0 + slack);
+    let mean = (lambda + rest * slack) * share;
+    let softer = Law { normal: law.normal * share, tangential: law.tangential * share, ..law };
+    let mut response = augmented(softer, &mean, &Vec3::zeros(), place, guide, set);
+    response.force_by.multiplier *= share;
+    let own = Mat3::from_diagonal(&components(law));
+    response.constraint += own * (mean - lambda);
+    // ∂(F - λ)/∂λ, where the response has ∂F/∂m - I.
+    response.constraint_by.multiplier = (response.constraint_by.multiplier + own) * share - own;
+    response
 }
 
 /// The response with the augmented force. `multiplier` is λ, to which the tangential part of `held` is added. A status that
@@ -383,7 +411,7 @@ fn pure(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, response:
     let Some(place) = place.filter(|_| response.status != Status::Gap) else { return response };
     if law.friction == 0.0 {
         let normal = Mat3::from_diagonal_element(lambda.x);
-        let force_by = Slopes { normal, gap: Vec3::zeros(), ..response.force_by };
+        let force_by = Slopes { normal, multiplier: place.normal * Vec3::x().transpose(), ..Slopes::default() };
         return Response { force: place.normal * lambda.x, force_by, ..response };
     }
     let section = Section::new(&place.normal, guide.held);
@@ -400,7 +428,11 @@ fn pure(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, response:
 
 /// No force: the multiplier goes to zero.
 fn gap(law: Law, multiplier: &Vec3, slip: Vec3) -> Response {
-    let components = if law.friction == 0.0 { Vec3::x() } else { Vec3::repeat(1.0) };
-    let constraint_by = Slopes { multiplier: -Mat3::from_diagonal(&components), ..Slopes::default() };
+    let constraint_by = Slopes { multiplier: -Mat3::from_diagonal(&components(law)), ..Slopes::default() };
     Response { constraint: -multiplier, constraint_by, slip, ..Response::default() }
+}
+
+/// One in those components that a multiplier has.
+fn components(law: Law) -> Vec3 {
+    if law.friction == 0.0 { Vec3::x() } else { Vec3::repeat(1.0) }
 }

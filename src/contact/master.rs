@@ -104,41 +104,63 @@ impl Masters {
     /// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Says whether
     /// pieces had to be fetched. Collective.
     pub fn watch(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
-        let mut fetched = false;
-        for (t, tool) in self.tools.iter_mut().enumerate() {
-            let of_tool = || pairs.iter().filter(|pair| pair.master == Master::Tool(t));
-            let reach = of_tool().map(|pair| pair.reach).fold(0.0, f64::max);
-            fetched |= tool.watch(comm, of_tool(), reach, &place);
-        }
-        fetched
+        self.watch_within(comm, pairs, |p| pairs[p].reach, place)
     }
 
     /// Lets every surface follow its nodes at `place` (owned local nodes), and keeps track of all the slave nodes of its
     /// pair. Says whether patches were fetched. Collective.
     pub fn follow(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
-        let mut fetched = false;
-        for pair in pairs {
-            if let Some(k) = pair.master.surface() {
-                fetched |= self.surfaces[k].follow_pair(comm, pair, pair.reach, &place);
-            }
-        }
-        fetched
+        self.follow_within(comm, pairs, |p| pairs[p].reach, place)
     }
 
     /// All masters see the slave nodes of their pairs, with nodes at `place`. Collective.
     pub fn attend(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) {
-        self.watch(comm, pairs, &place);
-        self.follow(comm, pairs, place);
+        self.look_out(comm, pairs, |p| pairs[p].reach, place);
     }
 
-    /// Lets the master of a pair see its slave nodes within `reach`, whatever that of the pair is. Collective.
-    pub fn look_out(&mut self, comm: &SimpleCommunicator, pair: &Pair, reach: f64, place: impl Fn(u32) -> Vec3) {
-        match pair.master {
-            Master::Tool(t) => self.tools[t].watch(comm, std::iter::once(pair), reach, place),
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
-                self.surfaces[k].follow_pair(comm, pair, reach, place)
+    /// The same within a `reach` of each pair, whatever is its own. Collective.
+    pub fn look_out(
+        &mut self,
+        comm: &SimpleCommunicator,
+        pairs: &[Pair],
+        reach: impl Fn(usize) -> f64,
+        place: impl Fn(u32) -> Vec3,
+    ) {
+        self.watch_within(comm, pairs, &reach, &place);
+        self.follow_within(comm, pairs, reach, place);
+    }
+
+    fn watch_within(
+        &mut self,
+        comm: &SimpleCommunicator,
+        pairs: &[Pair],
+        reach: impl Fn(usize) -> f64,
+        place: impl Fn(u32) -> Vec3,
+    ) -> bool {
+        let mut fetched = false;
+        for (t, tool) in self.tools.iter_mut().enumerate() {
+            // What a tool sees is replaced by each look: one for all its pairs.
+            let of_tool = || pairs.iter().enumerate().filter(|(_, pair)| pair.master == Master::Tool(t));
+            let reach = of_tool().map(|(p, _)| reach(p)).fold(0.0, f64::max);
+            fetched |= tool.watch(comm, of_tool().map(|(_, pair)| pair), reach, &place);
+        }
+        fetched
+    }
+
+    fn follow_within(
+        &mut self,
+        comm: &SimpleCommunicator,
+        pairs: &[Pair],
+        reach: impl Fn(usize) -> f64,
+        place: impl Fn(u32) -> Vec3,
+    ) -> bool {
+        let mut fetched = false;
+        for (p, pair) in pairs.iter().enumerate() {
+            if let Some(k) = pair.master.surface() {
+                fetched |= self.surfaces[k].follow_pair(comm, pair, reach(p), &place);
             }
-        };
+        }
+        fetched
     }
 
     /// Remembers where the near nodes of the surfaces were at the last converged increment. Collective.

@@ -129,8 +129,14 @@ impl Pair {
 /// The projection of a slave node in the first iteration of a step: a gap `below` so much, which is but rounding, is closed. A
 /// body that only a force drives would have no support otherwise. Further iterations see the gap as it is.
 pub fn touching(projection: Projection, below: f64) -> Projection {
-    let closed = projection.gap < below;
-    Projection { gap: if closed { projection.gap.min(0.0) } else { projection.gap }, ..projection }
+    let Projection { gap, normal_gradient, .. } = projection;
+    if !(gap > 0.0 && gap < below) {
+        return projection;
+    }
+    // On an edge or a corner the normal turns by the motion over the gap, and without a gap it stands still; elsewhere it
+    // turns by the curvature, far less.
+    let turns = normal_gradient.norm() * gap > 0.5;
+    Projection { gap: 0.0, normal_gradient: if turns { Mat3::zeros() } else { normal_gradient }, ..projection }
 }
 
 /// In which way an increment is sought.
@@ -442,5 +448,30 @@ impl Slave {
             warm: projection.map(|p| (p.patch, p.xi)),
             status: self.trial.status,
         };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_closed_gap_leaves_the_normal_of_a_face_its_turn_and_that_of_a_corner_none() {
+        let normal = Vec3::new(0.6, 0.0, 0.8);
+        let across = Mat3::identity() - normal * normal.transpose();
+        let edge = Mat3::from_diagonal(&Vec3::y());
+        let at = |gap: f64, normal_gradient: Mat3| {
+            touching(Projection { gap, point: Vec3::zeros(), normal, normal_gradient, patch: 0, xi: [1.0, 0.0] }, 1e-4)
+        };
+        for (gap, turn, expected) in [
+            (1e-8, across / 1e-8, (0.0, Mat3::zeros())),
+            (1e-8, edge / 1e-8, (0.0, Mat3::zeros())),
+            (5e-5, across / 3.0, (0.0, across / 3.0)),
+            (2e-4, across / 2e-4, (2e-4, across / 2e-4)),
+            (-1e-8, across / -1e-8, (-1e-8, across / -1e-8)),
+        ] {
+            let closed = at(gap, turn);
+            assert_eq!((closed.gap, closed.normal_gradient), expected);
+        }
     }
 }

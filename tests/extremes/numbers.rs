@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::oracle::{balance, same, scaled, value};
 use crate::scenes::{METHODS, sphere};
 
-family!(units, offsets, vectors, tolerances, aspect_ratios, thin_sheets, stiffness_ratios);
+family!(units, offsets, vectors, tolerances, aspect_ratios, thin_sheets, stiffness_ratios, small_forces);
 
 /// A sphere on a block: all lengths times `length` with an offset, E = 100 times `modulus`.
 fn ball(name: &str, length: f64, modulus: f64, offset: f64) -> Case {
@@ -361,6 +361,52 @@ fn stiffness_ratios() -> Vec<Case> {
                     .oracle(value("upper.zmax.fz", force, rounded(1e12), "closed form"))
                     .oracle(value("lower.zmin.fz", -force, rounded(1e12), "closed form")),
             );
+        }
+    }
+    cases
+}
+
+/// A bar of E = 10 and 2 x 2 x 2 under forces down to 1e-30, beside one under 8.
+fn small_forces() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for power in [0, -3, -6, -9, -12, -15, -30] {
+        for how in ["tool", "force", "pressure", "weight"] {
+            let total = 10f64.powi(power);
+            let load = match how {
+                "tool" => format!("{{ target = \"q\", total = [0.0, 0.0, -{total:?}], directions = \"z\" }}]"),
+                "force" => format!("{{ target = \"c.zmax\", total = [0.0, 0.0, -{total:?}] }}]"),
+                "pressure" => format!("]\npressure = [{{ set = \"c.zmax\", value = {:?} }}]", total / 4.0),
+                _ => format!("]\nbody_force = [{{ body = \"c\", per_volume = [0.0, 0.0, -{:?}] }}]", total / 8.0),
+            };
+            let scene = format!(
+                r#"{}[body.c]
+material = "m"
+element = "hex8"
+symmetry = ["zmin"]
+block = {{ box = {{ size = [2.0, 2.0, 2.0] }}, elements = [2, 2, 2] }}
+[tool.q]
+plane = {{ point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }}
+[contact.d]
+slave = "c.zmax"
+master = "q"
+[[step]]
+increments = 2
+fix = [{{ set = "c.xmin", directions = "x" }}, {{ set = "c.ymin", directions = "y" }}]
+force = [{{ target = "p", total = [0.0, 0.0, -8.0], directions = "z" }}, {load}
+[output]
+every = 1000
+history = ["c.zmin"]
+"#,
+                crate::scenes::BAR.split("[[step]]").next().unwrap()
+            );
+            // The pressure acts on what the bar widens to.
+            let borne = if how == "pressure" { total * (1.0 + 0.3 * total / 20.0) } else { total };
+            let tolerance = if how == "pressure" { 1e-6 + 0.01 * total } else { 1e-6 };
+            let case = Case::text(format!("{how} of {total:e}"), scene)
+                .oracle(value("c.zmin.fz", borne, tolerance, "equilibrium"))
+                .oracle(value("p.fz", -8.0, 1e-6, "equilibrium"));
+            let case = if power >= -3 { case.must_run() } else { case };
+            cases.push(case.quick_if(how == "force" || power == -12));
         }
     }
     cases

@@ -7,8 +7,11 @@
 //!
 //! No residual gets below what rounding leaves of it: of the forces of a body its stiffness times its displacements, or
 //! times the size of its elements; of a contact its penalty times the coordinates. Where the tolerance asks for more, that
-//! much is let through, but not more than `rounding_cap` of the forces: a body that is strained, but loaded by less than
-//! its own forces round to, has no result.
+//! much is let through where nothing acts, as in a body that only moves. What is loaded, by a load, or by a contact with
+//! more than that contact itself rounds to, or is strained, is excused no more than `rounding_cap` of the forces, and what
+//! it counts against is these alone: a body of steel that rubber bears counts by the forces of the rubber, however little
+//! they are to steel. If rounding leaves more, there is no result. Neither is there one where supports alone have changed
+//! lengths in a body, and what rounding leaves is more than that share of the forces.
 
 use super::Newton;
 use crate::contact::{Pair, Slave, Status};
@@ -28,8 +31,8 @@ struct Group {
     far: f64,
     penalty: f64,
     measure: f64,
-    /// A contact or a load acts on it.
-    acts: f64,
+    /// Largest load on a body, or force that drives a tool.
+    load: f64,
 }
 
 const FIELDS: usize = 7;
@@ -45,6 +48,8 @@ pub struct Balance {
     /// Group of each local unknown.
     group_of: Vec<u32>,
     limits: Vec<f64>,
+    /// Groups that something acts on, by more than rounding.
+    loaded: Vec<bool>,
     eased_share: f64,
 }
 
@@ -81,7 +86,8 @@ impl Balance {
         }
         let groups = vec![Group::default(); floors.len()];
         let eased_share = model.controls.eased_share;
-        Self { groups, seen, limits: vec![0.0; floors.len()], floors, group_of, eased_share }
+        let (limits, loaded) = (vec![0.0; floors.len()], vec![false; floors.len()]);
+        Self { groups, seen, limits, loaded, floors, group_of, eased_share }
     }
 
     /// Begins another iterate.
@@ -94,10 +100,10 @@ impl Balance {
         self.groups[group].force = self.groups[group].force.max(force);
     }
 
-    /// A contact force or a load on a group, N.
-    pub fn action(&mut self, group: usize, force: f64) {
+    /// A load on a node of a body, or the force that drives a tool, N.
+    pub fn load(&mut self, group: usize, force: f64) {
         self.force(group, force);
-        self.groups[group].acts = self.groups[group].acts.max(f64::from(force > 0.0));
+        self.groups[group].load = self.groups[group].load.max(force);
     }
 
     /// The force of an element on a node of a body, N.
@@ -114,7 +120,8 @@ impl Balance {
 
     /// The force that a residual of a group is compared with, N.
     pub fn scale(&self, group: usize) -> f64 {
-        self.actual(group).max(self.floors[group])
+        let actual = self.actual(group);
+        if self.loaded[group] { actual } else { actual.max(self.floors[group]) }
     }
 
     fn actual(&self, group: usize) -> f64 {
@@ -191,14 +198,14 @@ impl Newton<'_> {
         let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
         let one = |g: &Group| {
             let residual = if g.residual.is_nan() { f64::INFINITY } else { g.residual };
-            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.acts]
+            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.load]
         };
         let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
         max(self.system.comm, &mut flat);
         for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
             let residual = if broken { f64::INFINITY } else { all[2] };
-            let [force, element, _, far, penalty, measure, acts] = all.try_into().unwrap_or_default();
-            *group = Group { force, element, residual, far, penalty, measure, acts };
+            let [force, element, _, far, penalty, measure, load] = all.try_into().unwrap_or_default();
+            *group = Group { force, element, residual, far, penalty, measure, load };
         }
     }
 
@@ -219,14 +226,11 @@ impl Newton<'_> {
         let bodies = self.system.model.bodies.len();
         let groups = &self.found.balance.groups;
         let of_pair = |p: usize| self.epsilon() * groups[bodies + p].penalty * groups[bodies + p].far;
-        let touches = |p: &usize, b: usize| {
-            self.system.model.pairs[*p].body == b || self.system.model.pairs[*p].master_body == Some(b)
-        };
         let pairs = 0..self.system.model.pairs.len();
         if group < bodies {
             let body = self.own_rounding(group);
-            let acts = |p: &usize| groups[bodies + p].acts > 0.0;
-            return pairs.filter(|p| touches(p, group) && acts(p)).map(of_pair).fold(body, f64::max);
+            let acts = |p: &usize| groups[bodies + p].force > 0.0;
+            return pairs.filter(|p| self.touches(*p, group) && acts(p)).map(of_pair).fold(body, f64::max);
         }
         if group < bodies + self.system.model.pairs.len() {
             return self.epsilon() * groups[group].measure * groups[group].far;
@@ -252,44 +256,126 @@ impl Newton<'_> {
     }
 
     fn set_limits(&mut self) {
+        let groups = 0..self.found.balance.groups.len();
+        self.found.balance.loaded = groups.clone().map(|g| self.is_loaded(g)).collect();
         let capped = |g: usize| {
             let rounding = self.rounding(g);
-            if self.is_strained(g) {
-                rounding.min(self.system.model.controls.rounding_cap * self.found.balance.actual(g))
-            } else {
-                rounding
-            }
+            let cap = self.system.model.controls.rounding_cap;
+            self.at_stake(g).map_or(rounding, |forces| rounding.min(cap * forces))
         };
-        self.found.balance.limits = (0..self.found.balance.groups.len()).map(capped).collect();
+        self.found.balance.limits = groups.map(capped).collect();
     }
 
-    /// Whether a group is a body that is strained under contacts or loads.
-    fn is_strained(&self, group: usize) -> bool {
-        let is_body = group < self.system.model.bodies.len();
-        let Group { element, acts, .. } = self.found.balance.groups[group];
-        is_body && element > self.system.model.controls.strained * self.own_rounding(group) && acts > 0.0
+    /// Whether a contact may act on a body or a tool.
+    fn touches(&self, p: usize, group: usize) -> bool {
+        let Model { bodies, pairs, .. } = &*self.system.model;
+        let tool = pairs[p].master.tool().map(|t| bodies.len() + pairs.len() + t);
+        pairs[p].body == group || pairs[p].master_body == Some(group) || tool == Some(group)
     }
 
-    /// A body whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal forces
-    /// of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
+    /// The largest force of the contacts that touch a body or a tool, of those that bear more than rounding, N.
+    fn borne(&self, group: usize) -> f64 {
+        let (bodies, pairs) = (self.system.model.bodies.len(), 0..self.system.model.pairs.len());
+        let real = pairs.filter(|p| self.touches(*p, group) && self.is_real(*p));
+        real.map(|p| self.found.balance.groups[bodies + p].force).fold(0.0, f64::max)
+    }
+
+    /// Whether a contact bears more than its gaps round to, or a share of what drives its tool, however little that is.
+    fn is_real(&self, p: usize) -> bool {
+        let (balance, Model { bodies, pairs, controls, .. }) = (&self.found.balance, &*self.system.model);
+        let Group { force, penalty, far, .. } = balance.groups[bodies.len() + p];
+        let driving = pairs[p].master.tool().map_or(0.0, |t| balance.groups[bodies.len() + pairs.len() + t].load);
+        let rounding = (self.epsilon() * penalty * far).max(self.strategy.tolerance * balance.floors[bodies.len() + p]);
+        force > rounding || driving > 0.0 && force > controls.rounding_cap * driving
+    }
+
+    /// Whether a load acts on a body, a contact with more than rounding, or on a tool a force that drives it, by more than
+    /// what contacts bear across it rounds to. Says nothing of a stiff body's own rounding: what acts on it is as true,
+    /// however little it strains it.
+    fn is_loaded(&self, group: usize) -> bool {
+        let (bodies, pairs) = (self.system.model.bodies.len(), self.system.model.pairs.len());
+        let load = self.found.balance.groups[group].load;
+        if group < bodies {
+            return load > 0.0 || self.borne(group) > 0.0;
+        }
+        group >= bodies + pairs && load > self.epsilon() * self.borne(group)
+    }
+
+    /// The forces of which no more than `rounding_cap` may be lost, N; `None` where there are none.
+    fn at_stake(&self, group: usize) -> Option<f64> {
+        let (balance, model) = (&self.found.balance, &self.system.model);
+        let bodies = model.bodies.len();
+        if balance.loaded[group] {
+            return Some(balance.actual(group));
+        }
+        if group >= bodies {
+            // A tool that floats between contacts, along which they bear nothing.
+            let is_tool = group >= bodies + model.pairs.len();
+            return Some(self.borne(group)).filter(|borne| is_tool && *borne > 0.0);
+        }
+        // Contacts of which each bears but rounding.
+        let acts = |p: usize| self.touches(p, group) && balance.groups[bodies + p].force > 0.0;
+        let is_strained = balance.groups[group].element > model.controls.strained * self.own_rounding(group);
+        (is_strained && (0..model.pairs.len()).any(acts)).then(|| balance.actual(group))
+    }
+
+    /// Whether a body is strained by so much that its strains, other than its forces, are resolved to `rounding_cap`: the
+    /// length of a line between two nodes of an element has changed so far beyond what its coordinates round to. Collective.
+    fn is_stretched(&self, body: usize) -> bool {
+        let part = &self.system.model.part;
+        let mut most = [0.0f64];
+        for solid in part.solids.iter().filter(|solid| solid.body as usize == body) {
+            for (k, &a) in solid.nodes.iter().enumerate() {
+                for &b in &solid.nodes[..k] {
+                    let (a, b) = (a as usize, b as usize);
+                    let (line, by) = (part.points[b] - part.points[a], self.found.u[b] - self.found.u[a]);
+                    let change = by.dot(&(line * 2.0 + by)).abs();
+                    let far_of = |n: usize| part.points[n].amax() + self.found.u[n].amax();
+                    let far = far_of(a).max(far_of(b));
+                    most[0] = most[0].max(change / (line.norm() * far));
+                }
+            }
+        }
+        max(self.system.comm, &mut most);
+        most[0] * self.system.model.controls.rounding_cap > self.epsilon()
+    }
+
+    /// A body or tool whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal
+    /// forces of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
     pub fn unresolved(&self, converged: bool) -> Option<String> {
+        let model = &self.system.model;
         let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
         sum(self.system.comm, &mut sums);
-        sums.chunks_exact(3).enumerate().filter(|(b, _)| self.is_strained(*b)).find_map(|(b, total)| {
-            let (forces, residual) = (self.found.balance.actual(b), self.found.balance.groups[b].residual);
-            let rest = total.iter().fold(0.0f64, |most, t| most.max(t.abs()));
-            let rounds = residual > self.found.balance.limits[b] && residual <= self.rounding(b);
+        let rest = |group: usize| {
+            sums.chunks_exact(3).nth(group).map_or(0.0, |s| s.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
+        };
+        let first_tool = model.bodies.len() + model.pairs.len();
+        let groups = (0..model.bodies.len()).chain(first_tool..first_tool + model.masters.tools.len());
+        // What its supports alone strain has forces, which the stiffness against a change of volume may have drowned.
+        let by_supports = |g: usize| {
+            let Group { force, residual, .. } = self.found.balance.groups[g];
+            let forces = force.max(self.found.balance.seen[g]);
+            let asked = converged && g < first_tool && residual > model.controls.rounding_cap * forces;
+            (asked && self.is_stretched(g)).then_some(forces)
+        };
+        groups.filter_map(|g| Some((g, self.at_stake(g).or_else(|| by_supports(g))?))).find_map(|(g, forces)| {
+            let (residual, rest) = (self.found.balance.groups[g].residual, rest(g));
+            let allowed = model.controls.rounding_cap.max(self.strategy.tolerance) * forces;
+            let rounds = residual > allowed && residual <= self.rounding(g);
             let lost = if rounds { residual } else { rest };
-            (rounds || converged && rest > self.system.model.controls.rounding_cap * forces).then(|| {
-                format!(
-                    "what rounding leaves of the forces of body `{}`, {lost:.1e}, is too much of the {forces:.1e} that act on it: {}",
-                    self.system.model.bodies[b].name,
-                    if self.rounding(b) > self.own_rounding(b) {
-                        "the `penalty` of its contact is too large"
-                    } else {
-                        "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
-                    }
-                )
+            (rounds || converged && rest > model.controls.rounding_cap * forces).then(|| {
+                let what = match model.bodies.get(g) {
+                    Some(body) => format!("body `{}`", body.name),
+                    None => format!("tool `{}`", model.masters.tools[g - first_tool].name),
+                };
+                let why = if g >= first_tool {
+                    "what it touches is too stiff for them"
+                } else if self.rounding(g) > self.own_rounding(g) {
+                    "the `penalty` of its contact is too large"
+                } else {
+                    "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
+                };
+                format!("what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}")
             })
         })
     }

@@ -64,7 +64,7 @@ impl Newton<'_> {
                 nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
                 self.found.forces[node] += e.load;
                 for group in [Some(pair.body), pair.master_body, Some(group + p)].into_iter().flatten() {
-                    balance.action(group, e.force.amax());
+                    balance.force(group, e.force.amax());
                 }
                 for (equation, residual) in equations.iter().zip(&e.constraint) {
                     if let Some(k) = equation {
@@ -99,11 +99,15 @@ impl Newton<'_> {
         let first = self.system.model.bodies.len() + self.system.model.pairs.len();
         for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
-            let driving = self.system.conditions.tool_forces[t].at(self.s);
+            let ramp = self.system.conditions.tool_forces[t];
+            let driving = ramp.at(self.s);
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
-                    self.found.balance.action(first + t, driving[d].abs().max(force[d].abs()));
+                    self.found.balance.force(first + t, driving[d].abs().max(force[d].abs()));
+                    // A force that is to vanish may be the rounding of the one that held the tool.
+                    let load = if ramp.to[d] == 0.0 { 0.0 } else { driving[d].abs() };
+                    self.found.balance.load(first + t, load);
                 }
             }
         }

@@ -351,10 +351,18 @@ impl<'a> Newton<'a> {
         for (n, (force, load)) in forces.iter_mut().zip(&self.system.conditions.loads).enumerate() {
             let load = load.at(self.s);
             *force -= load;
-            self.found.balance.action(self.system.model.part.body[n] as usize, load.amax());
+            self.found.balance.load(self.system.model.part.body[n] as usize, load.amax());
         }
+        if self.system.conditions.pressures.is_empty() {
+            return;
+        }
+        let before = forces.to_vec();
         for (set, ramp) in &self.system.conditions.pressures {
             assembly::subtract_pressure(self.system.model, set, ramp.at(self.s), &self.found.u, forces);
+        }
+        let part = &self.system.model.part;
+        for (n, (force, before)) in forces.iter().zip(&before).enumerate().take(part.owned) {
+            self.found.balance.load(part.body[n] as usize, (force - before).amax());
         }
     }
 }

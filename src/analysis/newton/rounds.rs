@@ -7,9 +7,14 @@
 //!
 //! Where several slave nodes or masters make the same condition, only constraints that give way share the force out. When
 //! they have converged, they give way about the multipliers of then, and so on (the proximal method of multipliers): it
-//! ends where the conditions hold as if none had given way, with the least multipliers that bear the load. Self-contact,
-//! which gives way always, does so once, with some 1e-6 of the forces left: one round more is one in which tips of folds may
-//! slide off each other. Where it has given way by `wide_slack`, it does so twice with `slack`, and as little is left.
+//! ends where the conditions hold as if none had given way, with the least multipliers that bear the load.
+//!
+//! Self-contact, which gives way always, does so once, with some 1e-7 of the forces left; where it has given way by
+//! `wide_slack`, twice with `slack`, and as little is left. More rounds lead nowhere. Nodes that meet and stick are each held
+//! to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
+//! until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far they lean. Of 54
+//! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
+//! iterations.
 //!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.

@@ -131,16 +131,93 @@ fn errors(law: Law, master: Master, x: Vec3, multiplier: &Multiplier, origin: Ve
 
 #[test]
 fn the_tangent_is_the_derivative_of_the_residual() {
-    let compliance = Compliance { slack: 0.3, rest: Vec3::new(-3.0, 1.0, 2.0) };
-    let yielding = Law { compliance, ..LAW };
     for master in [Master::Sphere, Master::Bore, Master::Plane] {
         for (status, x, lambda, origin) in states(master) {
+            // Beside the multiplier, so that the status stays.
+            let compliance = Compliance { slack: 0.3, rest: lambda + Vec3::new(-0.3, 0.1, 0.2) };
+            let yielding = Law { compliance, ..LAW };
             for (multiplier, law) in kinds(lambda).into_iter().flat_map(|m| [(m, LAW), (m, yielding)]) {
                 let e = element(law, &multiplier, &master.project(x), origin, &Guide::default());
                 let expected = if let Multiplier::Force(_, set) = multiplier { set } else { status };
                 assert_eq!((e.response.status, e.response.asked), (expected, status), "{master:?}");
                 let error = errors(law, master, x, &multiplier, origin, &Guide::default());
                 assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Where the rest decides: with the one that is given, each status follows from another one's multiplier.
+#[test]
+fn the_tangent_of_a_constraint_that_gives_way_is_the_derivative_where_the_rest_decides() {
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        let [(_, x, gap, origin), (_, _, stick, _), (_, _, slip, _)] = states(master);
+        let n = master.project(x).normal;
+        let along = n.cross(&Vec3::new(0.3, 1.0, 0.2)).normalize();
+        for (lambda, rest, expected) in [
+            (gap, -80.0 * n, Status::Stick),
+            (gap, -8.0 * n + 40.0 * along, Status::Slip),
+            (stick, 90.0 * n, Status::Gap),
+            (stick, 40.0 * along, Status::Slip),
+            (slip, -80.0 * n, Status::Stick),
+            (slip, 90.0 * n, Status::Gap),
+        ] {
+            let law = Law { compliance: Compliance { slack: 0.3, rest }, ..LAW };
+            for multiplier in kinds(lambda) {
+                let e = element(law, &multiplier, &master.project(x), origin, &Guide::default());
+                assert_eq!(e.response.asked, expected, "{master:?} {rest}");
+                let error = errors(law, master, x, &multiplier, origin, &Guide::default());
+                assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+            }
+            let law =
+                Law { friction: 0.0, compliance: Compliance { slack: 0.3, rest: Vec3::x() * rest.dot(&n) }, ..LAW };
+            for multiplier in kinds(Vec3::x() * lambda.dot(&n)) {
+                let e = element(law, &multiplier, &master.project(x), Vec3::zeros(), &Guide::default());
+                let error = errors(law, master, x, &multiplier, Vec3::zeros(), &Guide::default());
+                assert!(error < 2e-10, "{master:?} {multiplier:?}: {error:e}");
+                assert!((e.force_multiplier - e.constraint_position.transpose()).amax() < 1e-13);
+            }
+        }
+    }
+}
+
+/// For one gap and slip there is one force, from whatever multiplier it is sought, and it is the multiplier: nothing pulls,
+/// no gap is below zero but for what the constraint gives way by, and friction is that of the normal force.
+#[test]
+fn a_constraint_that_gives_way_has_one_state() {
+    let n = Vec3::z();
+    let slack = 0.3;
+    for gap in [-0.4, -0.03, 0.01, 0.03, 0.05, 0.4] {
+        for rest in [Vec3::zeros(), Vec3::new(0.5, -0.3, -4.0), Vec3::new(-2.0, 0.0, -6.0)] {
+            for path in [Vec3::zeros(), Vec3::new(0.02, -0.01, 0.0), Vec3::new(0.5, 0.3, 0.0)] {
+                let law = Law { compliance: Compliance { slack, rest }, ..LAW };
+                let at =
+                    Projection { gap, point: path, normal: n, normal_gradient: Mat3::zeros(), patch: 0, xi: [0.0; 2] };
+                let from = |start: Vec3| {
+                    let mut lambda = start;
+                    for _ in 0..200 {
+                        let multiplier = Multiplier::Augmented(lambda);
+                        let e = element(law, &multiplier, &at, Vec3::zeros(), &Guide::default());
+                        let Response { constraint, constraint_by, force, .. } = e.response;
+                        if constraint.amax() < 1e-13 {
+                            assert!((force - lambda).amax() < 1e-12);
+                            return lambda;
+                        }
+                        lambda -= constraint_by.multiplier.try_inverse().unwrap() * constraint;
+                    }
+                    panic!("gap {gap}, rest {rest}, path {path}: from {start} it does not settle");
+                };
+                let lambda = from(Vec3::zeros());
+                let again = from(Vec3::new(1.0, 2.0, -30.0));
+                assert!((lambda - again).amax() < 1e-11, "gap {gap}, rest {rest}, path {path}: {lambda} {again}");
+                let left = gap - slack / law.normal * (lambda.z - rest.z);
+                assert!(lambda.z <= 1e-12 && left >= -1e-12 && (lambda.z * left).abs() < 1e-11);
+                let flat = |v: Vec3| Vec3::new(v.x, v.y, 0.0);
+                let (along, slip) = (flat(lambda), path - flat(lambda - rest) * (slack / law.tangential));
+                let bound = -law.friction * lambda.z;
+                assert!(along.norm() <= bound + 1e-11);
+                let lags = along - slip * (bound / slip.norm());
+                assert!(slip.norm() < 1e-11 || lambda.z > -1e-11 || lags.norm() < 1e-9, "{along} {slip}");
             }
         }
     }
