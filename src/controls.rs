@@ -253,11 +253,9 @@ controls! {
     }
     "kinks" {
         kink_gap: f64 = 5e-3, [0.0, 0.02], "half the diagonal of a patch",
-            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on while its gap there differs from that on the other side by no more: half of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 48 with this.";
+            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: half of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 48 with this.";
         kink_returns: usize = 2, [1, 100], "returns",
             "How often a node has come back to a patch within an increment when it counts as going to and fro; once, where the increment has failed before. Of 24 strips that close onto themselves none fails with 1 or 2, three with 3.";
-        kink_least: f64 = 5e-7, [0.0, 1e-3], "1 - cosine of the angle between the normals of both sides",
-            "0.06 degrees: below, an edge is smooth, as the joint of a flat and an arc is to the rounding of a mesh.";
         kink_turn: f64 = 0.1, [0.0, 0.5], "1 - cosine of the angle between the normals of both sides",
             "Beyond, 26 degrees, both sides are not of one surface that is smooth but for its patches, and what is on either side is another contact.";
         edge_beside: f64 = 0.5, [0.0, 2.0], "patch parameters",

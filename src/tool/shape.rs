@@ -97,7 +97,7 @@ mod tests {
     use crate::scene::Smoothing;
     use crate::surface::normals::NormalOptions;
     use crate::surface::patches_from_mesh;
-    use crate::surface::test_meshes::{grid, indenter};
+    use crate::surface::test_meshes::grid;
 
     /// A point that goes over a kink between two patches and back changes sides late both times if it keeps to its side: when
     /// the gaps differ by the share of a patch. Where there is no kink, at the end of the extension.
@@ -126,23 +126,6 @@ mod tests {
             }
             let share = most / shape.kink(0, &controls);
             assert!(late > 50 && share > 0.3, "{smoothing:?}: {late} {share}");
-        }
-    }
-
-    /// Where a flat goes over into an arc without a kink, a node changes over at the edge.
-    #[test]
-    fn a_joint_of_a_flat_and_an_arc_is_no_kink() {
-        let mesh = indenter(1, false);
-        let patches = patches_from_mesh(&mesh, Smoothing::Nagata, &NormalOptions::default(), false).unwrap();
-        let shape = Shape::Patches(PatchSet::new(patches));
-        let mut warm = None;
-        let way = || (-50..=50).map(|k| 10.0 + 0.0013 * f64::from(k));
-        for x in way().chain(way().rev()) {
-            let x = Vec3::new(x, -0.001, 0.5);
-            let [there, kept] =
-                [shape.closest(&x, 1.0, warm), shape.contact(&x, 1.0, warm, &Controls::default())].map(Option::unwrap);
-            assert_eq!(kept, there);
-            warm = Some((kept.patch, kept.xi));
         }
     }
 }

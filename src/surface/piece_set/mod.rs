@@ -219,13 +219,6 @@ impl<P: Piece> PieceSet<P> {
         controls: &Controls,
     ) -> Option<Projection> {
         let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
-        let (own, other) = (self.get(id)?, self.get(found.patch)?);
-        // How much the normals differ tells something on the edge itself alone: beyond, a flat is not along an arc.
-        let edge = own.closest(x);
-        let along = own.normal(edge.xi).dot(&other.normal(other.closest(&edge.point).xi));
-        if along > 1.0 - controls.kink_least {
-            return None;
-        }
         let most = self.kink(id, controls);
         let same = |p: &Projection| {
             (p.gap - found.gap).abs() <= most && p.normal.dot(&found.normal) >= 1.0 - controls.kink_turn
