@@ -2,7 +2,7 @@
 
 use super::conditions::Conditions;
 use super::{Increment, Remedy, Retried, cost};
-use crate::contact::{BodySurface, Master, Tool};
+use crate::contact::{BodySurface, Master, Meets, Tool};
 use crate::error::Result;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
@@ -174,7 +174,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = if let Master::Nodes(_) = pair.master { ", each on a node of the master" } else { "" };
+        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
     for line in &begins {

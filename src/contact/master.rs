@@ -8,6 +8,7 @@ use super::method::Tangent;
 use super::pose::way_past;
 use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
 use crate::controls::Controls;
+use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
 use crate::surface::{MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
@@ -21,12 +22,19 @@ use std::collections::BTreeSet;
 pub enum Master {
     /// A rigid tool.
     Tool(usize),
-    /// The faces of a body.
-    Faces(usize),
-    /// Its own faces.
-    Own(usize),
-    /// Nodes of the faces of a body, each slave node one for good.
-    Nodes(usize),
+    /// The surface of a body, and what of it.
+    Surface(usize, Meets),
+}
+
+/// What of the surface of a body slave nodes meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meets {
+    /// Its faces.
+    Faces,
+    /// The faces that they are on themselves.
+    Own,
+    /// Its nodes, each slave node one for good.
+    Nodes,
 }
 
 impl Master {
@@ -42,7 +50,7 @@ impl Master {
     pub fn surface(self) -> Option<usize> {
         match self {
             Self::Tool(_) => None,
-            Self::Faces(k) | Self::Own(k) | Self::Nodes(k) => Some(k),
+            Self::Surface(k, _) => Some(k),
         }
     }
 }
@@ -58,9 +66,7 @@ pub struct Masters {
 #[derive(Clone, Copy)]
 pub enum Ground<'a> {
     Tool(&'a Tool),
-    Faces(&'a BodySurface),
-    Own(&'a BodySurface),
-    Nodes(&'a BodySurface),
+    Surface(&'a BodySurface, Meets),
 }
 
 /// From where slip is measured.
@@ -95,9 +101,7 @@ impl Masters {
     pub fn of(&self, master: Master) -> Ground<'_> {
         match master {
             Master::Tool(t) => Ground::Tool(&self.tools[t]),
-            Master::Faces(k) => Ground::Faces(&self.surfaces[k]),
-            Master::Own(k) => Ground::Own(&self.surfaces[k]),
-            Master::Nodes(k) => Ground::Nodes(&self.surfaces[k]),
+            Master::Surface(k, meets) => Ground::Surface(&self.surfaces[k], meets),
         }
     }
 
@@ -182,7 +186,7 @@ impl Masters {
     {
         match master {
             Master::Tool(t) => vec![of_tools[t]],
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].gather(comm, of_node),
+            Master::Surface(k, _) => self.surfaces[k].gather(comm, of_node),
         }
     }
 
@@ -209,7 +213,7 @@ impl Masters {
                 };
                 points_with_normals.map(see).collect()
             }
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+            Master::Surface(k, _) => {
                 let surface = &mut self.surfaces[k];
                 surface.follow(comm, points, reach, &BTreeSet::new(), place);
                 let shapes = surface.shapes();
@@ -226,7 +230,7 @@ impl Masters {
     pub fn forget(&mut self, master: Master) {
         match master {
             Master::Tool(t) => self.tools[t].surface.forget(),
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].forget(),
+            Master::Surface(k, _) => self.surfaces[k].forget(),
         }
     }
 
@@ -240,7 +244,7 @@ impl Masters {
     ) {
         match master {
             Master::Tool(t) => forces.iter().for_each(|force| add(Receiver::Tool(t), *force)),
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+            Master::Surface(k, _) => {
                 self.surfaces[k].add_forces(comm, forces, |n, force| add(Receiver::Node(n), force));
             }
         }
@@ -269,10 +273,10 @@ impl Masters {
                     }
                 };
                 let mut longest = [nodes().map(way).fold(0.0, f64::max)];
-                crate::parallel::max(comm, &mut longest);
+                max(comm, &mut longest);
                 longest[0]
             }
-            Ground::Faces(surface) | Ground::Own(surface) | Ground::Nodes(surface) => {
+            Ground::Surface(surface, _) => {
                 let slaves = bounds(nodes().map(|n| now(n) - then(n)));
                 match [hull(comm, slaves), hull(comm, surface.travel(then, now))] {
                     [Some((lo, hi)), Some((low, high))] => (hi - low).sup(&(high - lo)).sup(&Vec3::zeros()).norm(),
@@ -288,7 +292,7 @@ impl<'a> Ground<'a> {
     pub fn name(&self) -> String {
         match self {
             Self::Tool(tool) => format!("the tool `{}`", tool.name),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => format!("`{}`", surface.name),
+            Self::Surface(surface, _) => format!("`{}`", surface.name),
         }
     }
 
@@ -296,7 +300,7 @@ impl<'a> Ground<'a> {
     pub fn count(&self) -> usize {
         match self {
             Self::Tool(_) => 1,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions().len(),
+            Self::Surface(surface, _) => surface.positions().len(),
         }
     }
 
@@ -304,7 +308,7 @@ impl<'a> Ground<'a> {
     pub fn patch(&self, id: u32) -> Option<(&'a MovingPatch, &'a [u32])> {
         match self {
             Self::Tool(_) => None,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.patch(id),
+            Self::Surface(surface, _) => surface.patch(id),
         }
     }
 
@@ -312,7 +316,7 @@ impl<'a> Ground<'a> {
     pub fn position(&self, node: u32) -> Vec3 {
         match self {
             Self::Tool(tool) => tool.trial.translation,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions()[node as usize],
+            Self::Surface(surface, _) => surface.positions()[node as usize],
         }
     }
 
@@ -320,7 +324,7 @@ impl<'a> Ground<'a> {
     pub fn number(&self, node: u32) -> u64 {
         match self {
             Self::Tool(_) => 0,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.number(node),
+            Self::Surface(surface, _) => surface.number(node),
         }
     }
 
@@ -328,7 +332,7 @@ impl<'a> Ground<'a> {
     pub fn position_of(&self, number: u64) -> Option<Vec3> {
         match self {
             Self::Tool(tool) => Some(tool.trial.translation),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.position(number),
+            Self::Surface(surface, _) => surface.position(number),
         }
     }
 
@@ -344,9 +348,11 @@ impl<'a> Ground<'a> {
     ) -> Option<Projection> {
         let (surface, outlook) = match self {
             Self::Tool(tool) => return tool.project(x, pair.reach, (warm, keeps)),
-            Self::Nodes(surface) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
-            Self::Own(surface) => (surface, pair.outlook(s, x)),
-            Self::Faces(surface) => (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing }),
+            Self::Surface(surface, Meets::Nodes) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
+            Self::Surface(surface, Meets::Own) => (surface, pair.outlook(s, x)),
+            Self::Surface(surface, Meets::Faces) => {
+                (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing })
+            }
         };
         let shapes = surface.shapes();
         let found = shapes.closest_of(x, pair.reach, warm, &outlook)?;
@@ -360,7 +366,7 @@ impl<'a> Ground<'a> {
         let place = slave.committed.place?;
         match self {
             Self::Tool(tool) => Some(tool.trial.outward(&place)),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+            Self::Surface(surface, _) => {
                 let before = surface.shape_before(at.patch)?;
                 Some(at.point + (place - before.point(at.xi)))
             }
@@ -377,7 +383,7 @@ impl<'a> Ground<'a> {
                 let origin = slave.committed.anchor.or(slave.committed.place);
                 return SlipOrigin::Fixed(origin.map_or(Vec3::zeros(), |origin| tool.trial.outward(&origin)));
             }
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+            Self::Surface(surface, _) => surface,
         };
         if let Some((mate, before)) = slave.mate.zip(slave.committed.place)
             && let Some(place) = mate.slip_origin(surface, &before)
@@ -416,9 +422,9 @@ impl<'a> Ground<'a> {
     /// Whether forces on it have a potential where there is no friction.
     pub fn has_potential(&self, tangent: Tangent) -> bool {
         match self {
-            Self::Tool(_) | Self::Nodes(_) => true,
+            Self::Tool(_) | Self::Surface(_, Meets::Nodes) => true,
             // The derivatives of a facet by its own nodes are all that there are.
-            Self::Faces(surface) | Self::Own(surface) => {
+            Self::Surface(surface, Meets::Faces | Meets::Own) => {
                 let given = &surface.given;
                 tangent == Tangent::Exact
                     && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet)
@@ -430,7 +436,7 @@ impl<'a> Ground<'a> {
     pub fn transfer(&self) -> Transfer {
         match self {
             Self::Tool(_) => Transfer::Bilinear,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.given.transfer,
+            Self::Surface(surface, _) => surface.given.transfer,
         }
     }
 
@@ -438,9 +444,7 @@ impl<'a> Ground<'a> {
     pub(super) fn carrier(&self, at: Option<&Projection>) -> Mat3 {
         match self {
             Self::Tool(tool) => tool.committed.rotation,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity)
-            }
+            Self::Surface(surface, _) => at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity),
         }
     }
 
@@ -464,9 +468,7 @@ impl<'a> Ground<'a> {
     pub(super) fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(tool) => tool.surface.nearest(x, reach),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                surface.shapes().nearest_of(x, reach, &pair.outlook(s, x))
-            }
+            Self::Surface(surface, _) => surface.shapes().nearest_of(x, reach, &pair.outlook(s, x)),
         }
     }
 
@@ -474,9 +476,7 @@ impl<'a> Ground<'a> {
     pub(super) fn closest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(tool) => tool.surface.closest(x, reach),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                surface.shapes().closest_of(x, reach, None, &pair.outlook(s, x))
-            }
+            Self::Surface(surface, _) => surface.shapes().closest_of(x, reach, None, &pair.outlook(s, x)),
         }
     }
 
@@ -485,7 +485,7 @@ impl<'a> Ground<'a> {
         const EDGE: f64 = 1e-6;
         let surface = match self {
             Self::Tool(_) => return None,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+            Self::Surface(surface, _) => surface,
         };
         let patch = surface.shapes().get(patch)?;
         let foot = patch.closest(x);
@@ -497,9 +497,7 @@ impl<'a> Ground<'a> {
     pub(super) fn kink(&self, at: &Projection, controls: &Controls) -> f64 {
         match self {
             Self::Tool(tool) => tool.surface.kink(at.patch),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                surface.shapes().kink(at.patch, controls)
-            }
+            Self::Surface(surface, _) => surface.shapes().kink(at.patch, controls),
         }
     }
 
@@ -508,9 +506,7 @@ impl<'a> Ground<'a> {
     pub fn past(&self, comm: &SimpleCommunicator, turn: f64, place: impl Fn(u32) -> Vec3) -> Past {
         match self {
             Self::Tool(tool) => Past::Poses(tool.committed.turning(&tool.trial, turn)),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                Past::Places(surface.places(comm, place))
-            }
+            Self::Surface(surface, _) => Past::Places(surface.places(comm, place)),
         }
     }
 }

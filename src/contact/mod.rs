@@ -31,7 +31,7 @@ pub mod watch;
 
 pub use body_surface::BodySurface;
 pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
-pub use master::{Ground, Master, Masters, Receiver};
+pub use master::{Ground, Master, Masters, Meets, Receiver};
 pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
 pub use pose::{Pose, Rotation};
@@ -105,7 +105,7 @@ impl Pair {
 
     /// Whether a surface meets itself.
     pub fn is_self(&self) -> bool {
-        matches!(self.master, Master::Own(_))
+        matches!(self.master, Master::Surface(_, Meets::Own))
     }
 
     /// How far a slave node may move in one iteration.

@@ -24,7 +24,7 @@
 use super::element::frame;
 use super::master::Past;
 use super::pose::way_past;
-use super::{Ground, Pair};
+use super::{Ground, Meets, Pair};
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::surface::Projection;
@@ -210,7 +210,7 @@ pub fn judge(
     may: &Allowance,
 ) -> (Sight, Option<Finding>) {
     let to = &view.ground.seen_from(place);
-    if let Ground::Own(_) = view.ground {
+    if let Ground::Surface(_, Meets::Own) = view.ground {
         return judge_self(view, last, to, may);
     }
     let seen = Seen::new(view, to, may);

@@ -10,7 +10,7 @@
 //! one is inside it, and no slave is inside with all its nodes.
 
 use super::sight::Standing;
-use crate::contact::Master;
+use crate::contact::{Master, Meets};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -28,7 +28,7 @@ pub fn check(
     sights: &[Vec<Standing>],
 ) -> Result<()> {
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        if pair.within_body || matches!(pair.master, Master::Nodes(_)) {
+        if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
             continue;
         }
         // Least distances, and that of nodes in front that look away, as negative numbers.
