@@ -7,7 +7,7 @@ pub mod states;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, BodySurface, Master, Masters, Pair, Slave, Tool, guidance, mates, self_contact};
+use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
@@ -210,11 +210,12 @@ impl Model {
         let within_body = body_of(&contact.slave.value) == body_of(&contact.master.value);
         if contact.surface.is_some() {
             let surface = self.pairs.iter().filter(|p| p.master.surface().is_some()).count();
-            master = match contact.discretization {
-                Discretization::NodeToNode => Master::Nodes(surface),
-                _ if contact.is_self() => Master::Own(surface),
-                _ => Master::Faces(surface),
+            let meets = match contact.discretization {
+                Discretization::NodeToNode => Meets::Nodes,
+                _ if contact.is_self() => Meets::Own,
+                _ => Meets::Faces,
             };
+            master = Master::Surface(surface, meets);
             planar = [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value));
             softest = self.mean_stiffness(comm, &contact.master.value);
         } else if let Some(tool) = scene.tools.iter().position(|t| t.name.value == contact.master.value) {
@@ -228,7 +229,7 @@ impl Model {
             nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
         }
         let mut shunned = Vec::new();
-        if let Master::Own(k) = master {
+        if let Master::Surface(k, Meets::Own) = master {
             let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
             let depth = |avoided: Avoided| match contact.thickness {
                 Some(thickness) => avoided.with_thickness(thickness, self.controls.self_depth),
@@ -298,7 +299,7 @@ impl Model {
         let place = |n: u32| part.points[n as usize];
         masters.follow(comm, pairs, place);
         for pair in pairs.iter_mut() {
-            let (Master::Nodes(k), Some(contact)) =
+            let (Master::Surface(k, Meets::Nodes), Some(contact)) =
                 (pair.master, scene.contacts.iter().find(|c| c.name.value == pair.name))
             else {
                 continue;

@@ -9,7 +9,7 @@ use mpi::traits::*;
 use nagata::error::{Error, Location, Result};
 use nagata::failure::Cause;
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
-use nagata::output::history::History;
+use nagata::output::history::HistoryFile;
 use nagata::output::log::{Increment, Log};
 use nagata::output::phases::{Phase, Phases};
 use nagata::output::summary::Summary;
@@ -137,7 +137,7 @@ fn write_increment(comm: &impl Communicator, scene: &mut Scene, time: f64) -> Re
 fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
     let folder = OutputFolder::create(path, &RUN, &[], comm)?;
     let mut log = Log::create(&folder, comm, false)?;
-    let mut history = History::create(&folder, comm, &["die.fx".to_string()])?;
+    let mut history = HistoryFile::create(&folder, comm, &["die.fx".to_string()])?;
     let phases = Phases::default();
     let mut scene = add_grids(comm, &folder)?;
     log.start(1.0);

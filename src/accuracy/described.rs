@@ -72,20 +72,20 @@ pub trait Described {
     }
 
     /// The point and the area of the piece for a unit of (s, t), there.
-    fn at(&self, piece: usize, st: [f64; 2]) -> Place {
+    fn at(&self, piece: usize, st: [f64; 2]) -> SurfacePoint {
         let xi = self.parameters(piece, st);
         let local = self.local(piece, xi);
         let [[a, b], [c, d]] = self.domain(piece);
         let stretch = if self.is_triangle(piece) { st[0] } else { (b - a) * (d - c) };
         let held = self.holds(piece, xi);
         let area = if held { local.area_vector().norm() * stretch } else { 0.0 };
-        Place { point: local.point, normal: self.normal(piece, xi), area, held }
+        SurfacePoint { point: local.point, normal: self.normal(piece, xi), area, held }
     }
 }
 
 /// A point of a piece, its normal, and the area per unit of (s, t), 0 where it is trimmed away.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct SurfacePoint {
     pub point: Vec3,
     pub normal: Vec3,
     pub area: f64,

@@ -15,7 +15,7 @@
 //! because those over an edge of a piece stand for nothing beside it. A projection more than twice as far away as the
 //! nearest point belongs to another part of the surface and does not count.
 
-use super::described::{Described, Place};
+use super::described::{Described, SurfacePoint};
 use super::sampling::{Grid, climb};
 use crate::Vec3;
 use crate::surface::facets::angle;
@@ -219,7 +219,7 @@ fn measure_samples(
     let mut starts = [[0.0; 2]; 3];
     let mut best = [f64::NEG_INFINITY; 3];
     for (k, st) in grid.points().enumerate() {
-        let Place { point, normal, area, held } = surface.at(piece, st);
+        let SurfacePoint { point, normal, area, held } = surface.at(piece, st);
         let (distance, angle) = if held { compare(&point, &normal, reference) } else { (0.0, 0.0) };
         for (j, value) in [distance, -distance, angle].into_iter().enumerate() {
             if held && value > best[j] {

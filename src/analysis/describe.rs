@@ -1,8 +1,8 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
-use super::{Increment, Remedy, Retried};
-use crate::contact::{BodySurface, Master, Tool};
+use super::{Increment, Remedy, Retried, cost};
+use crate::contact::{BodySurface, Master, Meets, Tool};
 use crate::error::Result;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
@@ -14,9 +14,6 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::fmt::Write;
 use std::path::Path;
-
-/// Bytes of a factor entry with its share of indices and workspace.
-const BYTES_PER_ENTRY: f64 = 16.0;
 
 /// The first lines of a log.
 pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> String {
@@ -177,7 +174,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = if let Master::Nodes(_) = pair.master { ", each on a node of the master" } else { "" };
+        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
     for line in &begins {
@@ -199,10 +196,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let symmetric = conditions.is_symmetric(model);
         let (matrix, solver) =
             if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
-        // Factors of 3D meshes grow with n^(4/3); the constant is measured on hexahedra with SCOTCH.
-        let unknowns = dofs.total as f64;
-        let factor = 18.0 * unknowns.powf(4.0 / 3.0) * if symmetric { 1.0 } else { 2.0 };
-        let memory = (BYTES_PER_ENTRY * (factor + 2.0 * entries[0]) / 1e6).ceil();
+        let memory = cost::megabytes(dofs.total, entries[0], symmetric);
         let _ = writeln!(
             text,
             "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",

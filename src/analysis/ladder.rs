@@ -113,6 +113,11 @@ impl Ladder {
         self.way == Way::Newton { settle: true }
     }
 
+    /// Whether the increment has failed already.
+    pub fn has_failed(&self) -> bool {
+        self.failures > 0
+    }
+
     /// Whether constraints of multipliers give way until they are tightened.
     pub fn yields(&self) -> bool {
         self.yields == Some(true)

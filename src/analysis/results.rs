@@ -8,7 +8,7 @@ use crate::mesh::SolidShape;
 use crate::model::{Body, Model, elements, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
-use crate::output::history::History;
+use crate::output::history::HistoryFile;
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::PartFacet;
 use crate::partition::parcels::{bounds, grown, hull};
@@ -26,7 +26,7 @@ struct Shown {
 
 /// Writer of history and fields.
 pub struct Results {
-    history: History,
+    history: HistoryFile,
     fields: Fields,
     bodies: Vec<Shown>,
     contacts: Vec<Shown>,
@@ -46,7 +46,7 @@ impl Results {
     /// A file that cannot be written, on all ranks.
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
         let watched: Vec<String> = scene.output.history.iter().map(|s| s.value.clone()).collect();
-        let history = History::create(folder, comm, &columns(model, &watched))?;
+        let history = HistoryFile::create(folder, comm, &columns(model, &watched))?;
         let mut fields = Fields::create(folder, "fields", comm)?;
         let mut bodies = Vec::new();
         for (b, body) in model.bodies.iter().enumerate() {

@@ -228,7 +228,7 @@ impl<'a> Simulation<'a> {
             let ground = masters.of(pair.master);
             for s in 0..pair.slaves.len() {
                 let position = place(pair.slaves[s].node);
-                let projection = ground.project(pair, s, &position, None);
+                let projection = ground.project(pair, s, &position, (None, false));
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.

@@ -6,7 +6,7 @@ use super::increments::Increments;
 use super::ladder::Ladder;
 use super::watch::Touch;
 use crate::Vec3;
-use crate::contact::{Avoided, History, Pair, Pose, Sight, Trial};
+use crate::contact::{Avoided, Committed, Pair, Pose, Sight, Trial};
 use crate::model::Model;
 use crate::scene::Step;
 use crate::solid;
@@ -85,7 +85,7 @@ pub(super) struct Memory {
 #[derive(Clone, Debug)]
 struct OfPair {
     /// Of the last converged increment; the iterate; what was seen.
-    slaves: Vec<(History, Trial, Trial, Sight)>,
+    slaves: Vec<(Committed, Trial, Trial, Sight)>,
     outward: Vec<Vec3>,
     avoided: Vec<Avoided>,
 }

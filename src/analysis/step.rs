@@ -328,6 +328,7 @@ impl<'a> Simulation<'a> {
             ahead: extrapolated,
             automatic: frame.progress.ladder.is_remedy() || frame.progress.ladder.yields(),
             yields: frame.progress.ladder.yields(),
+            again: frame.progress.ladder.has_failed(),
         };
         let start = Start {
             offsets: &frame.progress.offsets,

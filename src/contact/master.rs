@@ -7,9 +7,11 @@
 use super::method::Tangent;
 use super::pose::way_past;
 use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
+use crate::controls::Controls;
+use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{EXTENSION, MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
+use crate::surface::{MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -20,12 +22,19 @@ use std::collections::BTreeSet;
 pub enum Master {
     /// A rigid tool.
     Tool(usize),
-    /// The faces of a body.
-    Faces(usize),
-    /// Its own faces.
-    Own(usize),
-    /// Nodes of the faces of a body, each slave node one for good.
-    Nodes(usize),
+    /// The surface of a body, and what of it.
+    Surface(usize, Meets),
+}
+
+/// What of the surface of a body slave nodes meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meets {
+    /// Its faces.
+    Faces,
+    /// The faces that they are on themselves.
+    Own,
+    /// Its nodes, each slave node one for good.
+    Nodes,
 }
 
 impl Master {
@@ -41,7 +50,7 @@ impl Master {
     pub fn surface(self) -> Option<usize> {
         match self {
             Self::Tool(_) => None,
-            Self::Faces(k) | Self::Own(k) | Self::Nodes(k) => Some(k),
+            Self::Surface(k, _) => Some(k),
         }
     }
 }
@@ -57,9 +66,7 @@ pub struct Masters {
 #[derive(Clone, Copy)]
 pub enum Ground<'a> {
     Tool(&'a Tool),
-    Faces(&'a BodySurface),
-    Own(&'a BodySurface),
-    Nodes(&'a BodySurface),
+    Surface(&'a BodySurface, Meets),
 }
 
 /// From where slip is measured.
@@ -94,9 +101,7 @@ impl Masters {
     pub fn of(&self, master: Master) -> Ground<'_> {
         match master {
             Master::Tool(t) => Ground::Tool(&self.tools[t]),
-            Master::Faces(k) => Ground::Faces(&self.surfaces[k]),
-            Master::Own(k) => Ground::Own(&self.surfaces[k]),
-            Master::Nodes(k) => Ground::Nodes(&self.surfaces[k]),
+            Master::Surface(k, meets) => Ground::Surface(&self.surfaces[k], meets),
         }
     }
 
@@ -181,7 +186,7 @@ impl Masters {
     {
         match master {
             Master::Tool(t) => vec![of_tools[t]],
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].gather(comm, of_node),
+            Master::Surface(k, _) => self.surfaces[k].gather(comm, of_node),
         }
     }
 
@@ -203,12 +208,12 @@ impl Masters {
                 surface.watch(comm, points, reach);
                 let see = |(x, outward): (&Vec3, &Vec3)| {
                     surface.near().nearest(x, reach)?;
-                    let contact = surface.project(x, reach, None);
+                    let contact = surface.project(x, reach, (None, false));
                     Some(Prospect { contact, nearest: surface.near().side_normal(x, outward) })
                 };
                 points_with_normals.map(see).collect()
             }
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+            Master::Surface(k, _) => {
                 let surface = &mut self.surfaces[k];
                 surface.follow(comm, points, reach, &BTreeSet::new(), place);
                 let shapes = surface.shapes();
@@ -225,7 +230,7 @@ impl Masters {
     pub fn forget(&mut self, master: Master) {
         match master {
             Master::Tool(t) => self.tools[t].surface.forget(),
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => self.surfaces[k].forget(),
+            Master::Surface(k, _) => self.surfaces[k].forget(),
         }
     }
 
@@ -239,7 +244,7 @@ impl Masters {
     ) {
         match master {
             Master::Tool(t) => forces.iter().for_each(|force| add(Receiver::Tool(t), *force)),
-            Master::Faces(k) | Master::Own(k) | Master::Nodes(k) => {
+            Master::Surface(k, _) => {
                 self.surfaces[k].add_forces(comm, forces, |n, force| add(Receiver::Node(n), force));
             }
         }
@@ -268,10 +273,10 @@ impl Masters {
                     }
                 };
                 let mut longest = [nodes().map(way).fold(0.0, f64::max)];
-                crate::parallel::max(comm, &mut longest);
+                max(comm, &mut longest);
                 longest[0]
             }
-            Ground::Faces(surface) | Ground::Own(surface) | Ground::Nodes(surface) => {
+            Ground::Surface(surface, _) => {
                 let slaves = bounds(nodes().map(|n| now(n) - then(n)));
                 match [hull(comm, slaves), hull(comm, surface.travel(then, now))] {
                     [Some((lo, hi)), Some((low, high))] => (hi - low).sup(&(high - lo)).sup(&Vec3::zeros()).norm(),
@@ -287,7 +292,7 @@ impl<'a> Ground<'a> {
     pub fn name(&self) -> String {
         match self {
             Self::Tool(tool) => format!("the tool `{}`", tool.name),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => format!("`{}`", surface.name),
+            Self::Surface(surface, _) => format!("`{}`", surface.name),
         }
     }
 
@@ -295,7 +300,7 @@ impl<'a> Ground<'a> {
     pub fn count(&self) -> usize {
         match self {
             Self::Tool(_) => 1,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions().len(),
+            Self::Surface(surface, _) => surface.positions().len(),
         }
     }
 
@@ -303,7 +308,7 @@ impl<'a> Ground<'a> {
     pub fn patch(&self, id: u32) -> Option<(&'a MovingPatch, &'a [u32])> {
         match self {
             Self::Tool(_) => None,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.patch(id),
+            Self::Surface(surface, _) => surface.patch(id),
         }
     }
 
@@ -311,7 +316,7 @@ impl<'a> Ground<'a> {
     pub fn position(&self, node: u32) -> Vec3 {
         match self {
             Self::Tool(tool) => tool.trial.translation,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.positions()[node as usize],
+            Self::Surface(surface, _) => surface.positions()[node as usize],
         }
     }
 
@@ -319,7 +324,7 @@ impl<'a> Ground<'a> {
     pub fn number(&self, node: u32) -> u64 {
         match self {
             Self::Tool(_) => 0,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.number(node),
+            Self::Surface(surface, _) => surface.number(node),
         }
     }
 
@@ -327,25 +332,32 @@ impl<'a> Ground<'a> {
     pub fn position_of(&self, number: u64) -> Option<Vec3> {
         match self {
             Self::Tool(tool) => Some(tool.trial.translation),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.position(number),
+            Self::Surface(surface, _) => surface.position(number),
         }
     }
 
-    /// Closest point to slave node `s` of a pair at `x`; the search starts at `warm`.
-    ///
-    /// A node stays on the extension of the patch that it comes from: where patches meet there is a small kink, between
-    /// whose sides an iteration could go to and fro. Outside a sharp edge of a body it meets one of the edge's sides.
-    pub fn project(&self, pair: &Pair, s: usize, x: &Vec3, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+    /// Closest point to slave node `s` of a pair at `x`; the search starts at `warm`. Outside a sharp edge of a body a node
+    /// meets one of the edge's sides. One that `keeps` to the patch that it comes from stays on its extension for a while:
+    /// where patches meet there is a small kink, between whose sides an iteration could go to and fro.
+    pub fn project(
+        &self,
+        pair: &Pair,
+        s: usize,
+        x: &Vec3,
+        (warm, keeps): (Option<(u32, [f64; 2])>, bool),
+    ) -> Option<Projection> {
         let (surface, outlook) = match self {
-            Self::Tool(tool) => return tool.project(x, pair.reach, warm),
-            Self::Nodes(surface) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
-            Self::Own(surface) => (surface, pair.outlook(s, x)),
-            Self::Faces(surface) => (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing }),
+            Self::Tool(tool) => return tool.project(x, pair.reach, (warm, keeps)),
+            Self::Surface(surface, Meets::Nodes) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
+            Self::Surface(surface, Meets::Own) => (surface, pair.outlook(s, x)),
+            Self::Surface(surface, Meets::Faces) => {
+                (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing })
+            }
         };
         let shapes = surface.shapes();
         let found = shapes.closest_of(x, pair.reach, warm, &outlook)?;
         let found = shapes.beside_edge(x, &found, pair.controls.edge_beside).unwrap_or(found);
-        let stays = shapes.stays(x, warm, &found, (surface.facet_size, pair.controls.kink_same));
+        let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
         Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
@@ -354,7 +366,7 @@ impl<'a> Ground<'a> {
         let place = slave.committed.place?;
         match self {
             Self::Tool(tool) => Some(tool.trial.outward(&place)),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
+            Self::Surface(surface, _) => {
                 let before = surface.shape_before(at.patch)?;
                 Some(at.point + (place - before.point(at.xi)))
             }
@@ -371,7 +383,7 @@ impl<'a> Ground<'a> {
                 let origin = slave.committed.anchor.or(slave.committed.place);
                 return SlipOrigin::Fixed(origin.map_or(Vec3::zeros(), |origin| tool.trial.outward(&origin)));
             }
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+            Self::Surface(surface, _) => surface,
         };
         if let Some((mate, before)) = slave.mate.zip(slave.committed.place)
             && let Some(place) = mate.slip_origin(surface, &before)
@@ -388,14 +400,14 @@ impl<'a> Ground<'a> {
     }
 
     /// The shares of the corners of a patch in the point `at`, with which of its nodes they are; a tool has but one.
-    pub fn bearing(&self, at: &Projection) -> Vec<(u32, f64)> {
-        let Some((patch, stencil)) = self.patch(at.patch) else { return vec![(0, 1.0)] };
+    pub fn bearing(&self, at: &Projection) -> impl Iterator<Item = (u32, f64)> + Clone + 'a {
         let [e, z] = at.xi;
-        let weights = match patch.count {
-            3 => [1.0 - e, e - z, z, 0.0],
-            _ => [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z],
+        let (nodes, weights) = match self.patch(at.patch) {
+            None => (&[0][..], [1.0, 0.0, 0.0, 0.0]),
+            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [1.0 - e, e - z, z, 0.0]),
+            Some((_, stencil)) => (&stencil[..4], [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z]),
         };
-        stencil[..patch.count as usize].iter().copied().zip(weights).collect()
+        nodes.iter().copied().zip(weights)
     }
 
     /// Whether `at` is where a node of the master stands, within a part of the shortest edge around.
@@ -410,9 +422,9 @@ impl<'a> Ground<'a> {
     /// Whether forces on it have a potential where there is no friction.
     pub fn has_potential(&self, tangent: Tangent) -> bool {
         match self {
-            Self::Tool(_) | Self::Nodes(_) => true,
+            Self::Tool(_) | Self::Surface(_, Meets::Nodes) => true,
             // The derivatives of a facet by its own nodes are all that there are.
-            Self::Faces(surface) | Self::Own(surface) => {
+            Self::Surface(surface, Meets::Faces | Meets::Own) => {
                 let given = &surface.given;
                 tangent == Tangent::Exact
                     && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet)
@@ -424,7 +436,7 @@ impl<'a> Ground<'a> {
     pub fn transfer(&self) -> Transfer {
         match self {
             Self::Tool(_) => Transfer::Bilinear,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface.given.transfer,
+            Self::Surface(surface, _) => surface.given.transfer,
         }
     }
 
@@ -432,9 +444,7 @@ impl<'a> Ground<'a> {
     pub(super) fn carrier(&self, at: Option<&Projection>) -> Mat3 {
         match self {
             Self::Tool(tool) => tool.committed.rotation,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity)
-            }
+            Self::Surface(surface, _) => at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity),
         }
     }
 
@@ -458,9 +468,7 @@ impl<'a> Ground<'a> {
     pub(super) fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(tool) => tool.surface.nearest(x, reach),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                surface.shapes().nearest_of(x, reach, &pair.outlook(s, x))
-            }
+            Self::Surface(surface, _) => surface.shapes().nearest_of(x, reach, &pair.outlook(s, x)),
         }
     }
 
@@ -468,9 +476,7 @@ impl<'a> Ground<'a> {
     pub(super) fn closest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(tool) => tool.surface.closest(x, reach),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                surface.shapes().closest_of(x, reach, None, &pair.outlook(s, x))
-            }
+            Self::Surface(surface, _) => surface.shapes().closest_of(x, reach, None, &pair.outlook(s, x)),
         }
     }
 
@@ -479,7 +485,7 @@ impl<'a> Ground<'a> {
         const EDGE: f64 = 1e-6;
         let surface = match self {
             Self::Tool(_) => return None,
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => surface,
+            Self::Surface(surface, _) => surface,
         };
         let patch = surface.shapes().get(patch)?;
         let foot = patch.closest(x);
@@ -487,15 +493,11 @@ impl<'a> Ground<'a> {
         is_inside.then(|| -(x - foot.point).dot(&patch.normal(foot.xi)))
     }
 
-    /// How deep a node may be while it stays on the extension of another piece than that of the point `at`, see
-    /// [`Self::project`]: the extension times the sine of the greatest angle there.
-    pub(super) fn lingers(&self, at: &Projection, kink_same: f64) -> f64 {
+    /// How deep a node may be while it keeps to another piece than that of the point `at`, see [`Self::project`].
+    pub(super) fn kink(&self, at: &Projection, controls: &Controls) -> f64 {
         match self {
-            Self::Tool(tool) => tool.surface.lingers(at.patch),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                let cosine = 1.0 - kink_same;
-                EXTENSION * (1.0 - cosine * cosine).sqrt() * surface.facet_size
-            }
+            Self::Tool(tool) => tool.surface.kink(at.patch),
+            Self::Surface(surface, _) => surface.shapes().kink(at.patch, controls),
         }
     }
 
@@ -504,9 +506,7 @@ impl<'a> Ground<'a> {
     pub fn past(&self, comm: &SimpleCommunicator, turn: f64, place: impl Fn(u32) -> Vec3) -> Past {
         match self {
             Self::Tool(tool) => Past::Poses(tool.committed.turning(&tool.trial, turn)),
-            Self::Faces(surface) | Self::Own(surface) | Self::Nodes(surface) => {
-                Past::Places(surface.places(comm, place))
-            }
+            Self::Surface(surface, _) => Past::Places(surface.places(comm, place)),
         }
     }
 }

@@ -39,11 +39,13 @@ impl Meeting {
     ) -> Self {
         let slave = &pair.slaves[s];
         let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-        let projection = ground.project(pair, s, position, warm).filter(|p| !is_beside(pair, ground, s, position, p));
+        let keeps = slave.trial.returns >= slave.trial.patience;
+        let projection = ground.project(pair, s, position, (warm, keeps));
+        let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let slave = &mut pair.slaves[s];
-        slave.trial.projection = projection;
+        slave.trial.stand(projection, warm.map(|(patch, _)| patch));
         let guide = projection.map_or(Guide::default(), |p| guide(ground, &p, moves));
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
@@ -77,7 +79,7 @@ impl Meeting {
 /// Whether slave node `s`, found inside the master, has come past an end of it.
 fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Projection) -> bool {
     let slave = &pair.slaves[s];
-    let gap = |x: &Vec3| ground.project(pair, s, x, None).map(|p| p.gap);
+    let gap = |x: &Vec3| ground.project(pair, s, x, (None, false)).map(|p| p.gap);
     slave.is_beside(|| ground.start(slave, at), position, at, pair.facet_size, gap)
 }
 
@@ -86,13 +88,9 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
 fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
     const BEARS: f64 = 1e-6;
     let mut guide = Guide::default();
-    if moves.slave.iter().all(|by| by.is_nan()) {
-        return guide;
-    }
-    let bearing = ground.bearing(at);
+    let bearing = ground.bearing(at).filter(|(_, weight)| weight.abs() > BEARS);
     for (d, &by) in moves.slave.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
-        let bearing = bearing.iter().filter(|(_, weight)| weight.abs() > BEARS);
-        let mut moves = bearing.map(|(n, _)| moves.master[*n as usize][d]);
+        let mut moves = bearing.clone().map(|(n, _)| moves.master[n as usize][d]);
         guide.held[d] = moves.clone().all(|m| m == by);
         guide.drawn[d] = !guide.held[d] && moves.all(|m| !m.is_nan());
     }

@@ -31,7 +31,7 @@ pub mod watch;
 
 pub use body_surface::BodySurface;
 pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
-pub use master::{Ground, Master, Masters, Receiver};
+pub use master::{Ground, Master, Masters, Meets, Receiver};
 pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
 pub use pose::{Pose, Rotation};
@@ -105,7 +105,7 @@ impl Pair {
 
     /// Whether a surface meets itself.
     pub fn is_self(&self) -> bool {
-        matches!(self.master, Master::Own(_))
+        matches!(self.master, Master::Surface(_, Meets::Own))
     }
 
     /// How far a slave node may move in one iteration.
@@ -148,6 +148,8 @@ pub struct Manner {
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
     pub automatic: bool,
+    /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
+    pub again: bool,
     /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
     /// [`Controls`].
     pub yields: bool,
@@ -172,7 +174,7 @@ pub struct Slave {
     /// The force, where it is a local unknown.
     pub local: Local,
     /// State of the last converged increment.
-    pub committed: History,
+    pub committed: Committed,
     /// State of the current iterate.
     pub trial: Trial,
     /// The iterate that became the last converged increment.
@@ -184,7 +186,7 @@ pub struct Slave {
 
 /// What a slave node remembers of the last converged increment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct History {
+pub struct Committed {
     /// Nodal contact force λ, N; without friction λ_n stands in the first entry.
     pub multiplier: Vec3,
     /// Closest point, in the frame of a tool the slip origin, else in space. Kept for every node in reach, in contact or not.
@@ -249,6 +251,11 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
+    /// The piece of the master that it left last, and how often it has come back to one.
+    pub left: Option<u32>,
+    pub returns: u32,
+    /// From so many returns on it keeps to its side of kinks.
+    pub patience: u32,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -287,6 +294,17 @@ impl Trial {
         (self.asked, self.violation, self.local) = (asked, violation, constraint.amax());
     }
 
+    /// Takes over where it is on the master; it was on the piece `last` before.
+    pub fn stand(&mut self, projection: Option<Projection>, last: Option<u32>) {
+        self.projection = projection;
+        if let (Some(here), Some(last)) = (projection.map(|p| p.patch), last)
+            && here != last
+        {
+            self.returns += u32::from(self.left == Some(here));
+            self.left = Some(last);
+        }
+    }
+
     /// The force along the surface.
     pub fn traction(&self) -> Vec3 {
         self.projection.map_or(Vec3::zeros(), |p| self.force - p.normal * p.normal.dot(&self.force))
@@ -300,7 +318,7 @@ impl Slave {
         let augmentation = if held { automatic.min(penalty) } else { penalty };
         let compliance = Compliance::default();
         let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false, compliance };
-        let (committed, trial, accepted) = (History::default(), Trial::default(), Trial::default());
+        let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
         let (sight, sighted) = (Sight::default(), Sight::default());
         Self {
@@ -328,7 +346,8 @@ impl Slave {
     /// Begins an increment from the last converged one.
     pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
-        self.trial = Trial { status, yields, ..Trial::default() };
+        let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
+        self.trial = Trial { status, yields, patience, ..Trial::default() };
         let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
@@ -421,7 +440,7 @@ impl Slave {
     pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
-        self.committed = History {
+        self.committed = Committed {
             held: self.handed_on(method, &ground.carrier(projection.as_ref())),
             multiplier,
             anchor: projection.map(|p| ground.inward(&p.point)),

@@ -39,10 +39,16 @@ impl Tool {
         self.committed.translation
     }
 
-    /// Closest point of the tool at its trial pose to a point in space; the search starts at patch `warm`.
-    pub fn project(&self, point: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
+    /// Closest point of the tool at its trial pose to a point in space; the search starts at patch `warm`, to which the point
+    /// may keep at a kink.
+    pub fn project(
+        &self,
+        point: &Vec3,
+        reach: f64,
+        (warm, keeps): (Option<(u32, [f64; 2])>, bool),
+    ) -> Option<Projection> {
         let r = self.trial.rotation;
-        self.surface.project(&self.trial.inward(point), reach, warm).map(|p| Projection {
+        self.surface.project(&self.trial.inward(point), reach, (warm, keeps)).map(|p| Projection {
             point: self.trial.outward(&p.point),
             normal: r * p.normal,
             normal_gradient: r * p.normal_gradient * r.transpose(),

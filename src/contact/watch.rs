@@ -24,7 +24,7 @@
 use super::element::frame;
 use super::master::Past;
 use super::pose::way_past;
-use super::{Ground, Pair};
+use super::{Ground, Meets, Pair};
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::surface::Projection;
@@ -192,7 +192,7 @@ impl Seen {
 
 /// Depth behind the surface up to which a node is not behind it, with its nearest point there.
 fn allowed(view: &View, nearest: &Projection, may: &Allowance) -> f64 {
-    may.controls.watch_deep * may.facet + may.explained + view.ground.lingers(nearest, may.controls.kink_same)
+    may.controls.watch_deep * may.facet + may.explained + view.ground.kink(nearest, may.controls)
 }
 
 /// What is seen of a node at `x` before anything has moved.
@@ -210,7 +210,7 @@ pub fn judge(
     may: &Allowance,
 ) -> (Sight, Option<Finding>) {
     let to = &view.ground.seen_from(place);
-    if let Ground::Own(_) = view.ground {
+    if let Ground::Surface(_, Meets::Own) = view.ground {
         return judge_self(view, last, to, may);
     }
     let seen = Seen::new(view, to, may);

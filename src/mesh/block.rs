@@ -25,32 +25,32 @@ pub fn generate(block: &Located<Block>) -> Result<Mesh> {
     if !grading.iter().all(|g| g.is_finite() && *g > 0.0) {
         return refuse(format!("gradings {grading:?}"), "a grading is above 0; 1 is uniform");
     }
-    let place = match Place::new(shape) {
-        Ok(place) => place,
+    let shape = match CheckedShape::new(shape) {
+        Ok(shape) => shape,
         Err((what, help)) => return refuse(what, help),
     };
-    if place.closed && elements[1] < 3 {
+    if shape.closed && elements[1] < 3 {
         return refuse(format!("a closed ring of {} elements", elements[1]), "take 3 or more around");
     }
     let total = elements.iter().try_fold(1_usize, |total, n| total.checked_mul(n.checked_add(1)?));
     if total.is_none_or(|total| total >= u32::MAX as usize / 6) {
         return refuse(format!("a block of {elements:?} elements is too large"), "take fewer elements");
     }
-    let mut mesh = fill(*elements, *grading, &place);
-    let names = add_sides(&mut mesh, *elements, &place);
+    let mut mesh = fill(*elements, *grading, &shape);
+    let names = add_sides(&mut mesh, *elements, &shape);
     add_names(&mut mesh, &block.value.faces, &names)?;
     Ok(mesh)
 }
 
 /// A shape whose sizes are checked.
-struct Place<'a> {
+struct CheckedShape<'a> {
     shape: &'a BlockShape,
     /// A ring that closes on itself.
     closed: bool,
     sides: [&'static str; 6],
 }
 
-impl<'a> Place<'a> {
+impl<'a> CheckedShape<'a> {
     /// Fails with what is wrong and what would be right.
     fn new(shape: &'a BlockShape) -> std::result::Result<Self, (String, &'static str)> {
         match shape {
@@ -106,14 +106,14 @@ fn fractions(n: usize, grading: f64) -> Vec<f64> {
 }
 
 /// Points and elements; the first direction runs fastest.
-fn fill(elements: [usize; 3], grading: [f64; 3], place: &Place) -> Mesh {
+fn fill(elements: [usize; 3], grading: [f64; 3], shape: &CheckedShape) -> Mesh {
     let along: [Vec<f64>; 3] = std::array::from_fn(|i| fractions(elements[i], grading[i]));
     let [nx, ny, nz] = elements;
-    let rows = if place.closed { ny } else { ny + 1 };
+    let rows = if shape.closed { ny } else { ny + 1 };
     let mut mesh = Mesh { source: "block".into(), ..Mesh::default() };
     for &z in &along[2] {
         for &y in &along[1][..rows] {
-            mesh.points.extend(along[0].iter().map(|&x| place.point([x, y, z])));
+            mesh.points.extend(along[0].iter().map(|&x| shape.point([x, y, z])));
         }
     }
     mesh.point_ids = (1..=mesh.points.len() as u64).collect();
@@ -132,12 +132,12 @@ fn fill(elements: [usize; 3], grading: [f64; 3], place: &Place) -> Mesh {
 }
 
 /// Facets and groups of the sides. Returns the names of those there are.
-fn add_sides(mesh: &mut Mesh, elements: [usize; 3], place: &Place) -> Vec<&'static str> {
+fn add_sides(mesh: &mut Mesh, elements: [usize; 3], shape: &CheckedShape) -> Vec<&'static str> {
     let [nx, ny, _] = elements;
     let mut names = Vec::new();
-    for (side, (name, face)) in place.sides.into_iter().zip(SIDE_FACES).enumerate() {
+    for (side, (name, face)) in shape.sides.into_iter().zip(SIDE_FACES).enumerate() {
         let direction = side / 2;
-        if place.closed && direction == 1 {
+        if shape.closed && direction == 1 {
             continue;
         }
         let layer = if side % 2 == 0 { 0 } else { elements[direction] - 1 };

@@ -11,13 +11,13 @@ use std::path::PathBuf;
 
 /// The force and contact history of a run; rank 0 writes it.
 #[derive(Debug)]
-pub struct History {
+pub struct HistoryFile {
     path: PathBuf,
     /// On rank 0 alone.
     file: Option<File>,
 }
 
-impl History {
+impl HistoryFile {
     /// Writes the header `step,increment,time,iterations,` and `columns`. Collective.
     ///
     /// # Errors

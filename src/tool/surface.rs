@@ -112,13 +112,17 @@ impl Surface {
         true
     }
 
-    /// Closest point to a point that is watched, within its reach; `warm` is the piece and parameters of the last projection.
-    /// Facets stay facets: only on smooth surfaces does a node keep to its patch.
-    pub fn project(&self, point: &Vec3, reach: f64, warm: Option<(u32, [f64; 2])>) -> Option<Projection> {
-        if self.faceted {
-            self.near.closest(point, reach, warm)
-        } else {
-            self.near.contact(point, reach, warm, &self.controls)
+    /// Closest point to a point that is watched, within its reach; `warm` is the piece and parameters of the last projection,
+    /// to which it may keep at a kink.
+    pub fn project(
+        &self,
+        point: &Vec3,
+        reach: f64,
+        (warm, keeps): (Option<(u32, [f64; 2])>, bool),
+    ) -> Option<Projection> {
+        match keeps {
+            true => self.near.contact(point, reach, warm, &self.controls),
+            false => self.near.closest(point, reach, warm),
         }
     }
 
@@ -167,15 +171,15 @@ impl Surface {
         self.near.closest(point, reach, None)
     }
 
-    /// How far a node that keeps to its piece at a slight kink may be behind its neighbour `piece`.
-    pub fn lingers(&self, piece: u32) -> f64 {
-        if self.faceted { 0.0 } else { self.near.lingers(piece, &self.controls) }
+    /// How far a node that keeps to its piece at a kink may be behind its neighbour `piece`.
+    pub fn kink(&self, piece: u32) -> f64 {
+        self.near.kink(piece, &self.controls)
     }
 
     /// Closest points to all points that the ranks hold, each rank its own, within `reach`. Collective.
     pub fn project_all(&mut self, comm: &SimpleCommunicator, points: &[Vec3], reach: f64) -> Vec<Option<Projection>> {
         self.watch(comm, points, reach);
-        points.iter().map(|point| self.project(point, reach, None)).collect()
+        points.iter().map(|point| self.project(point, reach, (None, false))).collect()
     }
 
     /// The nearest points to all points that the ranks hold, each rank its own, ends of the surface included, however far.

@@ -142,6 +142,9 @@ impl Newton<'_> {
     /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
     pub(super) fn widen_pattern(&mut self) -> Result<bool> {
         let Model { masters, pairs, part, .. } = &*self.system.model;
+        if masters.surfaces.is_empty() {
+            return Ok(false);
+        }
         let mut lacks = false;
         for (p, pair) in pairs.iter().enumerate() {
             let ground = masters.of(pair.master);

@@ -9,8 +9,8 @@
 //! A tool whose nearest faces all stand across the slave's normals is judged only where it is closed: what is behind such a
 //! one is inside it, and no slave is inside with all its nodes.
 
-use super::sight::Sight;
-use crate::contact::Master;
+use super::sight::Standing;
+use crate::contact::{Master, Meets};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
@@ -21,9 +21,14 @@ use mpi::topology::SimpleCommunicator;
 const SAME: f64 = 0.5;
 
 /// Refuses contacts whose master looks away. Collective.
-pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model, sights: &[Vec<Sight>]) -> Result<()> {
+pub fn check(
+    comm: &SimpleCommunicator,
+    contacts: &[Contact],
+    model: &mut Model,
+    sights: &[Vec<Standing>],
+) -> Result<()> {
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        if pair.within_body || matches!(pair.master, Master::Nodes(_)) {
+        if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
             continue;
         }
         // Least distances, and that of nodes in front that look away, as negative numbers.
@@ -48,7 +53,7 @@ pub fn check(comm: &SimpleCommunicator, contacts: &[Contact], model: &mut Model,
         }
         max(comm, &mut least);
         let master = model.master_name(pair);
-        let in_front = |s: &Sight| s.gap().is_none_or(|gap| gap >= -pair.controls.touching_gap * pair.facet_size);
+        let in_front = |s: &Standing| s.gap().is_none_or(|gap| gap >= -pair.controls.touching_gap * pair.facet_size);
         if let Some(t) = pair.master.tool()
             && model.masters.tools[t].surface.is_closed(comm)
             && !any(comm, sights.iter().any(in_front))

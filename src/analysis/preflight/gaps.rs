@@ -2,7 +2,7 @@
 //!
 //! A node that begins farther inside than the reach of its contact is never found there, and has no force.
 
-use super::sight::Sight;
+use super::sight::Standing;
 use super::worst;
 use crate::contact::Pair;
 use crate::error::{Error, Result};
@@ -22,11 +22,11 @@ pub fn check(
     comm: &SimpleCommunicator,
     contacts: &[Contact],
     model: &mut Model,
-    sights: &[Vec<Sight>],
+    sights: &[Vec<Standing>],
 ) -> Result<Vec<String>> {
     let (mut lines, mut warnings) = (Vec::new(), Vec::new());
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        let gaps = || sights.iter().filter_map(Sight::gap);
+        let gaps = || sights.iter().filter_map(Standing::gap);
         let depths = || sights.iter().enumerate().filter_map(|(s, x)| Some((pair.slaves[s].node, -x.contact?.gap)));
         let count = |more: f64| depths().filter(|(_, depth)| *depth > more * pair.facet_size).count() as f64;
         let mut counts = [

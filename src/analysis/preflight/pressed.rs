@@ -7,7 +7,7 @@
 
 use super::super::conditions::Conditions;
 use super::rigid::{Side, sides};
-use super::sight::Sight;
+use super::sight::Standing;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -20,7 +20,7 @@ pub fn check(
     comm: &SimpleCommunicator,
     scene: &Scene,
     model: &Model,
-    (steps, sights): (&[Conditions], &[Vec<Sight>]),
+    (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let sides = sides(model, scene);
     for (step, conditions) in scene.steps.iter().zip(steps) {
@@ -35,7 +35,7 @@ pub fn check(
                     let sign = if *own == b { 1.0 } else { -1.0 };
                     let concerned = (*own == b) != (*other == Side::Body(b));
                     let sine = pair.friction / pair.friction.hypot(1.0);
-                    let of = move |s: &Sight| s.normal().map(|n| (sign * n, sine));
+                    let of = move |s: &Standing| s.normal().map(|n| (sign * n, sine));
                     sights.iter().filter(move |_| concerned).filter_map(of)
                 })
             };

@@ -6,7 +6,7 @@
 
 use crate::Vec3;
 use crate::contact::master::Prospect;
-use crate::contact::{Master, Pair};
+use crate::contact::{Master, Meets, Pair};
 use crate::model::Model;
 use crate::parallel::any;
 use crate::partition::Part;
@@ -20,7 +20,7 @@ const MOST: usize = 100;
 
 /// What a slave node sees.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sight {
+pub struct Standing {
     /// Outward unit normal of the slave faces around it; zero where they cancel.
     pub outward: Vec3,
     /// How far the elements around it reach into the body from there, the least of them.
@@ -32,7 +32,7 @@ pub struct Sight {
     pub nearest: Option<(Vec3, f64)>,
 }
 
-impl Sight {
+impl Standing {
     /// Normal of the master.
     pub fn normal(&self) -> Option<Vec3> {
         self.contact.map(|p| p.normal).or(self.nearest.map(|(normal, _)| normal))
@@ -45,8 +45,8 @@ impl Sight {
 }
 
 /// For each pair what its slave nodes see. Collective.
-pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Sight>> {
-    let own: Vec<Vec<Sight>> = model.pairs.iter().map(|pair| own_side(&model.part, pair)).collect();
+pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> {
+    let own: Vec<Vec<Standing>> = model.pairs.iter().map(|pair| own_side(&model.part, pair)).collect();
     let Model { part, masters, pairs, .. } = model;
     let place = |n: u32| part.points[n as usize];
     // Those within a body look as in the run: only what looks back at them counts.
@@ -54,10 +54,10 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Sight>> {
     let fetches: Vec<usize> = masters.surfaces.iter().map(|s| s.fetches).collect();
     let mut seen = Vec::new();
     for (pair, mut sights) in pairs.iter().zip(own) {
-        if pair.within_body || matches!(pair.master, Master::Nodes(_)) {
+        if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
             let ground = masters.of(pair.master);
             for (s, sight) in sights.iter_mut().enumerate() {
-                sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), None);
+                sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), (None, false));
             }
         } else {
             widen(comm, pair, place, &mut sights, |points, outward, reach| {
@@ -79,7 +79,7 @@ fn widen(
     comm: &SimpleCommunicator,
     pair: &Pair,
     place: impl Fn(u32) -> Vec3,
-    sights: &mut [Sight],
+    sights: &mut [Standing],
     mut find: impl FnMut(&[Vec3], &[Vec3], f64) -> Vec<Option<Prospect>>,
 ) {
     let mut open: Vec<usize> = (0..sights.len()).collect();
@@ -94,7 +94,7 @@ fn widen(
         let mut rest = Vec::new();
         for (&s, found) in open.iter().zip(found) {
             match found {
-                Some(Prospect { contact, nearest }) => sights[s] = Sight { contact, nearest, ..sights[s] },
+                Some(Prospect { contact, nearest }) => sights[s] = Standing { contact, nearest, ..sights[s] },
                 None => rest.push(s),
             }
         }
@@ -104,7 +104,7 @@ fn widen(
 }
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
-fn own_side(part: &Part, pair: &Pair) -> Vec<Sight> {
+fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
     let mut sums = vec![Vec3::zeros(); part.points.len()];
     for facet in &part.sets[pair.set].facets {
         let nodes = &facet.nodes[..facet.count as usize];
@@ -121,6 +121,6 @@ fn own_side(part: &Part, pair: &Pair) -> Vec<Sight> {
             depths[n] = depths[n].min(solid.nodes().iter().map(below).fold(0.0, f64::max));
         }
     }
-    let sight = |n: usize| Sight { outward: sums[n], depth: depths[n], ..Sight::default() };
+    let sight = |n: usize| Standing { outward: sums[n], depth: depths[n], ..Standing::default() };
     pair.slaves.iter().map(|s| sight(s.node as usize)).collect()
 }

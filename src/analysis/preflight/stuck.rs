@@ -70,7 +70,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 tool.surface.watch(comm, &points, reach);
                 for &k in &watched {
                     let (x, u) = place(k);
-                    let Some(p) = tool.project(&x, reach, None) else { continue };
+                    let Some(p) = tool.project(&x, reach, (None, false)) else { continue };
                     let held =
                         (0..3).all(|d| p.normal[d].abs() <= ACROSS || is_set(pair, k, conditions, d) && !u[d].is_nan());
                     if held && p.gap < -DEPTH * pair.facet_size {

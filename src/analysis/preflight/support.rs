@@ -14,7 +14,7 @@
 
 use super::super::conditions::Conditions;
 use super::rigid::{Free, RigidMotions, Side, sides};
-use super::sight::Sight;
+use super::sight::Standing;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -27,7 +27,7 @@ pub fn check(
     comm: &SimpleCommunicator,
     scene: &Scene,
     model: &mut Model,
-    (steps, sights): (&[Conditions], &[Vec<Sight>]),
+    (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let sides = sides(model, scene);
     let mut warnings = Vec::new();
@@ -150,13 +150,13 @@ fn apart(
     comm: &SimpleCommunicator,
     (scene, model): (&Scene, &Model),
     (step, conditions): (&Step, &Conditions),
-    sights: &[Vec<Sight>],
+    sights: &[Vec<Standing>],
     free: &[Free],
 ) -> Error {
     let sides = sides(model, scene);
     let mut nearest = Vec::new();
     for (p, pair) in model.pairs.iter().enumerate() {
-        let mut least = [sights[p].iter().filter_map(Sight::gap).map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max)];
+        let mut least = [sights[p].iter().filter_map(Standing::gap).map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max)];
         max(comm, &mut least);
         let concerned = |f: &Free| f.index == sides[p].0 || sides[p].1 == Side::Body(f.index);
         if free.iter().any(concerned) && -least[0] > pair.controls.touching_gap * pair.facet_size {

@@ -1,6 +1,6 @@
 //! Sizes that hint at mixed units, and coordinates too far from the origin for their rounding to be small.
 
-use super::sight::Sight;
+use super::sight::Standing;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::max;
@@ -62,7 +62,7 @@ pub fn offset(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Re
 }
 
 /// Warns of sizes and distances that hint at mixed units. Collective.
-pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights: &[Vec<Sight>]) {
+pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights: &[Vec<Standing>]) {
     let boxes = boxes(comm, model);
     let diagonals: Vec<f64> = boxes.iter().map(|(low, high)| (high - low).norm()).collect();
     let mut told = Vec::new();
@@ -78,7 +78,7 @@ pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights
         compare(named(0), (format!("tool `{}`", tool.name), (high - low).norm()));
     }
     for (pair, sights) in model.pairs.iter().zip(sights) {
-        let mut least = [sights.iter().filter_map(Sight::gap).map(|g| -g.abs()).fold(f64::NEG_INFINITY, f64::max)];
+        let mut least = [sights.iter().filter_map(Standing::gap).map(|g| -g.abs()).fold(f64::NEG_INFINITY, f64::max)];
         max(comm, &mut least);
         let largest = diagonals.iter().copied().fold(0.0, f64::max);
         if (-least[0]).is_finite() && -least[0] > FAR * largest {

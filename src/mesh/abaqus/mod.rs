@@ -99,12 +99,12 @@ struct Deck {
     /// The first is the deck outside of parts with its assembly, the others are instances.
     scopes: Vec<Scope>,
     parts: Vec<Scope>,
-    place: Place,
+    level: Level,
 }
 
 /// Where new nodes, elements and sets go.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
-enum Place {
+enum Level {
     #[default]
     Root,
     Part,
@@ -204,9 +204,9 @@ impl Deck {
         if self.scopes.is_empty() {
             self.scopes.push(Scope::default());
         }
-        let instance = if self.place == Place::Instance { self.scopes.len() - 1 } else { 0 };
+        let instance = if self.level == Level::Instance { self.scopes.len() - 1 } else { 0 };
         match self.parts.last_mut() {
-            Some(part) if self.place == Place::Part => part,
+            Some(part) if self.level == Level::Part => part,
             _ => &mut self.scopes[instance],
         }
     }
@@ -226,13 +226,13 @@ impl Deck {
             }
             "PART" => {
                 let name = keyword.require("NAME", lines)?.to_string();
-                self.enter(Place::Part, lines)?;
+                self.enter(Level::Part, lines)?;
                 self.parts.push(Scope { name, ..Scope::default() });
                 Ok(Reading::Nothing)
             }
             "INSTANCE" => self.open_instance(keyword, lines),
             "END PART" | "END INSTANCE" => {
-                self.place = Place::Root;
+                self.level = Level::Root;
                 Ok(Reading::Nothing)
             }
             "SYSTEM" => Ok(Reading::System),
@@ -244,12 +244,12 @@ impl Deck {
         }
     }
 
-    fn enter(&mut self, place: Place, lines: &Lines) -> Result<()> {
+    fn enter(&mut self, place: Level, lines: &Lines) -> Result<()> {
         self.here();
-        if self.place != Place::Root {
+        if self.level != Level::Root {
             return Err(lines.error("the part or instance before this line is still open", "close it with *END"));
         }
-        self.place = place;
+        self.level = place;
         Ok(())
     }
 
@@ -316,7 +316,7 @@ impl Deck {
         } else if keyword.has("LIBRARY") {
             return Err(lines.error("instances of another job's results are not read", ""));
         }
-        self.enter(Place::Instance, lines)?;
+        self.enter(Level::Instance, lines)?;
         scope.name = name;
         self.scopes.push(scope);
         Ok(Reading::Instance { line: 0 })
@@ -471,7 +471,7 @@ impl Deck {
     /// A number or the name of a set, either with an instance in front: `12`, `top`, `instance.12`, `instance.top`.
     fn member(&self, mut scope: usize, field: &str, lines: &Lines) -> Member {
         let mut name = field.trim_matches('"');
-        if let Some((instance, rest)) = name.split_once('.').filter(|_| self.place == Place::Root)
+        if let Some((instance, rest)) = name.split_once('.').filter(|_| self.level == Level::Root)
             && let Some(found) = self.find_instance(instance)
         {
             (scope, name) = (found, rest);

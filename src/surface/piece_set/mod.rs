@@ -44,6 +44,7 @@ use super::patch::Patch;
 use super::piece::Piece;
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
+use crate::controls::Controls;
 use search::{Question, Search};
 use tree::Tree;
 
@@ -208,20 +209,27 @@ impl<P: Piece> PieceSet<P> {
         (foot.limits == 0).then_some(projection)
     }
 
-    /// The point of contact on the extension of the piece of the last projection `warm`, where `found` is on another: as
-    /// long as both are of the same place: for facets of a size they may differ in place by a part `apart` of it, and in the
-    /// cosine between the normals by as much.
+    /// The point of contact on the piece of the last projection `warm` and its extension, where `found` is across a kink: as
+    /// long as the gaps differ by no more than [`Self::kink`] and the normals by no more than the controls say.
     pub fn stays(
         &self,
         x: &Vec3,
         warm: Option<(u32, [f64; 2])>,
         found: &Projection,
-        (size, apart): (f64, f64),
+        controls: &Controls,
     ) -> Option<Projection> {
-        let same =
-            |p: &Projection| (p.point - found.point).norm() < apart * size && p.normal.dot(&found.normal) > 1.0 - apart;
         let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
+        let most = self.kink(id, controls);
+        let same = |p: &Projection| {
+            (p.gap - found.gap).abs() <= most && p.normal.dot(&found.normal) >= 1.0 - controls.kink_turn
+        };
         self.on_piece(x, id, xi).filter(same)
+    }
+
+    /// How much the gap of a node that keeps to its piece at a kink may differ from that on the other side, a length.
+    pub fn kink(&self, id: u32, controls: &Controls) -> f64 {
+        let half_diagonal = |piece: &P| 0.5 * (piece.bounds().1 - piece.bounds().0).norm();
+        controls.kink_gap * self.get(id).map_or(0.0, half_diagonal)
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece

@@ -51,20 +51,20 @@ struct Hit {
     index: usize,
     /// Least distance to the piece without extension, and where it is.
     distance: f64,
-    core: Place,
+    core: Landing,
     /// The same with the extension that the edges allow.
-    place: Place,
+    place: Landing,
     overshoot: f64,
 }
 
 /// Parameters, and the limits of the domain that they lie on.
 #[derive(Clone, Copy, Default)]
-struct Place {
+struct Landing {
     xi: [f64; 2],
     limits: u32,
 }
 
-impl From<Foot> for Place {
+impl From<Foot> for Landing {
     fn from(foot: Foot) -> Self {
         Self { xi: foot.xi, limits: foot.limits }
     }
@@ -238,7 +238,7 @@ impl<'a, P: Piece> Search<'a, P> {
 
     fn projection(&self, hit: &Hit) -> Projection {
         let piece = &self.set.pieces[hit.index];
-        let Place { xi, limits } = hit.place;
+        let Landing { xi, limits } = hit.place;
         let local = piece.local(xi);
         let r = self.x - local.point;
         let foot = Foot { xi, limits, local, distance: r.norm() };
@@ -277,7 +277,7 @@ impl<'a, P: Piece> Search<'a, P> {
         let point = pieces[chosen.index].point(chosen.core.xi);
         let touch = KEEP * self.set.extents[chosen.index].radius;
         let normal = |hit: &Hit| {
-            let (piece, Place { xi, limits }) = (&pieces[hit.index], hit.core);
+            let (piece, Landing { xi, limits }) = (&pieces[hit.index], hit.core);
             let foot = Foot { xi, limits, local: piece.local(xi), distance: 0.0 };
             ((foot.local.point - point).norm() <= touch).then(|| piece.angle_normal(&foot))
         };
