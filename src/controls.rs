@@ -252,8 +252,8 @@ controls! {
             "Below, friction is what holds a body: that of a wedge of 30 degrees. Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips.";
     }
     "kinks" {
-        kink_gap: f64 = 5e-3, [0.0, 0.02], "half the diagonal of a patch",
-            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: half of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 48 with this.";
+        kink_gap: f64 = 1e-3, [0.0, 0.02], "shortest edge of a patch",
+            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: a tenth of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 64 with this.";
         kink_returns: usize = 2, [1, 100], "returns",
             "How often a node has come back to a patch within an increment when it counts as going to and fro; once, where the increment has failed before. Of 24 strips that close onto themselves none fails with 1 or 2, three with 3.";
         kink_turn: f64 = 0.1, [0.0, 0.5], "1 - cosine of the angle between the normals of both sides",

@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn a_node_keeps_to_its_side_of_a_kink_for_a_while() {
         let mesh = grid(4, 4, false, |s, t| [s, t, 0.3 * (4.0 * s + 1.0).sin() * (3.0 * t).cos()]);
-        let controls = Controls { kink_gap: 5e-4, ..Controls::default() };
+        let controls = Controls { kink_gap: 3.5e-4, ..Controls::default() };
         for smoothing in [Smoothing::Nagata, Smoothing::Facet] {
             let patches = patches_from_mesh(&mesh, smoothing, &NormalOptions::default(), false).unwrap();
             let shape = Shape::Patches(PatchSet::new(patches));

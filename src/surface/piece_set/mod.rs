@@ -34,6 +34,16 @@
 //! [`PieceSet::normal_projection`] has no policy: it knows feet of perpendiculars only, and so has dead zones.
 
 mod search;
+/// Between corners; edges of no length, at poles, do not count.
+fn shortest_edge<P: Piece>(piece: &P) -> f64 {
+    const NONE: f64 = 1e-6;
+    let count = piece.count();
+    let corners = piece.corners(&[0.0; 4]).map(|xi| piece.point(xi));
+    let edges = || (0..count).map(|k| (corners[(k + 1) % count] - corners[k]).norm());
+    let longest = edges().fold(0.0, f64::max);
+    edges().filter(|edge| *edge > NONE * longest).fold(longest, f64::min)
+}
+
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -228,8 +238,7 @@ impl<P: Piece> PieceSet<P> {
 
     /// How much the gap of a node that keeps to its piece at a kink may differ from that on the other side, a length.
     pub fn kink(&self, id: u32, controls: &Controls) -> f64 {
-        let half_diagonal = |piece: &P| 0.5 * (piece.bounds().1 - piece.bounds().0).norm();
-        controls.kink_gap * self.get(id).map_or(0.0, half_diagonal)
+        controls.kink_gap * self.get(id).map_or(0.0, shortest_edge)
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
