@@ -361,6 +361,11 @@ impl Model {
         longest[0]
     }
 
+    /// Whether all bodies are in plane strain.
+    pub fn is_plane(&self) -> bool {
+        self.bodies.iter().all(|body| body.plane_strain)
+    }
+
     /// Whether a set is on a body in plane strain.
     fn is_planar(&self, set: &str) -> bool {
         self.bodies.iter().any(|b| b.name == body_of(set) && b.plane_strain)

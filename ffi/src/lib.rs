@@ -1,7 +1,7 @@
 //! Thin safe types over Debian's PETSc: what an implicit finite-element program needs of it, and no more.
 //!
 //! [`Petsc`] starts and ends the library; [`Vector`] and [`Matrix`] are distributed by rows, each rank giving its own;
-//! [`LinearSolver`] factors with MUMPS; [`Snes`] is Newton's method over a [`Problem`] of the caller's.
+//! [`LinearSolver`] factors with MUMPS, or iterates with multigrid; [`Snes`] is Newton's method over a [`Problem`] of the caller's.
 //!
 //! Three rules hold throughout.
 //! - Objects borrow [`Petsc`], and that borrows the communicator: the order of destruction is the compiler's concern.
@@ -16,6 +16,7 @@ mod error;
 mod linear;
 mod matrix;
 mod memory;
+mod multigrid;
 mod runtime;
 mod snes;
 mod sys;
@@ -25,6 +26,7 @@ pub use error::Error;
 pub use linear::{Factorization, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE};
 pub use matrix::Matrix;
 pub use memory::address_space_left;
+pub use multigrid::{Multipliers, Node, Unknowns};
 pub use runtime::Petsc;
 pub use snes::{Evaluation, Iterate, Jacobian, Outcome, Problem, Reason, Snes, Verdict};
 pub use vector::{Array, ArrayMut, Vector};

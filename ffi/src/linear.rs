@@ -15,6 +15,7 @@ use std::ptr::null_mut;
 
 use crate::error::{Error, check, forget};
 use crate::matrix::{Matrix, Version};
+use crate::multigrid::{Multigrid, Node, Unknowns};
 use crate::runtime::Petsc;
 use crate::sys;
 use crate::vector::{Vector, norm2};
@@ -23,6 +24,8 @@ use crate::vector::{Vector, norm2};
 pub const RESIDUAL_TOLERANCE: f64 = 1e-6;
 /// Steps of iterative refinement before a solution is given up.
 const MAX_REFINEMENTS: usize = 2;
+/// Systems in a row that the iterative solver may be tried on in vain.
+const MOST_IN_VAIN: usize = 3;
 /// Doublings of the workspace before a factorization is given up.
 const MAX_RETRIES: usize = 5;
 
@@ -146,15 +149,47 @@ pub struct LinearStatistics {
     pub null_pivots: usize,
     /// Factorizations repeated with pivots that MUMPS had taken for null, and that the solution needed.
     pub small_pivots: usize,
+    /// Systems solved iteratively, and iterations for them.
+    pub iterative_solves: usize,
+    pub krylov_iterations: usize,
+    /// Systems that the iterative solver was tried on in vain, and that were factored.
+    pub unsolved: usize,
+    /// Time for setting multigrid up, and for iterating with it, s.
+    pub set_up_s: f64,
+    pub iterate_s: f64,
 }
 
-/// Solves systems with MUMPS.
+impl LinearStatistics {
+    /// What was done before and `later` in all; the last system's figures are those of `later`.
+    pub fn and(&self, later: &Self) -> Self {
+        Self {
+            analyses: self.analyses + later.analyses,
+            factorizations: self.factorizations + later.factorizations,
+            workspace_retries: self.workspace_retries + later.workspace_retries,
+            solves: self.solves + later.solves,
+            refinements: self.refinements + later.refinements,
+            relative_residual: later.relative_residual,
+            null_pivots: later.null_pivots,
+            small_pivots: self.small_pivots + later.small_pivots,
+            iterative_solves: self.iterative_solves + later.iterative_solves,
+            krylov_iterations: self.krylov_iterations + later.krylov_iterations,
+            unsolved: self.unsolved + later.unsolved,
+            set_up_s: self.set_up_s + later.set_up_s,
+            iterate_s: self.iterate_s + later.iterate_s,
+        }
+    }
+}
+
+/// Solves systems with MUMPS, or iteratively.
 pub struct LinearSolver<'p> {
     petsc: &'p Petsc<'p>,
     factorization: Factorization,
     /// Workspace beyond the estimate, in percent, since the default or the user's has not sufficed.
     workspace: Option<i32>,
     factor: Option<Factor<'p>>,
+    multigrid: Option<Multigrid<'p>>,
+    /// Systems in a row that multigrid did not solve.
+    in_vain: usize,
     statistics: LinearStatistics,
 }
 
@@ -171,7 +206,22 @@ struct Factor<'p> {
 impl<'p> LinearSolver<'p> {
     /// A solver that has seen no matrix yet.
     pub fn new(petsc: &'p Petsc<'p>, factorization: Factorization) -> Self {
-        Self { petsc, factorization, workspace: None, factor: None, statistics: LinearStatistics::default() }
+        let statistics = LinearStatistics::default();
+        Self { petsc, factorization, workspace: None, factor: None, multigrid: None, in_vain: 0, statistics }
+    }
+
+    /// From now on tries to solve systems iteratively, of which the rows belong to these unknowns; what it cannot is solved
+    /// directly, and all that comes after [`MOST_IN_VAIN`] such in a row. Collective.
+    pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
+        self.multigrid = Some(Multigrid::new(self.petsc, unknowns)?);
+        Ok(())
+    }
+
+    /// Tells the iterative solver, if there is one, where its nodes are now.
+    pub fn place(&mut self, nodes: impl FnOnce() -> Vec<Node>) {
+        if let Some(multigrid) = &mut self.multigrid {
+            multigrid.place(nodes());
+        }
     }
 
     /// What it has done so far.
@@ -211,6 +261,20 @@ impl<'p> LinearSolver<'p> {
             // An empty system, too.
             // SAFETY: the caller vouches for `x`.
             return Ok(check(unsafe { sys::VecSet(x, 0.0) })?);
+        }
+        if let Some(multigrid) = self.multigrid.as_mut().filter(|_| self.in_vain < MOST_IN_VAIN) {
+            if !matrix.is_finite_everywhere() {
+                return Err(LinearFailure::NotFinite("matrix").into());
+            }
+            // SAFETY: as for this function.
+            if let Some(relative_residual) = unsafe { multigrid.solve(matrix, (b, norm), x, &mut self.statistics) }? {
+                self.in_vain = 0;
+                self.statistics.relative_residual = relative_residual;
+                self.statistics.null_pivots = 0;
+                return Ok(());
+            }
+            self.in_vain += 1;
+            self.statistics.unsolved += 1;
         }
         let mut factor = self.factored(matrix)?;
         // SAFETY: as for this function.

@@ -16,6 +16,7 @@ use crate::agree::agree_on_call;
 use crate::error::{Error, check, forget, owned};
 use crate::linear::{Factorization, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE};
 use crate::matrix::Matrix;
+use crate::multigrid::{Node, Unknowns};
 use crate::runtime::Petsc;
 use crate::sys;
 use crate::vector::{Array, ArrayMut, Vector, norm2};
@@ -194,6 +195,16 @@ impl<'p> Snes<'p> {
     /// What the linear solver has done so far.
     pub fn linear_statistics(&self) -> LinearStatistics {
         self.linear.statistics()
+    }
+
+    /// As [`LinearSolver::iterate`]. Collective.
+    pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
+        self.linear.iterate(unknowns)
+    }
+
+    /// As [`LinearSolver::place`].
+    pub fn place(&mut self, nodes: impl FnOnce() -> Vec<Node>) {
+        self.linear.place(nodes);
     }
 
     /// As [`LinearSolver::null_part`], of the last J. Collective.

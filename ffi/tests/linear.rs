@@ -3,7 +3,7 @@
 mod common;
 use common::*;
 
-use petsc::{Factorization, LinearError, LinearFailure, LinearSolver, Matrix, Petsc};
+use petsc::{Factorization, LinearError, LinearFailure, LinearSolver, Matrix, Multipliers, Node, Petsc, Unknowns};
 
 /// Solves for a known solution and returns its largest error.
 fn error_of_solution(petsc: &Petsc, solver: &mut LinearSolver, a: &Matrix, dense: &[Vec<f64>]) -> f64 {
@@ -241,5 +241,114 @@ fn want_of_workspace_is_met() {
         assert!(error_of_solution(petsc, &mut solver, &matrix(petsc, &dense), &dense) < 1e-9);
         let statistics = solver.statistics();
         assert!(statistics.workspace_retries == 1 && statistics.factorizations == 2, "{statistics:?}");
+    });
+}
+
+/// Elastic lattice of 3 x 4 x 5 nodes on springs, of which three are fixed in x, and nine multipliers: a third of them free, with a
+/// diagonal alone, the others holding a node down. On two ranks those are on the second, and most of their nodes on the first.
+fn lattice() -> (Vec<Vec<f64>>, Unknowns) {
+    const NODES: usize = 60;
+    const MULTIPLIERS: usize = 9;
+    const FIXED: usize = 3;
+    let row = |node: usize, d: usize| match node < FIXED {
+        true => (d > 0).then(|| 2 * node + d - 1),
+        false => Some(3 * node + d - FIXED),
+    };
+    let total = 3 * NODES - FIXED + MULTIPLIERS;
+    let mut dense = vec![vec![0.0; total]; total];
+    let mut add = |a: Option<usize>, b: Option<usize>, value: f64| {
+        if let (Some(a), Some(b)) = (a, b) {
+            dense[a][b] += value;
+        }
+    };
+    let place = |node: usize| [node / 20, node / 5 % 4, node % 5];
+    let cross = [[1.0, 0.1, 0.0], [0.1, 1.0, 0.1], [0.0, 0.1, 1.0]];
+    for (a, b) in (0..NODES).flat_map(|a| (0..NODES).map(move |b| (a, b))) {
+        let apart: usize = place(a).iter().zip(place(b)).map(|(a, b)| a.abs_diff(b)).sum();
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            let held = if a == b && place(a)[2] == 0 { 1e5 } else { 0.0 };
+            if apart == 1 {
+                add(row(a, i), row(a, j), 1e5 * cross[i][j]);
+                add(row(a, i), row(b, j), -1e5 * cross[i][j]);
+            } else if i == j {
+                add(row(a, i), row(b, j), held);
+            }
+        }
+    }
+    for m in 0..MULTIPLIERS {
+        let (at, node) = (Some(total - MULTIPLIERS + m), 6 * m + 4);
+        if m % 3 == 0 {
+            add(at, at, -2e5);
+        } else {
+            add(at, row(node, 2), 2e5);
+            add(row(node, 2), at, 2e5);
+        }
+    }
+    let node = |n: usize| Node {
+        rows: [0, 1, 2].map(|d| row(n, d).map(|row| row as u32)),
+        position: place(n).map(|x| x as f64),
+    };
+    let force = |m: usize| Multipliers { first: (total - MULTIPLIERS + m) as u32, count: 1, stiffness: 5e5 };
+    (dense, Unknowns { nodes: (0..NODES).map(node).collect(), multipliers: (0..MULTIPLIERS).map(force).collect() })
+}
+
+/// The part of this rank, with its rows counted there.
+fn own_unknowns(petsc: &Petsc, total: usize, all: &Unknowns) -> Unknowns {
+    let own = own_rows(petsc, total);
+    let local = |row: u32| own.contains(&(row as usize)).then(|| row - own.start as u32);
+    let of_rank = |node: &Node| Node { rows: node.rows.map(|row| row.and_then(local)), ..*node };
+    let nodes = all.nodes.iter().map(of_rank).filter(|node| node.rows.iter().any(Option::is_some)).collect();
+    let of_rank = |m: &Multipliers| Some(Multipliers { first: local(m.first)?, ..*m });
+    let multipliers = all.multipliers.iter().filter_map(of_rank).collect();
+    Unknowns { nodes, multipliers }
+}
+
+#[test]
+fn multigrid_solves_what_mumps_does() {
+    with_petsc("multigrid_solves_what_mumps_does", &[1, 2, 3], "", |petsc| {
+        let (mut dense, unknowns) = lattice();
+        let mut a = matrix(petsc, &dense);
+        let mut solver = LinearSolver::new(petsc, Factorization::Lu);
+        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns)).unwrap();
+        // New values, of which some make another contact, then a new pattern.
+        for round in 0..3 {
+            let error = error_of_solution(petsc, &mut solver, &a, &dense);
+            assert!(error < 1e-6, "{round}: {error}");
+            let at = dense.len() - 9;
+            match round {
+                0 => {
+                    dense.iter_mut().flatten().for_each(|a| *a *= 1.5);
+                    (dense[at + 1][at + 1], dense[at + 1][9]) = (-1e5, 0.0);
+                    a = matrix(petsc, &dense);
+                }
+                _ => {
+                    (dense[0][170], dense[170][0]) = (10.0, 10.0);
+                    let (offsets, columns, values) = compress(own_rows(petsc, dense.len()), &dense);
+                    a.rebuild(&offsets, &columns, &values).unwrap();
+                }
+            }
+        }
+        let statistics = solver.statistics();
+        assert_eq!((statistics.iterative_solves, statistics.unsolved, statistics.factorizations), (3, 0, 0));
+        assert!(statistics.krylov_iterations < 100, "{statistics:?}");
+        assert!(statistics.relative_residual < 1e-7, "{statistics:?}");
+    });
+}
+
+#[test]
+fn what_multigrid_cannot_solve_is_factored() {
+    let options = "-linear_ksp_type preonly";
+    with_petsc("what_multigrid_cannot_solve_is_factored", &[1, 2], options, |petsc| {
+        let (dense, unknowns) = lattice();
+        let a = matrix(petsc, &dense);
+        let mut solver = LinearSolver::new(petsc, Factorization::Lu);
+        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns)).unwrap();
+        for round in 1..6 {
+            let error = error_of_solution(petsc, &mut solver, &a, &dense);
+            assert!(error < 1e-9, "{error}");
+            // Not for ever.
+            assert_eq!(solver.statistics().unsolved, round.min(3));
+        }
+        assert_eq!(solver.statistics().factorizations, 1);
     });
 }

@@ -35,10 +35,11 @@ class Process:
 
 
 class Run(Process):
-    """Runs a scene on so many ranks with further arguments of `nagata run`; the results go to the folder `out`."""
+    """Runs a scene on so many ranks with further arguments of `nagata run`, for so many seconds at most; the results go to the
+    folder `out`."""
 
-    def __init__(self, scene, out, ranks, *arguments):
-        super().__init__(on_ranks(ranks, NAGATA, "run", scene, "--out", out, "--quiet", *arguments))
+    def __init__(self, scene, out, ranks, *arguments, limit=None):
+        super().__init__(on_ranks(ranks, NAGATA, "run", scene, "--out", out, "--quiet", *arguments), limit)
         if self.code != 0:
             return
         self.summary = json.loads((out / "summary.json").read_text())

@@ -132,6 +132,13 @@ pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
     }
 }
 
+/// Of systems that the iterative solver was tried on in vain.
+pub fn unsolved(step: &str) -> String {
+    format!(
+        "step `{step}`: multigrid did not converge, and the system was factored: results are as right, but time and memory are those          of factors; `linear = \"direct\"` does without the attempt"
+    )
+}
+
 /// What `nagata check` prints: what will be modelled and what will not. Collective.
 ///
 /// # Errors
@@ -194,9 +201,12 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let mut entries = [pattern.columns.len() as f64];
         sum(comm, &mut entries);
         let symmetric = conditions.is_symmetric(model);
-        let (matrix, solver) =
+        let (matrix, factors) =
             if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
-        let memory = cost::megabytes(dofs.total, entries[0], symmetric);
+        let (solver, memory) = match cost::iterates(scene.solver.linear, dofs.total, model.is_plane()) {
+            true => ("FGMRES with multigrid", cost::megabytes_of_multigrid(entries[0])),
+            false => (factors, cost::megabytes(dofs.total, entries[0], symmetric)),
+        };
         let _ = writeln!(
             text,
             "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",

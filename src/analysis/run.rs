@@ -10,7 +10,7 @@ use crate::output::{self, OutputFolder};
 use crate::parallel::agree;
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
-use petsc::Petsc;
+use petsc::{LinearStatistics, Petsc};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -50,7 +50,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     summary.converged = outcome.is_ok();
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
-    measure_solver(petsc, simulation.phases());
+    measure_solver(petsc, &summary.linear, simulation.phases());
     let written = summary.write(&folder, comm, simulation.phases());
     let log = &mut recorder.log;
     log.finish();
@@ -62,14 +62,16 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     outcome.and(written)
 }
 
-/// Takes the times of the linear solver from PETSc's log.
-fn measure_solver(petsc: &Petsc, phases: &Phases) {
+/// Takes the times of the linear solver from PETSc's log, and what it has measured itself.
+fn measure_solver(petsc: &Petsc, linear: &LinearStatistics, phases: &Phases) {
     let seconds = |events: &[&str]| {
         let total: f64 = events.iter().map(|e| petsc.log_seconds(e).unwrap_or(0.0)).sum();
         Duration::from_secs_f64(total)
     };
     phases.add(Phase::Factor, seconds(&["MatLUFactorSym", "MatLUFactorNum", "MatCholFctrSym", "MatCholFctrNum"]));
     phases.add(Phase::Solve, seconds(&["MatSolve"]));
+    phases.add(Phase::Factor, Duration::from_secs_f64(linear.set_up_s));
+    phases.add(Phase::Solve, Duration::from_secs_f64(linear.iterate_s));
 }
 
 /// Writes what a simulation does.

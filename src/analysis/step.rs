@@ -5,7 +5,7 @@ use super::increments::Increments;
 use super::ladder::{Ladder, Way, Yields};
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
-use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, describe, ending};
+use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending};
 use crate::Vec3;
 use crate::contact::{Manner, Pair, Status};
 use crate::controls::Controls;
@@ -18,7 +18,7 @@ use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::Step;
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern};
-use petsc::{Factorization, LinearFailure, Matrix, Reason, Snes, Vector};
+use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Reason, Snes, Vector};
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
@@ -37,10 +37,10 @@ pub(super) struct Running<'a> {
     pub(super) frame: Frame,
     snes: Snes<'a>,
     x: Vector<'a>,
-    /// Symbolic factorizations before it.
-    analyses: usize,
-    /// Null pivots have been told of.
-    warned: bool,
+    /// What was done for linear systems before it.
+    before: LinearStatistics,
+    /// Null pivots, and systems that were not solved iteratively, have been told of.
+    warned: [bool; 2],
 }
 
 impl Frame {
@@ -172,11 +172,16 @@ impl<'a> Simulation<'a> {
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
-        let snes = Snes::new(self.petsc, matrix, kind)?;
+        let mut snes = Snes::new(self.petsc, matrix, kind)?;
+        if cost::iterates(self.scene.solver.linear, dofs.total, self.model.is_plane()) {
+            let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+            snes.iterate(dofs.unknowns(&self.model, place))?;
+            self.summary.linear_solver = "FGMRES, multigrid".into();
+        }
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        self.running = Some(Running { frame, snes, x, analyses: self.summary.analyses, warned: false });
+        self.running = Some(Running { frame, snes, x, before: self.summary.linear, warned: [false; 2] });
         Ok(())
     }
 
@@ -215,13 +220,16 @@ impl<'a> Simulation<'a> {
                 }
                 Way::Jump => self.jump(frame, (snes, x), end, observer)?,
             };
-            self.summary.analyses = running.analyses + snes.linear_statistics().analyses;
+            self.summary.linear = running.before.and(&snes.linear_statistics());
             match outcome {
                 Attempt::Converged(converged) => {
                     let increment = self.accept(frame, *converged, x)?;
                     observer(&Event::Increment(&increment))?;
-                    let null_pivots = snes.linear_statistics().null_pivots;
-                    if null_pivots > 0 && !std::mem::replace(&mut running.warned, true) {
+                    let LinearStatistics { null_pivots, unsolved, .. } = snes.linear_statistics();
+                    if unsolved > 0 && !std::mem::replace(&mut running.warned[1], true) {
+                        self.warn(describe::unsolved(frame.name()), observer)?;
+                    }
+                    if null_pivots > 0 && !std::mem::replace(&mut running.warned[0], true) {
                         let free = self.free_motion(frame, snes)?;
                         let warning = describe::null_pivots(frame.name(), null_pivots, free.as_deref());
                         self.warn(warning, observer)?;
@@ -312,6 +320,8 @@ impl<'a> Simulation<'a> {
         observer: &mut Observer,
     ) -> Result<Attempt> {
         self.watch_ahead(frame, end);
+        let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+        snes.place(|| frame.dofs.unknowns(&self.model, place).nodes);
         let max_iterations = self.scene.solver.max_iterations;
         let name = frame.progress.step.name.value.clone();
         let increment = self.state.increments + 1;

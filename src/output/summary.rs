@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::parallel::agree;
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
+use petsc::LinearStatistics;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -34,15 +35,15 @@ pub struct Summary {
     pub outer_iterations: usize,
     /// Times that the sparsity pattern was built anew for contact with deformable masters.
     pub pattern_rebuilds: usize,
-    /// Symbolic factorizations: one a step and one a new pattern, and more where the workspace did not suffice.
-    pub analyses: usize,
+    /// What was done for linear systems.
+    pub linear: LinearStatistics,
     /// Times that patches of deformable masters were fetched.
     pub search_fetches: usize,
     /// Wall time, s.
     pub wall_s: f64,
     /// Kind of the matrix, as in "symmetric indefinite".
     pub matrix: String,
-    /// As in "MUMPS LDL^T, SCOTCH ordering".
+    /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
     pub linear_solver: String,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
@@ -88,7 +89,10 @@ impl Summary {
             "iterations": self.iterations,
             "outer_iterations": self.outer_iterations,
             "pattern_rebuilds": self.pattern_rebuilds,
-            "analyses": self.analyses,
+            "analyses": self.linear.analyses,
+            "factorizations": self.linear.factorizations,
+            "linear_iterations": self.linear.krylov_iterations,
+            "linear_unsolved": self.linear.unsolved,
             "search_fetches": self.search_fetches,
             "wall_s": milli(self.wall_s),
             "phases_s": phases,
@@ -126,7 +130,7 @@ mod tests {
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
-             pattern_rebuilds analyses search_fetches \
+             pattern_rebuilds analyses factorizations linear_iterations linear_unsolved search_fetches \
              wall_s phases_s peak_memory_mb matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();

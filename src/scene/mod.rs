@@ -337,4 +337,17 @@ pub struct Solver {
     pub max_iterations: usize,
     /// Force that stands for "the forces of the scene" while there is none; `None` derives it from the stiffness.
     pub force_floor: Option<f64>,
+    pub linear: Linear,
+}
+
+/// How linear systems are solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Linear {
+    /// As their size says.
+    #[default]
+    Auto,
+    /// By factorization.
+    Direct,
+    /// By iteration with multigrid, and by factorization where that fails.
+    Iterative,
 }

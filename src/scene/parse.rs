@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Solver, Tool, contacts,
-    materials, overrides, steps, tools,
+    Block, BlockShape, Body, FaceGroup, Formulation, Linear, Located, MeshSource, Output, Scene, Solver, Tool,
+    contacts, materials, overrides, steps, tools,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -252,8 +252,8 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
 }
 
 fn solver(root: &Table) -> Result<Solver> {
-    let mut solver = Solver { tolerance: 1e-10, max_iterations: 15, force_floor: None };
-    let keys = ["tolerance", "max_iterations", "force_floor"];
+    let mut solver = Solver { tolerance: 1e-10, max_iterations: 15, force_floor: None, linear: Linear::Auto };
+    let keys = ["tolerance", "max_iterations", "force_floor", "linear"];
     let Some(table) = root.optional("solver", |item| item.table(&keys))? else { return Ok(solver) };
     let tolerance = |item: &Item| {
         let help = "it is the largest residual over the largest force";
@@ -262,6 +262,8 @@ fn solver(root: &Table) -> Result<Solver> {
     solver.tolerance = table.optional("tolerance", tolerance)?.unwrap_or(solver.tolerance);
     solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
     solver.force_floor = table.optional("force_floor", Item::positive)?;
+    let kinds = [("auto", Linear::Auto), ("direct", Linear::Direct), ("iterative", Linear::Iterative)];
+    solver.linear = table.optional("linear", |item| item.choice(&kinds))?.unwrap_or_default();
     Ok(solver)
 }
 

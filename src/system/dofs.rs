@@ -3,11 +3,13 @@
 //! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
+use crate::Vec3;
 use crate::failure::Place;
 use crate::model::Model;
 use crate::parallel::{number, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use petsc::{Multipliers, Node, Unknowns};
 
 /// No equation.
 pub const NONE: i64 = -1;
@@ -143,6 +145,35 @@ impl DofMap {
             }
         }
         forces
+    }
+
+    /// What the equations of this rank belong to, for an iterative solver; nodes stand where `place` says.
+    pub fn unknowns(&self, model: &Model, place: impl Fn(u32) -> Vec3) -> Unknowns {
+        let row = |equation: i64| self.local(equation).map(|k| k as u32);
+        let mut unknowns = Unknowns::default();
+        let mut add = |equations: &[i64; 3], position: Vec3| {
+            let rows = equations.map(row);
+            if rows.iter().any(Option::is_some) {
+                unknowns.nodes.push(Node { rows, position: position.into() });
+            }
+        };
+        let part = &model.part;
+        for n in (0..part.owned).filter(|n| part.tie[*n] as usize == *n) {
+            add(&self.node[n], place(n as u32));
+        }
+        for (equations, tool) in self.tool.iter().zip(&model.masters.tools) {
+            add(equations, tool.trial.translation);
+        }
+        for (pair, equations) in model.pairs.iter().zip(&self.multiplier) {
+            for (slave, equations) in pair.slaves.iter().zip(equations) {
+                let mut rows = equations.iter().filter_map(|e| row(*e));
+                if let Some(first) = rows.next() {
+                    let stiffness = slave.automatic / pair.controls.augmentation;
+                    unknowns.multipliers.push(Multipliers { first, count: 1 + rows.count() as u32, stiffness });
+                }
+            }
+        }
+        unknowns
     }
 
     /// The node of a local equation, with the direction of a displacement and none for a multiplier; none for those of tools.
