@@ -35,8 +35,8 @@ class Process:
 
 
 class Run(Process):
-    """Runs a scene on so many ranks with further arguments of `nagata run`, for so many seconds at most; the results go to the
-    folder `out`."""
+    """Runs a scene on so many ranks with further arguments of `nagata run`, for so many seconds at most; the results go
+    to the folder `out`."""
 
     def __init__(self, scene, out, ranks, *arguments, limit=None):
         super().__init__(on_ranks(ranks, NAGATA, "run", scene, "--out", out, "--quiet", *arguments), limit)

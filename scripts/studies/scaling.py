@@ -1,10 +1,10 @@
 #!/usr/bin/python3 -B
-"""Cost by size, ranks and linear solver, as a Markdown table: unknowns, wall time, time in each phase (of the slowest rank),
-memory (of all ranks), iterations of Newton's method and of the linear solver for each of its systems, and how far the forces
-are from the first run of the size.
+"""Cost by size, ranks and linear solver, as a Markdown table: unknowns, wall time, time in each phase (of the slowest
+rank), memory (of all ranks), iterations of Newton's method and of the linear solver for each of its systems, systems
+that it could not solve, and how far the forces are from those of the first run of the size.
 
-`sphere` is inputs/sphere-on-block.toml with n x n x n/2 elements; `blocks` a block of elastic elements that is pressed onto
-another, with friction, and drawn along it: unlike meshes of n x n x n/2 and n/2 x n/2 x n/2 elements. One run at a time.
+`sphere` is inputs/sphere-on-block.toml with n x n x n/2 elements; `blocks` an elastic block that is pressed onto
+another, with friction, and drawn along it: unlike meshes, n/2 x n/2 x n/2 elements on n x n x n/2. One run at a time.
 """
 
 import csv
