@@ -217,6 +217,11 @@ impl<'p> LinearSolver<'p> {
         Ok(())
     }
 
+    /// Whether it tries to solve systems iteratively.
+    pub fn iterates(&self) -> bool {
+        self.multigrid.is_some()
+    }
+
     /// Tells the iterative solver, if there is one, where its nodes are now.
     pub fn place(&mut self, nodes: impl FnOnce() -> Vec<Node>) {
         if let Some(multigrid) = &mut self.multigrid {

@@ -171,11 +171,6 @@ struct Small {
 impl<'p> Multigrid<'p> {
     /// A solver of systems with these unknowns. Collective.
     pub(crate) fn new(petsc: &'p Petsc<'p>, unknowns: Unknowns) -> Result<Self, Error> {
-        for (name, value) in DEFAULTS {
-            if !petsc.has_option(name)? {
-                petsc.option(name, value)?;
-            }
-        }
         let (mut ksp, mut pc) = (null_mut(), null_mut());
         let prefix = c_string("linear_")?;
         // SAFETY: a live communicator, places for handles, C strings that PETSc copies; then live objects.
@@ -422,6 +417,11 @@ impl Drop for Whole {
 impl<'p> Reduced<'p> {
     /// S with its columns, and no values yet. Collective.
     fn new(petsc: &'p Petsc<'p>, matrix: &Matrix, unknowns: &Unknowns) -> Result<Self, Error> {
+        for (name, value) in DEFAULTS {
+            if !petsc.has_option(name)? {
+                petsc.option(name, value)?;
+            }
+        }
         let whole = Whole::new(petsc, matrix, unknowns)?;
         let lent = whole.eliminations()?;
         let rows: Vec<Option<u32>> = unknowns.nodes.iter().flat_map(|node| node.rows).collect();

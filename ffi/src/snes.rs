@@ -202,6 +202,11 @@ impl<'p> Snes<'p> {
         self.linear.iterate(unknowns)
     }
 
+    /// As [`LinearSolver::iterates`].
+    pub fn iterates(&self) -> bool {
+        self.linear.iterates()
+    }
+
     /// As [`LinearSolver::place`].
     pub fn place(&mut self, nodes: impl FnOnce() -> Vec<Node>) {
         self.linear.place(nodes);

@@ -135,7 +135,8 @@ pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
 /// Of systems that the iterative solver was tried on in vain.
 pub fn unsolved(step: &str) -> String {
     format!(
-        "step `{step}`: multigrid did not converge, and the system was factored: results are as right, but time and memory are those          of factors; `linear = \"direct\"` does without the attempt"
+        "step `{step}`: multigrid did not converge, and the system was factored: results are as right, but time and memory \
+         are those of factors; `linear = \"direct\"` does without the attempt"
     )
 }
 

@@ -6,10 +6,16 @@ use mpi::traits::*;
 use petsc::{LinearFailure, Reason};
 
 /// The error that ends the run after this iteration, if it must; `at` is the step and the time of the last converged
-/// increment. Collective when `interrupted`, which is the same on all ranks, as is the `reason`.
-pub(super) fn at_once(comm: &impl Communicator, at: (&str, f64), interrupted: bool, reason: &Reason) -> Option<Error> {
+/// increment, and `iterates` whether multigrid was tried. Collective when `interrupted`, which is the same on all ranks, as is
+/// the `reason`.
+pub(super) fn at_once(
+    comm: &impl Communicator,
+    at: (&str, f64),
+    (interrupted, iterates): (bool, bool),
+    reason: &Reason,
+) -> Option<Error> {
     match reason {
-        Reason::Linear(failure @ LinearFailure::Memory { .. }) => Some(out_of_memory(at, failure)),
+        Reason::Linear(failure @ LinearFailure::Memory { .. }) => Some(out_of_memory(at, failure, iterates)),
         _ if interrupted => Some(by_signal(comm, at)),
         _ => None,
     }
@@ -23,10 +29,14 @@ pub(super) fn by_signal(comm: &impl Communicator, (step, time): (&str, f64)) -> 
     ))
 }
 
-fn out_of_memory((step, time): (&str, f64), failure: &LinearFailure) -> Error {
+fn out_of_memory((step, time): (&str, f64), failure: &LinearFailure, iterates: bool) -> Error {
+    let other = match iterates {
+        true => "multigrid had been tried, and did not converge",
+        false => "`linear = \"iterative\"` takes less",
+    };
     Error::System(format!(
         "step `{step}`, after time {time:.6}: {failure}\n  \
-         help: run on more memory, or machines, or with fewer unknowns; `-- -mat_mumps_icntl_14 20` reserves less, \
+         help: run on more memory, or machines, or with fewer unknowns; {other}; `-- -mat_mumps_icntl_14 20` reserves less, \
          `-- -mat_mumps_icntl_22 1` keeps the factors on disk"
     ))
 }

@@ -374,9 +374,9 @@ impl<'a> Simulation<'a> {
             self.summary.iterations += outcome.iterations;
             let at = (name.as_str(), self.state.time);
             let stopped = newton.course.stopped.take();
-            if let Some(error) =
-                stopped.or_else(|| ending::at_once(self.comm, at, newton.course.interrupted, &outcome.reason))
-            {
+            if let Some(error) = stopped.or_else(|| {
+                ending::at_once(self.comm, at, (newton.course.interrupted, snes.iterates()), &outcome.reason)
+            }) {
                 break Err(error);
             }
             if outcome.reason != Reason::Converged {
