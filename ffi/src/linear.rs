@@ -211,7 +211,7 @@ impl<'p> LinearSolver<'p> {
     }
 
     /// From now on tries to solve systems iteratively, of which the rows belong to these unknowns; what it cannot is solved
-    /// directly, and all that comes after [`MOST_IN_VAIN`] such in a row. Collective.
+    /// directly, and all that comes after three such in a row. Collective.
     pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
         self.multigrid = Some(Multigrid::new(self.petsc, unknowns)?);
         Ok(())
