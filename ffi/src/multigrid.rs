@@ -275,18 +275,21 @@ impl<'p> Multigrid<'p> {
 
     /// Brings what takes the multipliers away up to date, and multigrid, too, if it is to be fresh. Collective.
     fn set_up(&mut self, matrix: &Matrix) -> Result<(), Error> {
-        let version = matrix.version();
-        if self.reduced.as_ref().is_none_or(|reduced| reduced.pattern != version.pattern) {
+        let pattern = matrix.version().pattern;
+        let is_new = self.reduced.as_ref().is_none_or(|reduced| reduced.pattern != pattern);
+        if is_new {
             (self.reduced, self.fresh, self.excess) = (None, None, 0);
             self.reduced = Some(Box::new(Reduced::new(self.petsc, matrix, &self.unknowns)?));
         }
         let Some(reduced) = &mut self.reduced else { return Ok(()) };
-        reduced.whole.lend(sys::MAT_REUSE_MATRIX)?;
+        if !is_new {
+            reduced.whole.lend(sys::MAT_REUSE_MATRIX)?;
+            if let Some(couplings) = &mut reduced.couplings {
+                couplings.copy(&reduced.whole, sys::MAT_REUSE_MATRIX)?;
+            }
+        }
         let lent = reduced.whole.eliminations()?;
         reduced.take_blocks(&lent, &self.unknowns);
-        if let Some(couplings) = &mut reduced.couplings {
-            couplings.copy(&reduced.whole, sys::MAT_REUSE_MATRIX)?;
-        }
         if self.excess + reduced.changes(self.petsc) > SET_UP {
             (self.fresh, self.excess) = (None, 0);
         }

@@ -15,6 +15,10 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from shared import ROOT, arguments, say, study
 
+PHASES = ["assembly", "search", "factor", "solve"]
+HEAD = ["n", "solver", "ranks", "unknowns", "wall s", *(f"{phase} s" for phase in PHASES), "MB", "iterations", "linear",
+        "unsolved", "forces"]
+
 BLOCKS = """
 title = "Two elastic blocks"
 [body.low]
@@ -106,10 +110,6 @@ def main():
         with open(args.out, "w", newline="") as file:
             csv.writer(file).writerows([HEAD, *rows])
 
-
-PHASES = ["assembly", "search", "factor", "solve"]
-HEAD = ["n", "solver", "ranks", "unknowns", "wall s", *(f"{phase} s" for phase in PHASES), "MB", "iterations", "linear",
-        "unsolved", "forces"]
 
 if __name__ == "__main__":
     main()

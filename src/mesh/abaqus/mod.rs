@@ -244,12 +244,12 @@ impl Deck {
         }
     }
 
-    fn enter(&mut self, place: Level, lines: &Lines) -> Result<()> {
+    fn enter(&mut self, level: Level, lines: &Lines) -> Result<()> {
         self.here();
         if self.level != Level::Root {
             return Err(lines.error("the part or instance before this line is still open", "close it with *END"));
         }
-        self.level = place;
+        self.level = level;
         Ok(())
     }
 

@@ -34,16 +34,6 @@
 //! [`PieceSet::normal_projection`] has no policy: it knows feet of perpendiculars only, and so has dead zones.
 
 mod search;
-/// Between corners; edges of no length, at poles, do not count.
-fn shortest_edge<P: Piece>(piece: &P) -> f64 {
-    const NONE: f64 = 1e-6;
-    let count = piece.count();
-    let corners = piece.corners(&[0.0; 4]).map(|xi| piece.point(xi));
-    let edges = || (0..count).map(|k| (corners[(k + 1) % count] - corners[k]).norm());
-    let longest = edges().fold(0.0, f64::max);
-    edges().filter(|edge| *edge > NONE * longest).fold(longest, f64::min)
-}
-
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -294,4 +284,14 @@ impl<P: Piece> PieceSet<P> {
     fn index(&self, id: u32) -> Option<usize> {
         self.pieces.binary_search_by_key(&id, Piece::id).ok()
     }
+}
+
+/// The shortest edge, between corners; edges of no length, at poles, do not count.
+fn shortest_edge<P: Piece>(piece: &P) -> f64 {
+    const NONE: f64 = 1e-6;
+    let count = piece.count();
+    let corners = piece.corners(&[0.0; 4]).map(|xi| piece.point(xi));
+    let edges = || (0..count).map(|k| (corners[(k + 1) % count] - corners[k]).norm());
+    let longest = edges().fold(0.0, f64::max);
+    edges().filter(|edge| *edge > NONE * longest).fold(longest, f64::min)
 }
