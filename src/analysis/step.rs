@@ -448,7 +448,6 @@ impl<'a> Simulation<'a> {
         self.model.follow_sheets(self.comm, &self.state.u);
         self.state.reactions.clone_from(&converged.forces);
         self.state.tool_forces.clone_from(&converged.tool_forces);
-        self.state.seen.clone_from(&converged.seen);
         Ok(())
     }
 
@@ -473,6 +472,8 @@ impl<'a> Simulation<'a> {
             frame.progress.remember(end, &x.array()?);
         }
         self.commit(frame, &converged)?;
+        // Not those that a drag has balanced on the way.
+        self.state.seen = converged.seen;
         frame.plain = None;
         self.state.time = time;
         self.state.increments += 1;
