@@ -81,14 +81,14 @@ impl<'a> Case<'a> {
         let nodes = self.n * self.n;
         let times = (100_000 / nodes).max(1);
         let boxes = self.boxes();
-        let begun = sent();
+        let begun = sent().messages;
         let search = timed(comm, times, |_| drop(recipients(comm, &boxes, &self.slaves, 3.0 * reach)));
-        let messages = (sent() - begun) as f64 / times as f64;
+        let messages = (sent().messages - begun) as f64 / times as f64;
         // Another number of slave nodes is a new question.
         let fetch = timed(comm, times, |k| self.follow(count - (times - 1 - k) % 2, 0.0));
-        let begun = sent();
+        let begun = sent().messages;
         let iterate = timed(comm, times, |k| self.follow(count, 1e-6 * (k % 2) as f64));
-        let messages_iterate = (sent() - begun) as f64 / times as f64;
+        let messages_iterate = (sent().messages - begun) as f64 / times as f64;
         let shapes = self.surface.shapes();
         let mut found = Vec::new();
         let all = || self.slaves.iter().map(|x| shapes.closest(x, reach, None));

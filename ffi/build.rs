@@ -19,7 +19,7 @@ fn main() {
         .header_contents("petsc-bindings.h", "#include <petscsnes.h>")
         .clang_args(includes)
         .allowlist_function(FUNCTIONS)
-        .allowlist_var("PETSC_COMM_WORLD|PETSC_ERR_.*|PETSC_DECIDE|PETSC_DETERMINE")
+        .allowlist_var("PETSC_COMM_WORLD|PETSC_ERR_.*|PETSC_DECIDE|PETSC_DETERMINE|petsc_i?send_(ct|len)")
         // One MPI_Comm type serves rsmpi and PETSc.
         .blocklist_type("MPI_.*|ompi_.*")
         .raw_line("use mpi::ffi::*;")

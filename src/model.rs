@@ -411,7 +411,7 @@ impl Model {
 }
 
 /// Every set that the scene names, in the order in which they are first named.
-fn set_names(scene: &Scene) -> Vec<Located<String>> {
+pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
     let tools: Vec<&str> = scene.tools.iter().map(|t| t.name.value.as_str()).collect();
     let mut names: Vec<Located<String>> = Vec::new();
     let mut add = |name: &Located<String>| {
@@ -433,7 +433,10 @@ fn set_names(scene: &Scene) -> Vec<Located<String>> {
 }
 
 /// Reads all bodies into one numbering and resolves the sets.
-fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
+///
+/// # Errors
+/// Meshes that cannot be read, or have not what the scene names.
+pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
     let mut global = GlobalMesh { sets: vec![GlobalSet::default(); names.len()], ..GlobalMesh::default() };
     for (index, body) in scene.bodies.iter().enumerate() {
         let mut mesh = mesh::load(&body.mesh, Purpose::Body)?;
@@ -481,7 +484,7 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
 }
 
 /// Patches, and what nodes avoid by their numbers.
-type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
+pub type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
 
 /// The planes of symmetry of all bodies. Collective.
 ///
@@ -537,7 +540,10 @@ fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> V
 
 /// The patches of each deformable master, and in self-contact what its nodes avoid, on rank 0, which has the mesh and the
 /// numbers of its nodes over all ranks.
-fn master_patches(
+///
+/// # Errors
+/// Faces that make no surface.
+pub fn master_patches(
     scene: &Scene,
     names: &[Located<String>],
     symmetry: &[SymmetryPlane],

@@ -14,7 +14,7 @@ use nagata::output::log::{Increment, Log};
 use nagata::output::phases::{Phase, Phases};
 use nagata::output::summary::Summary;
 use nagata::output::{OutputFolder, RUN};
-use nagata::parallel::{agree, number};
+use nagata::parallel::{Sent, agree, number};
 use std::path::Path;
 use std::process::Output;
 
@@ -156,7 +156,9 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
     let other = OutputFolder::create(path, &RUN, &[], comm).unwrap_err();
     assert!(other.exit_code() == 2 && other.to_string().contains("another run writes to"), "{other}");
     phases.add(Phase::Solve, std::time::Duration::from_secs(comm.rank() as u64 + 1));
-    Summary { converged: true, scene: "s".into(), increments: 2, ..Summary::default() }.write(&folder, comm, &phases)
+    let sent = Sent { messages: 3 + comm.rank() as u64, bytes: 2_000_000 };
+    Summary { converged: true, scene: "s".into(), increments: 2, ..Summary::default() }
+        .write(&folder, comm, &phases, sent)
 }
 
 fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()> {
@@ -227,6 +229,9 @@ fn ranks_write_one_file() {
         assert_eq!(summary["ranks"], ranks);
         assert_eq!(summary["phases_s"]["solve"], ranks as f64);
         assert!(summary["peak_memory_mb"].as_f64().unwrap() > ranks as f64);
+        let messages: Vec<usize> = (3..3 + ranks).collect();
+        assert_eq!(summary["by_rank"]["messages"], serde_json::json!(messages));
+        assert_eq!(summary["by_rank"]["sent_mb"], serde_json::json!(vec![2.0; ranks]));
         assert_eq!(std::fs::read_dir(&path).unwrap().count(), 6);
     }
 }

@@ -62,7 +62,13 @@ fn messages_arrive() {
             let received = exchange(comm, &own);
             assert_eq!(received, expected, "round {round}");
             let others = own.keys().filter(|to| **to != rank).count() as u64;
-            assert_eq!(sent() - before, others, "a message to each rank that gets something, and no more");
+            assert_eq!(
+                sent().messages - before.messages,
+                others,
+                "a message to each rank that gets something, and no more"
+            );
+            let numbers: u64 = own.iter().filter(|(to, _)| **to != rank).map(|(_, parcel)| parcel.len() as u64).sum();
+            assert_eq!(sent().bytes - before.bytes, 8 * numbers);
             let route = Route::new(&own, &received);
             let flat =
                 |parcels: &Parcels<u64>| -> Vec<[u64; 2]> { parcels.values().flatten().map(|&n| [n, !n]).collect() };

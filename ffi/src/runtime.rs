@@ -107,6 +107,15 @@ impl<'c> Petsc<'c> {
         Ok(self.log_event(event)?.map_or(0, |info| info.count as usize))
     }
 
+    /// Messages that PETSc has sent from this rank, and the bytes in them. Libraries below it, such as MUMPS, send more, which
+    /// it does not know of.
+    pub fn sent(&self) -> (u64, u64) {
+        // SAFETY: plain numbers, which only PETSc writes, on this thread.
+        let [messages, bytes] =
+            unsafe { [sys::petsc_isend_ct + sys::petsc_send_ct, sys::petsc_isend_len + sys::petsc_send_len] };
+        (messages as u64, bytes as u64)
+    }
+
     fn log_event(&self, name: &str) -> Result<Option<sys::PetscEventPerfInfo>, Error> {
         const MAIN_STAGE: c_int = 0;
         let (name, mut event) = (c_string(name)?, -1);

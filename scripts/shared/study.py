@@ -16,6 +16,7 @@ IN_MPI_ENVIRONMENT = '. "$0"; mpi_environment; unset OPENBLAS_CORETYPE; exec "$@
 
 
 LIMIT = 124  # exit code of a process that has reached its limit
+QUANTITIES = {"length": ("ux", "uy", "uz", "max_penetration"), "force": ("fx", "fy", "fz")}
 
 
 class Process:
@@ -53,6 +54,31 @@ class Run(Process):
     def last(self, column, step=None):
         """Value of a column at the end of a step, or of the run."""
         return float([row[column] for row in self.history if step in (None, row["step"])][-1])
+
+
+def quantity(column):
+    """Columns of one quantity share a scale: a component that is zero is compared with its neighbours."""
+    last = column.rsplit(".")[-1]
+    return next((name for name, columns in QUANTITIES.items() if last in columns), last)
+
+
+def difference(history, reference, wanted=None):
+    """Largest difference of a value, or of one of a wanted quantity, over the largest value of its quantity, and where;
+    iterations do not count."""
+    if [row["step"] for row in history] != [row["step"] for row in reference]:
+        return float("inf"), f"{len(history)} increments, not {len(reference)}"
+    columns = [c for c in reference[0] if c not in ("step", "iterations") and wanted in (None, quantity(c))]
+    scale = {}
+    for row in reference:
+        for c in columns:
+            scale[quantity(c)] = max(scale.get(quantity(c), 0.0), abs(float(row[c])))
+    worst, where = 0.0, ""
+    for row, other in zip(history, reference):
+        for c in columns:
+            relative = abs(float(row[c]) - float(other[c])) / (scale[quantity(c)] or 1.0)
+            if not relative <= worst:  # also when it is not a number
+                worst, where = relative, f"{c}, increment {row['increment']}"
+    return worst, where
 
 
 def on_ranks(ranks, *command):

@@ -9,32 +9,9 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from shared import arguments, say, study
 
-QUANTITIES = {"length": ("ux", "uy", "uz", "max_penetration"), "force": ("fx", "fy", "fz")}
 
-
-def quantity(column):
-    """Columns of one quantity share a scale: a component that is zero is compared with its neighbours."""
-    last = column.rsplit(".")[-1]
-    return next((name for name, columns in QUANTITIES.items() if last in columns), last)
-
-
-def difference(history, reference):
-    """Largest difference of a value over the largest value of its quantity, and where; iterations do not count."""
-    if [row["step"] for row in history] != [row["step"] for row in reference]:
-        return f"{len(history)} increments, not {len(reference)}"
-    columns = [c for c in reference[0] if c not in ("step", "iterations")]
-    scale = {}
-    for row in reference:
-        for c in columns:
-            scale[quantity(c)] = max(scale.get(quantity(c), 0.0), abs(float(row[c])))
-    worst, where = 0.0, ""
-    for row, other in zip(history, reference):
-        for c in columns:
-            apart = abs(float(row[c]) - float(other[c]))
-            relative = apart / (scale[quantity(c)] or 1.0)
-            if not relative <= worst:  # also when it is not a number
-                worst, where = relative, f" ({c}, increment {row['increment']})"
-    return f"{worst:.1e}{where}"
+def told(difference, where):
+    return f"{difference:.1e} ({where})" if where else f"{difference:.1e}"
 
 
 def main():
@@ -58,7 +35,7 @@ def main():
             phases = run.summary["phases_s"]
             rows.append([ranks, f"{run.summary['wall_s']:.1f}", *(f"{s:.2f}" for s in phases.values()),
                          run.effort, run.summary["cutbacks"], f"{run.summary['peak_memory_mb']:.0f}",
-                         difference(run.history, first.history)])
+                         told(*study.difference(run.history, first.history))])
     head = ["ranks", "wall s", *(f"{phase} s" for phase in phases), "increments / iterations", "cutbacks", "peak MB",
             f"largest difference to the run on {args.ranks[0]}"]
     study.table(head, rows)

@@ -58,7 +58,7 @@ struct Seen {
 }
 
 /// Margin of a fetch over the reach.
-const MARGIN: f64 = 2.0;
+pub const MARGIN: f64 = 2.0;
 
 impl BodySurface {
     /// Deals out the patches that rank 0 has; their nodes have global numbers, as in [`crate::partition::Part::starts`].

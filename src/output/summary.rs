@@ -3,8 +3,7 @@
 use super::phases::{PHASES, Phases};
 use super::{OutputFolder, replace};
 use crate::error::Result;
-use crate::parallel::agree;
-use mpi::collective::SystemOperation;
+use crate::parallel::{Sent, agree};
 use mpi::traits::*;
 use petsc::LinearStatistics;
 use serde_json::{Map, Value, json};
@@ -52,34 +51,39 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank) and the
-    /// peak memory (sum over the ranks, MB of 10^6 bytes) added. Collective.
+    /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), and the peak
+    /// memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each rank added. Collective.
     ///
     /// # Errors
     /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
-    pub fn write(&self, folder: &OutputFolder, comm: &impl Communicator, phases: &Phases) -> Result<()> {
+    pub fn write(&self, folder: &OutputFolder, comm: &impl Communicator, phases: &Phases, sent: Sent) -> Result<()> {
         let seconds = phases.slowest(comm);
-        let own = peak_memory_mb();
-        let mut memory = 0.0;
-        comm.all_reduce_into(&own, &mut memory, SystemOperation::sum());
+        let own = [peak_memory_mb(), sent.messages as f64, sent.bytes as f64 * 1e-6];
+        let root = comm.process_at_rank(0);
         let written = if comm.rank() == 0 {
-            replace(&folder.file("summary.json"), &self.render(comm.size(), &seconds, memory))
+            let mut ranks = vec![[0.0; 3]; comm.size() as usize];
+            root.gather_into_root(&own[..], ranks.as_flattened_mut());
+            replace(&folder.file("summary.json"), &self.render(&seconds, &ranks))
         } else {
+            root.gather_into(&own[..]);
             Ok(())
         };
         agree(comm, written)
     }
 
-    fn render(&self, ranks: i32, seconds: &[f64], memory: f64) -> String {
+    /// With the slowest rank's seconds in each phase, and of each rank its peak memory, its messages, and the MB in them.
+    fn render(&self, seconds: &[f64], ranks: &[[f64; 3]]) -> String {
         let milli = |value: f64| (value * 1e3).round() / 1e3;
         let phases: Map<String, Value> =
             PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
+        let of_ranks = |k: usize| ranks.iter().map(|of| milli(of[k])).collect::<Vec<_>>();
+        let memory: f64 = ranks.iter().map(|of| of[0]).sum();
         let value = json!({
             "converged": self.converged,
             "interrupted": self.interrupted,
             "scene": self.scene,
             "version": env!("CARGO_PKG_VERSION"),
-            "ranks": ranks,
+            "ranks": ranks.len(),
             "dofs": self.dofs,
             "multipliers": self.multipliers,
             "elements": self.elements,
@@ -97,6 +101,11 @@ impl Summary {
             "wall_s": milli(self.wall_s),
             "phases_s": phases,
             "peak_memory_mb": milli(memory),
+            "by_rank": {
+                "peak_memory_mb": of_ranks(0),
+                "messages": ranks.iter().map(|of| of[1] as u64).collect::<Vec<_>>(),
+                "sent_mb": of_ranks(2),
+            },
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
             "warnings": self.warnings,
@@ -125,13 +134,14 @@ mod tests {
     fn the_file_has_exactly_the_promised_keys() {
         let summary =
             Summary { converged: true, scene: "a \"b\"".into(), dofs: 12, wall_s: 1.25, ..Summary::default() };
-        let text = summary.render(3, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], 123.4567);
+        let text = summary
+            .render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &[[100.0, 7.0, 0.5], [20.4567, 8.0, 0.25], [3.0, 9.0, 0.0]]);
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_unsolved search_fetches \
-             wall_s phases_s peak_memory_mb matrix linear_solver warnings controls"
+             wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();
         promised.sort();
@@ -144,6 +154,9 @@ mod tests {
         assert_eq!(value["phases_s"].as_object().unwrap().len(), 7);
         assert_eq!((&value["scene"], &value["ranks"], &value["dofs"]), (&json!("a \"b\""), &json!(3), &json!(12)));
         assert_eq!((&value["wall_s"], &value["peak_memory_mb"]), (&json!(1.25), &json!(123.457)));
+        let by_rank =
+            json!({ "peak_memory_mb": [100.0, 20.457, 3.0], "messages": [7, 8, 9], "sent_mb": [0.5, 0.25, 0.0] });
+        assert_eq!(value["by_rank"], by_rank);
     }
 
     #[test]

@@ -21,11 +21,24 @@ const EXCHANGE: i32 = 101;
 /// Turns the tag of an exchange, so that the messages of the next are not taken for its own: a rank that has left one may
 /// already write to one that has yet to hear of its end. None can be two ahead.
 static TURN: AtomicI32 = AtomicI32::new(0);
-static SENT: AtomicU64 = AtomicU64::new(0);
+static MESSAGES: AtomicU64 = AtomicU64::new(0);
+static BYTES: AtomicU64 = AtomicU64::new(0);
 
-/// Messages that this rank has sent so far, here.
-pub fn sent() -> u64 {
-    SENT.load(Ordering::Relaxed)
+/// What a rank has sent to others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sent {
+    pub messages: u64,
+    pub bytes: u64,
+}
+
+/// What this rank has sent so far, here.
+pub fn sent() -> Sent {
+    Sent { messages: MESSAGES.load(Ordering::Relaxed), bytes: BYTES.load(Ordering::Relaxed) }
+}
+
+fn tally<T>(parcel: &[T]) {
+    MESSAGES.fetch_add(1, Ordering::Relaxed);
+    BYTES.fetch_add(size_of_val(parcel) as u64, Ordering::Relaxed);
 }
 
 /// Sends the parcels to their ranks, and returns those that came here. Collective.
@@ -37,7 +50,7 @@ pub fn exchange<T: Equivalence + Clone>(comm: &SimpleCommunicator, parcels: &Par
         let others = parcels.iter().filter(|(rank, _)| **rank != here);
         let mut sending: Vec<_> = others
             .map(|(&rank, parcel)| {
-                SENT.fetch_add(1, Ordering::Relaxed);
+                tally(parcel);
                 comm.process_at_rank(rank as i32).immediate_synchronous_send_with_tag(scope, &parcel[..], tag)
             })
             .collect();
@@ -130,7 +143,7 @@ fn swap<T: Equivalence + Copy + Default>(
             match rank == here {
                 true => kept.iter_mut().for_each(|kept| kept.copy_from_slice(parcel)),
                 false => {
-                    SENT.fetch_add(1, Ordering::Relaxed);
+                    tally(parcel);
                     let target = comm.process_at_rank(rank as i32);
                     requests.add(target.immediate_send_with_tag(scope, parcel, ROUTE));
                 }

@@ -5,7 +5,7 @@
 
 mod messages;
 
-pub use messages::{Parcels, Route, exchange, scatter, sent};
+pub use messages::{Parcels, Route, Sent, exchange, scatter, sent};
 
 use crate::error::{Error, Location, Result};
 use crate::failure::Cause;
@@ -73,7 +73,12 @@ pub fn number(comm: &impl Communicator, owned: u64) -> (u64, u64) {
 pub fn starts(comm: &impl Communicator, owned: u64) -> Vec<u64> {
     let mut counts = vec![0; comm.size() as usize];
     comm.all_gather_into(&owned, &mut counts[..]);
-    let ends = counts.iter().scan(0, |end, n| {
+    beginnings(&counts)
+}
+
+/// Where each of several lists begins that follow one another, and the end, by their lengths.
+pub fn beginnings(lengths: &[u64]) -> Vec<u64> {
+    let ends = lengths.iter().scan(0, |end, n| {
         *end += n;
         Some(*end)
     });

@@ -6,7 +6,7 @@ use super::{Part, PartFacet, PartSet, PartSolid};
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::{Solid, SolidShape};
-use crate::parallel::{Parcels, agree, scatter, starts};
+use crate::parallel::{Parcels, agree, beginnings, scatter, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -64,6 +64,27 @@ pub fn distribute(comm: &SimpleCommunicator, mesh: Option<&GlobalMesh>) -> Resul
     part.halo = Halo::new(comm, &wanted);
     part.starts = starts(comm, part.owned as u64);
     Ok((part, numbering))
+}
+
+/// A part without its ways to the others.
+pub struct Piece {
+    pub part: Part,
+    /// Its halo nodes by the rank that owns them, as (local node, index among the owned nodes there).
+    pub wanted: Parcels<(u32, u32)>,
+}
+
+/// What so many ranks would get of a mesh, all on this one: to count what they would do and say. Also returns the numbers
+/// of [`distribute`].
+///
+/// # Errors
+/// METIS's own.
+pub fn pieces(mesh: &GlobalMesh, ranks: usize) -> Result<(Vec<Piece>, Vec<u64>)> {
+    let (parcels, numbering) = cut(mesh, ranks)?;
+    let unpacked = parcels.iter().map(|parcel| unpack(&parcel.numbers, &parcel.points));
+    let mut pieces: Vec<Piece> = unpacked.map(|(part, wanted)| Piece { part, wanted }).collect();
+    let starts = beginnings(&pieces.iter().map(|piece| piece.part.owned as u64).collect::<Vec<_>>());
+    pieces.iter_mut().for_each(|piece| piece.part.starts.clone_from(&starts));
+    Ok((pieces, numbering))
 }
 
 /// A part on its way: flat, because it travels by MPI. [`cut`] writes it and [`unpack`] reads it in the same order.
@@ -201,4 +222,52 @@ fn unpack(numbers: &[u64], points: &[f64]) -> (Part, Parcels<(u32, u32)>) {
         part.sets.push(set);
     }
     (part, wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_hold_the_mesh_and_know_the_owners_of_their_halos() {
+        const N: u32 = 6;
+        let at = |i: u32, j: u32, k: u32| i + (N + 1) * (j + (N + 1) * k);
+        let all = |n: u32| (0..n).flat_map(move |k| (0..n).flat_map(move |j| (0..n).map(move |i| (i, j, k))));
+        let hex = |(i, j, k)| {
+            let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
+            let nodes = std::array::from_fn(|a| if a < 4 { low[a] } else { low[a - 4] + (N + 1) * (N + 1) });
+            Solid { shape: SolidShape::Hex8, nodes, id: u64::from(at(i, j, k)) }
+        };
+        let points: Vec<Vec3> = all(N + 1).map(|(i, j, k)| Vec3::new(i.into(), j.into(), k.into())).collect();
+        let count = points.len();
+        let mesh = GlobalMesh {
+            body: vec![0; count],
+            id: (0..count as u64).collect(),
+            tie: (0..count as u32).collect(),
+            node_work: vec![0; count],
+            solids: all(N).map(hex).collect(),
+            solid_body: vec![0; (N * N * N) as usize],
+            points,
+            ..GlobalMesh::default()
+        };
+        for ranks in [1, 2, 5, 300] {
+            let (pieces, numbers) = pieces(&mesh, ranks).unwrap();
+            assert_eq!(pieces.len(), ranks);
+            let mine = pieces.iter().flat_map(|piece| &piece.part.solids).filter(|solid| solid.mine).count();
+            assert_eq!(mine, mesh.solids.len());
+            let mut owned: Vec<u64> = pieces.iter().flat_map(|p| p.part.id[..p.part.owned].iter().copied()).collect();
+            assert!((0..count).all(|n| owned[numbers[n] as usize] == mesh.id[n]));
+            owned.sort_unstable();
+            assert_eq!(owned, mesh.id);
+            for piece in &pieces {
+                let part = &piece.part;
+                assert_eq!(part.starts[ranks], count as u64);
+                let halo = piece.wanted.iter().flat_map(|(owner, nodes)| nodes.iter().map(move |node| (*owner, node)));
+                assert!(halo.clone().all(|(owner, &(local, place))| {
+                    part.id[local as usize] == pieces[owner].part.id[place as usize]
+                }));
+                assert_eq!(halo.count(), part.points.len() - part.owned);
+            }
+        }
+    }
 }

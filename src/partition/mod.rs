@@ -13,7 +13,7 @@ mod graph;
 mod halo;
 pub mod parcels;
 
-pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, distribute};
+pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
 pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
 pub use halo::Halo;
