@@ -211,6 +211,7 @@ pub struct LinearSolver<'p> {
 /// Solves with the factors of an earlier matrix.
 struct Reuse<'p> {
     krylov: Krylov<'p>,
+    least_worth: usize,
     /// Systems in a row that this did not solve, and how many more are factored before it is tried again: one more each time.
     in_vain: u32,
     pause: u32,
@@ -244,9 +245,9 @@ impl<'p> LinearSolver<'p> {
     }
 
     /// From now on solves systems with the factors of an earlier one, too, as long as that is cheaper than new ones, be its
-    /// pattern another. Collective.
-    pub fn reuse_factors(&mut self) -> Result<(), Error> {
-        self.reuse = Some(Reuse { krylov: Krylov::new(self.petsc)?, in_vain: 0, pause: 0 });
+    /// pattern another, if computing them costs at least so many applications of them. Collective.
+    pub fn reuse_factors(&mut self, least_worth: usize) -> Result<(), Error> {
+        self.reuse = Some(Reuse { krylov: Krylov::new(self.petsc)?, least_worth, in_vain: 0, pause: 0 });
         Ok(())
     }
 
@@ -359,7 +360,7 @@ impl<'p> LinearSolver<'p> {
     /// Live vectors of the matrix's layout, distinct; `b` comes with its norm.
     unsafe fn reuse(&mut self, matrix: &Matrix, (b, norm): (sys::Vec, f64), x: sys::Vec) -> Result<bool, LinearError> {
         let (Some(reuse), Some(factor)) = (&mut self.reuse, &mut self.factor) else { return Ok(false) };
-        if factor.values.is_none_or(|values| values == matrix.version()) || !factor.wear.is_fit() {
+        if factor.values.is_none_or(|values| values == matrix.version()) || !factor.wear.is_fit(reuse.least_worth) {
             return Ok(false);
         }
         if reuse.pause > 0 {
@@ -462,8 +463,8 @@ impl Wear {
     }
 
     /// Whether another system like the last lowers what a system costs on the average, the factorization included.
-    fn is_fit(&self) -> bool {
-        self.worth > 0 && self.last * self.systems <= self.worth + self.applied
+    fn is_fit(&self, least_worth: usize) -> bool {
+        self.worth > 0 && self.worth >= least_worth && self.last * self.systems <= self.worth + self.applied
     }
 
     /// Counts a system; after one that was not solved they are fit no more.

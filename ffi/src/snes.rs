@@ -198,8 +198,8 @@ impl<'p> Snes<'p> {
     }
 
     /// As [`LinearSolver::reuse_factors`]. Collective.
-    pub fn reuse_factors(&mut self) -> Result<(), Error> {
-        self.linear.reuse_factors()
+    pub fn reuse_factors(&mut self, least_worth: usize) -> Result<(), Error> {
+        self.linear.reuse_factors(least_worth)
     }
 
     /// As [`LinearSolver::iterate`]. Collective.

@@ -82,7 +82,7 @@ fn factors_are_reused() {
     with_petsc("factors_are_reused", &[1, 2, 3], "", |petsc| {
         for kind in [Factorization::Ldlt, Factorization::Lu] {
             let (mut solver, mut dense) = (LinearSolver::new(petsc, kind), saddle_point(40, 8));
-            solver.reuse_factors().unwrap();
+            solver.reuse_factors(0).unwrap();
             let mut a = matrix(petsc, &dense);
             a.set_symmetric(true).unwrap();
             let mut solve = |a: &Matrix, dense: &[Vec<f64>]| {

@@ -179,7 +179,7 @@ impl<'a> Simulation<'a> {
                 snes.iterate(dofs.unknowns(&self.model, place))?;
                 self.summary.linear_solver = "FGMRES, multigrid".into();
             }
-            Linear::Reuse => snes.reuse_factors()?,
+            Linear::Reuse => snes.reuse_factors(cost::least_worth(self.scene.solver.linear))?,
             Linear::Direct | Linear::Auto => {}
         }
         let x = Vector::zeros(self.petsc, dofs.count)?;
