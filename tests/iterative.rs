@@ -1,4 +1,5 @@
-//! `linear = "iterative"`: the same histories as by factorization, with few iterations, on any number of ranks.
+//! `linear = "iterative"` and `"reuse"`: the same histories as by a factorization for each system, with few iterations, or few
+//! factorizations, on any number of ranks.
 
 mod common;
 
@@ -17,6 +18,13 @@ fn compare(bench: &Bench, ranks: &[usize], most: f64) {
         assert_eq!([count("factorizations"), count("linear_unsolved")], [0, 0]);
         let each = count("linear_iterations") as f64 / count("iterations") as f64;
         assert!(each > 1.0 && each < most, "{n} ranks: {each} iterations a system");
+        let run = bench.solve(n, &["--set", "solver.linear=reuse"]);
+        assert_small(&format!("{n} ranks, reuse"), direct.history().difference(&run.history()), 1e-8);
+        let count = |key: &str| run.summary()[key].as_u64().unwrap();
+        let (systems, factored) = (count("iterations"), count("factorizations"));
+        println!("{n} ranks: {factored} factorizations for {systems} systems");
+        assert!(10 * systems <= 11 * direct.summary()["iterations"].as_u64().unwrap());
+        assert!(factored + count("linear_reused") == systems && factored < systems, "{factored} of {systems}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Thin safe types over Debian's PETSc: what an implicit finite-element program needs of it, and no more.
 //!
 //! [`Petsc`] starts and ends the library; [`Vector`] and [`Matrix`] are distributed by rows, each rank giving its own;
-//! [`LinearSolver`] factors with MUMPS, or iterates with multigrid; [`Snes`] is Newton's method over a [`Problem`] of the caller's.
+//! [`LinearSolver`] factors with MUMPS, or iterates with old factors or multigrid; [`Snes`] is Newton's method over a [`Problem`] of the caller's.
 //!
 //! Three rules hold throughout.
 //! - Objects borrow [`Petsc`], and that borrows the communicator: the order of destruction is the compiler's concern.
@@ -13,6 +13,7 @@
 mod agree;
 pub mod environment;
 mod error;
+mod krylov;
 mod linear;
 mod matrix;
 mod memory;

@@ -1,7 +1,8 @@
 //! Direct solution of A x = b with MUMPS, checked every time.
 //!
 //! The analysis (ordering, symbolic factorization) is kept while the pattern of the matrix stands, the factors while its
-//! values do. Want of workspace is met by more of it. A solution counts only when its true residual ||b - A x|| / ||b||
+//! values do; if it is told to, it solves with those of an earlier matrix, too: they precondition FGMRES as long as that is cheaper
+//! than new ones. Want of workspace is met by more of it. A solution counts only when its true residual ||b - A x|| / ||b||
 //! is small, after iterative refinement if need be: MUMPS itself goes on past a null pivot. What it took for null may be
 //! small and needed: where replacing it spoils the solution, the matrix is factored again with all pivots as they are.
 //!
@@ -12,8 +13,10 @@ use std::ffi::CStr;
 use std::fmt;
 use std::mem::MaybeUninit;
 use std::ptr::null_mut;
+use std::time::Instant;
 
 use crate::error::{Error, check, forget};
+use crate::krylov::{Iterated, Krylov, Preconditioner};
 use crate::matrix::{Matrix, Version};
 use crate::multigrid::{Multigrid, Node, Unknowns};
 use crate::runtime::Petsc;
@@ -28,6 +31,13 @@ const MAX_REFINEMENTS: usize = 2;
 const MOST_IN_VAIN: usize = 3;
 /// Doublings of the workspace before a factorization is given up.
 const MAX_RETRIES: usize = 5;
+
+/// A factorization in applications of it: so many for scaling, sending and assembling entries, and one more for so many
+/// operations per entry of the factors.
+const OVERHEAD: f64 = 5.0;
+const SPEED: f64 = 33.0;
+/// Systems that are factored at most, where factors have not solved the next, before it is tried again.
+const LONGEST_PAUSE: u32 = 15;
 
 const ORDERING: i32 = 7;
 const SCALING: i32 = 8;
@@ -152,9 +162,11 @@ pub struct LinearStatistics {
     /// Systems solved iteratively, and iterations for them.
     pub iterative_solves: usize,
     pub krylov_iterations: usize,
+    /// Systems solved with the factors of an earlier one.
+    pub reused: usize,
     /// Systems that the iterative solver was tried on in vain, and that were factored.
     pub unsolved: usize,
-    /// Time for setting multigrid up, and for iterating with it, s.
+    /// Time for setting multigrid up, and for iterating, applications of factors excepted, s.
     pub set_up_s: f64,
     pub iterate_s: f64,
 }
@@ -173,6 +185,7 @@ impl LinearStatistics {
             small_pivots: self.small_pivots + later.small_pivots,
             iterative_solves: self.iterative_solves + later.iterative_solves,
             krylov_iterations: self.krylov_iterations + later.krylov_iterations,
+            reused: self.reused + later.reused,
             unsolved: self.unsolved + later.unsolved,
             set_up_s: self.set_up_s + later.set_up_s,
             iterate_s: self.iterate_s + later.iterate_s,
@@ -187,10 +200,21 @@ pub struct LinearSolver<'p> {
     /// Workspace beyond the estimate, in percent, since the default or the user's has not sufficed.
     workspace: Option<i32>,
     factor: Option<Factor<'p>>,
+    /// Solves with the factors of an earlier matrix, if it may.
+    reuse: Option<Reuse<'p>>,
     multigrid: Option<Multigrid<'p>>,
     /// Systems in a row that multigrid did not solve.
     in_vain: usize,
     statistics: LinearStatistics,
+}
+
+/// Solves with the factors of an earlier matrix.
+struct Reuse<'p> {
+    krylov: Krylov<'p>,
+    least_worth: usize,
+    /// Systems in a row that this did not solve, and how many more are factored before it is tried again: one more each time.
+    in_vain: u32,
+    pause: u32,
 }
 
 /// A factored matrix.
@@ -199,6 +223,7 @@ struct Factor<'p> {
     pattern: u64,
     /// The values that the factors are of, once they are.
     values: Option<Version>,
+    wear: Wear,
     residual: Vector<'p>,
     correction: Vector<'p>,
 }
@@ -207,7 +232,23 @@ impl<'p> LinearSolver<'p> {
     /// A solver that has seen no matrix yet.
     pub fn new(petsc: &'p Petsc<'p>, factorization: Factorization) -> Self {
         let statistics = LinearStatistics::default();
-        Self { petsc, factorization, workspace: None, factor: None, multigrid: None, in_vain: 0, statistics }
+        Self {
+            petsc,
+            factorization,
+            workspace: None,
+            factor: None,
+            reuse: None,
+            multigrid: None,
+            in_vain: 0,
+            statistics,
+        }
+    }
+
+    /// From now on solves systems with the factors of an earlier one, too, as long as that is cheaper than new ones, be its
+    /// pattern another, if computing them costs at least so many applications of them. Collective.
+    pub fn reuse_factors(&mut self, least_worth: usize) -> Result<(), Error> {
+        self.reuse = Some(Reuse { krylov: Krylov::new(self.petsc)?, least_worth, in_vain: 0, pause: 0 });
+        Ok(())
     }
 
     /// From now on tries to solve systems iteratively, of which the rows belong to these unknowns; what it cannot is solved
@@ -281,6 +322,10 @@ impl<'p> LinearSolver<'p> {
             self.in_vain += 1;
             self.statistics.unsolved += 1;
         }
+        // SAFETY: as for this function.
+        if unsafe { self.reuse(matrix, (b, norm), x) }? {
+            return Ok(());
+        }
         let mut factor = self.factored(matrix)?;
         // SAFETY: as for this function.
         let mut result = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
@@ -307,6 +352,38 @@ impl<'p> LinearSolver<'p> {
             self.factor = Some(factor);
         }
         result
+    }
+
+    /// Tries to solve A x = b with the factors of an earlier matrix. Collective.
+    ///
+    /// # Safety
+    /// Live vectors of the matrix's layout, distinct; `b` comes with its norm.
+    unsafe fn reuse(&mut self, matrix: &Matrix, (b, norm): (sys::Vec, f64), x: sys::Vec) -> Result<bool, LinearError> {
+        let (Some(reuse), Some(factor)) = (&mut self.reuse, &mut self.factor) else { return Ok(false) };
+        if factor.values.is_none_or(|values| values == matrix.version()) || !factor.wear.is_fit(reuse.least_worth) {
+            return Ok(false);
+        }
+        if reuse.pause > 0 {
+            reuse.pause -= 1;
+            return Ok(false);
+        }
+        if !matrix.is_finite_everywhere() {
+            return Err(LinearFailure::NotFinite("matrix").into());
+        }
+        let (begun, applied) = (Instant::now(), self.petsc.log_seconds("MatSolve")?);
+        let most = factor.wear.worth;
+        // SAFETY: as for this function.
+        let Iterated { solved, iterations } = unsafe { reuse.krylov.solve(matrix, (b, norm), x, factor, most) }?;
+        // Applications are in PETSc's log.
+        let applied = self.petsc.log_seconds("MatSolve")? - applied;
+        self.statistics.iterate_s += (begun.elapsed().as_secs_f64() - applied).max(0.0);
+        factor.wear.count(iterations, solved.is_some());
+        reuse.in_vain = if solved.is_some() { 0 } else { reuse.in_vain + 1 };
+        reuse.pause = reuse.in_vain.saturating_sub(1).min(LONGEST_PAUSE);
+        self.statistics.krylov_iterations += iterations;
+        self.statistics.relative_residual = solved.unwrap_or_default();
+        self.statistics.reused += usize::from(solved.is_some());
+        Ok(solved.is_some())
     }
 
     /// What A, with null pivots replaced in its factors, does not give back of `z`: z - A⁺ A z, which is in the null space of
@@ -352,6 +429,7 @@ impl<'p> LinearSolver<'p> {
             }
         }
         factor.values = Some(version);
+        factor.wear = if self.statistics.null_pivots > 0 { Wear::default() } else { Wear::new(factor.worth()?) };
         Ok(factor)
     }
 
@@ -363,6 +441,36 @@ impl<'p> LinearSolver<'p> {
             factor.set_control(WORKSPACE, workspace)?;
         }
         Ok(factor)
+    }
+}
+
+/// What factors have cost and done, in applications of them.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wear {
+    /// What computing them has cost.
+    worth: usize,
+    /// Systems solved with them, and applications for these.
+    systems: usize,
+    applied: usize,
+    /// Applications for the last system.
+    last: usize,
+}
+
+impl Wear {
+    /// Of factors that have solved the system that they are of.
+    fn new(worth: usize) -> Self {
+        Self { worth, systems: 1, applied: 1, last: 1 }
+    }
+
+    /// Whether another system like the last lowers what a system costs on the average, the factorization included.
+    fn is_fit(&self, least_worth: usize) -> bool {
+        self.worth > 0 && self.worth >= least_worth && self.last * self.systems <= self.worth + self.applied
+    }
+
+    /// Counts a system; after one that was not solved they are fit no more.
+    fn count(&mut self, applied: usize, solved: bool) {
+        let worth = if solved { self.worth } else { 0 };
+        *self = Self { worth, systems: self.systems + 1, applied: self.applied + applied, last: applied };
     }
 }
 
@@ -386,7 +494,8 @@ impl<'p> Factor<'p> {
         let mut raw = null_mut();
         // SAFETY: a live matrix, the solver's name, and a place for the handle.
         check(unsafe { sys::MatGetFactor(matrix.raw(), MUMPS.as_ptr(), kind, &mut raw) })?;
-        let mut factor = Self { raw, pattern: matrix.version().pattern, values: None, residual, correction };
+        let mut factor =
+            Self { raw, pattern: matrix.version().pattern, values: None, wear: Wear::default(), residual, correction };
         factor.set_controls(factorization)?;
         let info = factor_info()?;
         // SAFETY: a fresh factor of this matrix; MUMPS orders by itself (NULL).
@@ -493,6 +602,18 @@ impl<'p> Factor<'p> {
         Ok(result?)
     }
 
+    /// What computing the factors has cost, in applications of them.
+    fn worth(&self) -> Result<usize, Error> {
+        let mut operations = 0.0;
+        // SAFETY: a live MUMPS factor and a place for the answer.
+        check(unsafe { sys::MatMumpsGetRinfog(self.raw, 3, &mut operations) })?;
+        let entries = match self.infog(29)? {
+            many @ ..0 => -1e6 * f64::from(many),
+            entries => f64::from(entries),
+        };
+        Ok((OVERHEAD + operations / entries / SPEED) as usize)
+    }
+
     fn workspace(&self) -> Result<i32, Error> {
         let mut workspace = 0;
         // SAFETY: a live MUMPS factor and a place for the answer.
@@ -523,6 +644,13 @@ impl<'p> Factor<'p> {
             }
             (one, two) => LinearFailure::Mumps(one, two),
         })
+    }
+}
+
+impl Preconditioner for Factor<'_> {
+    unsafe fn apply(&mut self, r: sys::Vec, z: sys::Vec) -> Result<(), LinearError> {
+        // SAFETY: the caller vouches for the vectors.
+        unsafe { Factor::apply(self, r, z) }
     }
 }
 

@@ -11,7 +11,6 @@
 //! A, are rows of their own in S, with a diagonal alone; nodes that are fixed in all directions are left out.
 
 use std::collections::{BTreeSet, HashMap};
-use std::ffi::c_void;
 use std::ptr::{null_mut, slice_from_raw_parts};
 use std::time::Instant;
 
@@ -21,21 +20,15 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
 use crate::error::{Error, check, forget};
-use crate::linear::{LinearStatistics, RESIDUAL_TOLERANCE};
+use crate::krylov::{Iterated, Krylov, Preconditioner};
+use crate::linear::{LinearError, LinearStatistics};
 use crate::matrix::Matrix;
 use crate::runtime::{Petsc, c_string};
 use crate::sys;
 use crate::vector::{Array, ArrayMut, Vector};
 
-/// ||b - A x|| / ||b|| of a solution: so little that Newton's method goes the way that it goes with exact steps. Looser ones, as
-/// its convergence allows, save a tenth of the time, and take up to a third more of its iterations.
-const TOLERANCE: f64 = 1e-8;
-/// The same of an iteration that leads nowhere.
-const DIVERGED: f64 = 1e6;
 /// Iterations after which a direct solution is cheaper, or the only one.
-const MAX_ITERATIONS: i32 = 150;
-/// Directions that FGMRES keeps, two vectors each.
-const RESTART: i32 = 50;
+const MAX_ITERATIONS: usize = 150;
 /// What setting multigrid up costs, in iterations of a solve: it is set up anew when the old one has cost as many more, or
 /// will, for a contact that has come or gone since costs one or two.
 const SET_UP: usize = 15;
@@ -77,8 +70,8 @@ pub struct Node {
 pub(crate) struct Multigrid<'p> {
     petsc: &'p Petsc<'p>,
     unknowns: Unknowns,
-    ksp: sys::KSP,
-    reduced: Option<Box<Reduced<'p>>>,
+    krylov: Krylov<'p>,
+    reduced: Option<Reduced<'p>>,
     /// Iterations of the first solve after multigrid was set up, and how many more others have taken since, in all.
     fresh: Option<usize>,
     excess: usize,
@@ -101,13 +94,9 @@ struct Reduced<'p> {
     /// D⁻¹ when multigrid was set up.
     then: Vec<Small>,
     couplings: Option<Couplings<'p>>,
-    /// In A's layout, to work in.
-    whole_work: Vector<'p>,
     /// In S's layout.
     load: Vector<'p>,
     motion: Vector<'p>,
-    /// What went wrong in a callback.
-    error: Option<Error>,
 }
 
 /// A, as it is looked at to get rid of its multipliers.
@@ -171,21 +160,7 @@ struct Small {
 impl<'p> Multigrid<'p> {
     /// A solver of systems with these unknowns. Collective.
     pub(crate) fn new(petsc: &'p Petsc<'p>, unknowns: Unknowns) -> Result<Self, Error> {
-        let (mut ksp, mut pc) = (null_mut(), null_mut());
-        let prefix = c_string("linear_")?;
-        // SAFETY: a live communicator, places for handles, C strings that PETSc copies; then live objects.
-        unsafe {
-            check(sys::KSPCreate(petsc.raw_comm(), &mut ksp))?;
-            check(sys::KSPSetType(ksp, c"fgmres".as_ptr()))?;
-            check(sys::KSPGMRESSetRestart(ksp, RESTART))?;
-            check(sys::KSPGetPC(ksp, &mut pc))?;
-            check(sys::PCSetType(pc, c"shell".as_ptr()))?;
-            check(sys::PCShellSetApply(pc, Some(precondition)))?;
-            check(sys::PCShellSetName(pc, c"multigrid without multipliers".as_ptr()))?;
-            check(sys::KSPSetOptionsPrefix(ksp, prefix.as_ptr()))?;
-            check(sys::KSPSetFromOptions(ksp))?;
-        }
-        Ok(Self { petsc, unknowns, ksp, reduced: None, fresh: None, excess: 0 })
+        Ok(Self { petsc, unknowns, krylov: Krylov::new(petsc)?, reduced: None, fresh: None, excess: 0 })
     }
 
     /// The nodes where they are now; the next set-up has the rigid motions about there.
@@ -206,7 +181,7 @@ impl<'p> Multigrid<'p> {
         (b, norm): (sys::Vec, f64),
         x: sys::Vec,
         statistics: &mut LinearStatistics,
-    ) -> Result<Option<f64>, Error> {
+    ) -> Result<Option<f64>, LinearError> {
         loop {
             let begun = Instant::now();
             let set_up = self.set_up(matrix);
@@ -219,9 +194,11 @@ impl<'p> Multigrid<'p> {
             }
             let begun = Instant::now();
             let is_fresh = self.fresh.is_none();
-            let most = self.fresh.map_or(MAX_ITERATIONS, |fresh| (3 * (fresh + SET_UP)) as i32);
+            let most = self.fresh.map_or(MAX_ITERATIONS, |fresh| 3 * (fresh + SET_UP));
+            let Some(reduced) = &mut self.reduced else { return Ok(None) };
+            let most = most.min(MAX_ITERATIONS);
             // SAFETY: as for this function.
-            let (solved, iterations) = unsafe { self.iterate(matrix, (b, norm), x, most.min(MAX_ITERATIONS)) }?;
+            let Iterated { solved, iterations } = unsafe { self.krylov.solve(matrix, (b, norm), x, reduced, most) }?;
             statistics.iterate_s += begun.elapsed().as_secs_f64();
             statistics.krylov_iterations += iterations;
             let fresh = *self.fresh.get_or_insert(iterations);
@@ -236,50 +213,13 @@ impl<'p> Multigrid<'p> {
         }
     }
 
-    /// One solve in so many iterations at most, and how many it took. Collective.
-    ///
-    /// # Safety
-    /// As for [`Self::solve`].
-    unsafe fn iterate(
-        &mut self,
-        matrix: &Matrix,
-        (b, norm): (sys::Vec, f64),
-        x: sys::Vec,
-        most: i32,
-    ) -> Result<(Option<f64>, usize), Error> {
-        let Some(reduced) = &mut self.reduced else { return Ok((None, 0)) };
-        let pointer: *mut Reduced = &mut **reduced;
-        let (ksp, mut pc, mut reason, mut iterations) = (self.ksp, null_mut(), 0, 0);
-        // SAFETY: live objects; the context lives through the solve, during which the callback alone uses it.
-        let solved = unsafe {
-            check(sys::KSPSetTolerances(ksp, TOLERANCE, 0.0, DIVERGED, most))?;
-            check(sys::KSPSetOperators(ksp, matrix.raw(), matrix.raw()))?;
-            check(sys::KSPGetPC(ksp, &mut pc))?;
-            check(sys::PCShellSetContext(pc, pointer.cast()))?;
-            let solved = check(sys::KSPSolve(ksp, b, x));
-            check(sys::PCShellSetContext(pc, null_mut()))?;
-            check(sys::KSPGetConvergedReason(ksp, &mut reason))?;
-            check(sys::KSPGetIterationNumber(ksp, &mut iterations))?;
-            solved
-        };
-        if let Some(error) = reduced.error.take() {
-            forget();
-            return Err(error);
-        }
-        solved?;
-        // SAFETY: live vectors of one layout, distinct.
-        let relative_residual = unsafe { matrix.raw_residual(b, x, reduced.whole_work.raw())? } / norm;
-        let is_solved = reason > 0 && relative_residual <= RESIDUAL_TOLERANCE;
-        Ok((is_solved.then_some(relative_residual), iterations as usize))
-    }
-
     /// Brings what takes the multipliers away up to date, and multigrid, too, if it is to be fresh. Collective.
     fn set_up(&mut self, matrix: &Matrix) -> Result<(), Error> {
         let pattern = matrix.version().pattern;
         let is_new = self.reduced.as_ref().is_none_or(|reduced| reduced.pattern != pattern);
         if is_new {
             (self.reduced, self.fresh, self.excess) = (None, None, 0);
-            self.reduced = Some(Box::new(Reduced::new(self.petsc, matrix, &self.unknowns)?));
+            self.reduced = Some(Reduced::new(self.petsc, matrix, &self.unknowns)?);
         }
         let Some(reduced) = &mut self.reduced else { return Ok(()) };
         if !is_new {
@@ -306,13 +246,6 @@ impl<'p> Multigrid<'p> {
             }
         }
         Ok(())
-    }
-}
-
-impl Drop for Multigrid<'_> {
-    fn drop(&mut self) {
-        // SAFETY: a live solver.
-        unsafe { sys::KSPDestroy(&mut self.ksp) };
     }
 }
 
@@ -465,7 +398,7 @@ impl<'p> Reduced<'p> {
         let (multipliers, mut has_multipliers) = (i32::from(!whole.lent_rows.is_empty()), 0);
         petsc.own().all_reduce_into(&multipliers, &mut has_multipliers, SystemOperation::max());
         let couplings = if has_multipliers > 0 { Some(Couplings::new(petsc, &whole, unknowns)?) } else { None };
-        let (of_whole, of_reduced) = (matrix.local_rows(), rows.len());
+        let of_reduced = rows.len();
         Ok(Self {
             pattern: matrix.version().pattern,
             whole,
@@ -478,10 +411,8 @@ impl<'p> Reduced<'p> {
             blocks: Vec::new(),
             then: Vec::new(),
             couplings,
-            whole_work: Vector::zeros(petsc, of_whole)?,
             load: Vector::zeros(petsc, of_reduced)?,
             motion: Vector::zeros(petsc, of_reduced)?,
-            error: None,
         })
     }
 
@@ -543,12 +474,14 @@ impl<'p> Reduced<'p> {
         }
         Ok(())
     }
+}
 
+impl Preconditioner for Reduced<'_> {
     /// z from r, see the head of the module. Collective.
     ///
     /// # Safety
     /// Live vectors of A's layout, distinct.
-    unsafe fn apply(&mut self, r: sys::Vec, z: sys::Vec) -> Result<(), Error> {
+    unsafe fn apply(&mut self, r: sys::Vec, z: sys::Vec) -> Result<(), LinearError> {
         // SAFETY: the caller vouches for the vectors, which are distinct.
         let (r, mut z) = unsafe { (Array::new(r)?, ArrayMut::new(z)?) };
         {
@@ -818,22 +751,6 @@ fn set_rigid_motions(petsc: &Petsc, matrix: sys::Mat, nodes: &[Node]) -> Result<
         check(sys::MatNullSpaceCreate(petsc.raw_comm(), 0, count, handles.as_ptr(), &mut space))?;
         check(sys::MatSetNearNullSpace(matrix, space))?;
         check(sys::MatNullSpaceDestroy(&mut space))
-    }
-}
-
-unsafe extern "C" fn precondition(pc: sys::PC, r: sys::Vec, z: sys::Vec) -> sys::PetscErrorCode {
-    let mut pointer: *mut c_void = null_mut();
-    // SAFETY: the KSP calls this with its own objects; the context is NULL, or set for as long as it solves.
-    unsafe {
-        sys::PCShellGetContext(pc, (&raw mut pointer).cast());
-        let Some(reduced) = pointer.cast::<Reduced>().as_mut() else { return sys::PETSC_ERR_ORDER as _ };
-        match reduced.apply(r, z) {
-            Ok(()) => 0,
-            Err(error) => {
-                reduced.error = Some(error);
-                sys::PETSC_ERR_USER as _
-            }
-        }
     }
 }
 

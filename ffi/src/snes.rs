@@ -197,6 +197,11 @@ impl<'p> Snes<'p> {
         self.linear.statistics()
     }
 
+    /// As [`LinearSolver::reuse_factors`]. Collective.
+    pub fn reuse_factors(&mut self, least_worth: usize) -> Result<(), Error> {
+        self.linear.reuse_factors(least_worth)
+    }
+
     /// As [`LinearSolver::iterate`]. Collective.
     pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
         self.linear.iterate(unknowns)

@@ -75,6 +75,49 @@ fn lu_of_an_unsymmetric_saddle_point() {
     });
 }
 
+/// The factors of one matrix serve another that is near it, be its pattern another; they are computed anew for one that is not,
+/// and where they are of a matrix with null pivots.
+#[test]
+fn factors_are_reused() {
+    with_petsc("factors_are_reused", &[1, 2, 3], "", |petsc| {
+        for kind in [Factorization::Ldlt, Factorization::Lu] {
+            let (mut solver, mut dense) = (LinearSolver::new(petsc, kind), saddle_point(40, 8));
+            solver.reuse_factors(0).unwrap();
+            let mut a = matrix(petsc, &dense);
+            a.set_symmetric(true).unwrap();
+            let mut solve = |a: &Matrix, dense: &[Vec<f64>]| {
+                let error = error_of_solution(petsc, &mut solver, a, dense);
+                assert!(error < 1e-6, "{error}");
+                let statistics = solver.statistics();
+                (statistics.factorizations, statistics.reused)
+            };
+            assert_eq!(solve(&a, &dense), (1, 0));
+            dense[3][3] *= 2.0;
+            a.update(&compress(own_rows(petsc, 48), &dense).2).unwrap();
+            assert_eq!(solve(&a, &dense), (1, 1));
+            (dense[0][5], dense[5][0]) = (0.1, 0.1);
+            let (offsets, columns, values) = compress(own_rows(petsc, 48), &dense);
+            a.rebuild(&offsets, &columns, &values).unwrap();
+            assert_eq!(solve(&a, &dense), (1, 2));
+            (0..40).for_each(|i| dense[i][i] *= if i % 2 == 0 { 1e4 } else { 1.0 });
+            a.update(&compress(own_rows(petsc, 48), &dense).2).unwrap();
+            assert_eq!(solve(&a, &dense), (2, 2));
+            for _ in 0..2 {
+                // A constraint that is another's.
+                dense[47] = dense[46].iter().map(|value| 2.0 * value).collect();
+                (0..40).for_each(|i| dense[i][47] = 2.0 * dense[i][46]);
+                (0..40).for_each(|i| dense[i][i] *= if i % 2 == 0 { 1e-4 } else { 1e3 });
+                let b = vector(petsc, &product(&dense, &[1.0; 48]));
+                let mut singular = matrix(petsc, &dense);
+                singular.set_symmetric(true).unwrap();
+                solver.solve(&singular, &b, &mut vector(petsc, &[0.0; 48])).unwrap();
+                assert_eq!(solver.statistics().null_pivots, 1);
+            }
+            assert_eq!((solver.statistics().factorizations, solver.statistics().reused), (4, 2));
+        }
+    });
+}
+
 #[test]
 fn an_empty_system_is_solved() {
     with_petsc("an_empty_system_is_solved", &[1, 2], "", |petsc| {

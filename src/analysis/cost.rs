@@ -19,15 +19,21 @@ pub fn megabytes_of_multigrid(entries: f64) -> f64 {
     (BYTES * entries / 1e6).ceil()
 }
 
-/// Whether systems of so many unknowns are solved iteratively. Factors take the square of their number in work, in plane strain
-/// its power 3/2. On two cores a block of even hexahedra under a ball is solved sooner by multigrid at 14,500 unknowns, and one
-/// that is graded towards its contact as soon by factors at 43,500: this is in between.
-pub fn iterates(linear: Linear, unknowns: u64, is_plane: bool) -> bool {
+/// How systems of so many unknowns are solved, which `Auto` leaves open. Factors take the square of their number in work, in
+/// plane strain its power 3/2. On two cores a block of even hexahedra under a ball is solved sooner by multigrid at 14,500
+/// unknowns, and one that is graded towards its contact as soon by factors at 43,500: this is in between.
+pub fn solver(linear: Linear, unknowns: u64, is_plane: bool) -> Linear {
     const MANY: u64 = 30_000;
     const MANY_IN_A_PLANE: u64 = 200_000;
     match linear {
-        Linear::Auto => unknowns >= if is_plane { MANY_IN_A_PLANE } else { MANY },
-        Linear::Direct => false,
-        Linear::Iterative => true,
+        Linear::Auto if unknowns >= if is_plane { MANY_IN_A_PLANE } else { MANY } => Linear::Iterative,
+        Linear::Auto => Linear::Reuse,
+        given => given,
     }
+}
+
+/// How many of its applications a factorization must cost to serve several systems, which `Auto` leaves open: below, what
+/// FGMRES itself costs outweighs it. Some 1,000 unknowns cost 6, 7,500 in a layer 7, 14,500 in a block 22.
+pub fn least_worth(linear: Linear) -> usize {
+    if linear == Linear::Auto { 7 } else { 0 }
 }

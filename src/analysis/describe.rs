@@ -8,7 +8,7 @@ use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::Summary;
 use crate::parallel::{agree, sum};
-use crate::scene::{Enforcement, MaterialModel, Scene, Smoothing};
+use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing};
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -204,9 +204,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let symmetric = conditions.is_symmetric(model);
         let (matrix, factors) =
             if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
-        let (solver, memory) = match cost::iterates(scene.solver.linear, dofs.total, model.is_plane()) {
-            true => ("FGMRES with multigrid", cost::megabytes_of_multigrid(entries[0])),
-            false => (factors, cost::megabytes(dofs.total, entries[0], symmetric)),
+        let (solver, memory) = match cost::solver(scene.solver.linear, dofs.total, model.is_plane()) {
+            Linear::Iterative => ("FGMRES with multigrid", cost::megabytes_of_multigrid(entries[0])),
+            _ => (factors, cost::megabytes(dofs.total, entries[0], symmetric)),
         };
         let _ = writeln!(
             text,

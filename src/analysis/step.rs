@@ -15,7 +15,7 @@ use crate::interrupt;
 use crate::model::{Model, states};
 use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
-use crate::scene::Step;
+use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::{DofMap, Pattern};
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Reason, Snes, Vector};
@@ -173,10 +173,14 @@ impl<'a> Simulation<'a> {
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
-        if cost::iterates(self.scene.solver.linear, dofs.total, self.model.is_plane()) {
-            let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
-            snes.iterate(dofs.unknowns(&self.model, place))?;
-            self.summary.linear_solver = "FGMRES, multigrid".into();
+        match cost::solver(self.scene.solver.linear, dofs.total, self.model.is_plane()) {
+            Linear::Iterative => {
+                let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+                snes.iterate(dofs.unknowns(&self.model, place))?;
+                self.summary.linear_solver = "FGMRES, multigrid".into();
+            }
+            Linear::Reuse => snes.reuse_factors(cost::least_worth(self.scene.solver.linear))?,
+            Linear::Direct | Linear::Auto => {}
         }
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };

@@ -96,6 +96,7 @@ impl Summary {
             "analyses": self.linear.analyses,
             "factorizations": self.linear.factorizations,
             "linear_iterations": self.linear.krylov_iterations,
+            "linear_reused": self.linear.reused,
             "linear_unsolved": self.linear.unsolved,
             "search_fetches": self.search_fetches,
             "wall_s": milli(self.wall_s),
@@ -140,7 +141,7 @@ mod tests {
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
-             pattern_rebuilds analyses factorizations linear_iterations linear_unsolved search_fetches \
+             pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
              wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();

@@ -346,8 +346,10 @@ pub enum Linear {
     /// As their size says.
     #[default]
     Auto,
-    /// By factorization.
+    /// By a factorization for each.
     Direct,
+    /// By factorization, or by iteration with the factors of an earlier system where that is cheaper.
+    Reuse,
     /// By iteration with multigrid, and by factorization where that fails.
     Iterative,
 }

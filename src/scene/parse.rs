@@ -262,7 +262,12 @@ fn solver(root: &Table) -> Result<Solver> {
     solver.tolerance = table.optional("tolerance", tolerance)?.unwrap_or(solver.tolerance);
     solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
     solver.force_floor = table.optional("force_floor", Item::positive)?;
-    let kinds = [("auto", Linear::Auto), ("direct", Linear::Direct), ("iterative", Linear::Iterative)];
+    let kinds = [
+        ("auto", Linear::Auto),
+        ("direct", Linear::Direct),
+        ("reuse", Linear::Reuse),
+        ("iterative", Linear::Iterative),
+    ];
     solver.linear = table.optional("linear", |item| item.choice(&kinds))?.unwrap_or_default();
     Ok(solver)
 }
