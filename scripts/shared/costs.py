@@ -21,6 +21,13 @@ LAWS = {
         "solve": (lambda row: row["solve"], "factorizations", "dofs"),
         "rest": (rest, "increments", "elements"),
     },
+    "reuse": {
+        "assembly": (lambda row: row["assembly"], "iterations", "elements"),
+        "search": (lambda row: row["search"], "iterations", "elements"),
+        "factor": (lambda row: row["factor"], "factorizations", "dofs"),
+        "solve": (lambda row: row["solve"], "linear_iterations", "dofs"),
+        "rest": (rest, "increments", "elements"),
+    },
     "iterative": {
         "assembly": (lambda row: row["assembly"], "iterations", "elements"),
         "search": (lambda row: row["search"], "iterations", "elements"),
@@ -94,15 +101,15 @@ class Model:
 
 
 COLOURS = {"assembly": "#3b75af", "search": "#8d69b8", "factor": "#c53a32", "solve": "#ef8636", "rest": "#9d9d9d"}
-SHOWN = {"direct": "factors", "iterative": "multigrid"}
-MARKERS = {"direct": "s", "iterative": "o"}
-HATCHES = {"direct": "", "iterative": "////"}
-SHIFT = {"direct": -0.2, "iterative": 0.2}  # beside each other
+SHOWN = {"direct": "factors", "reuse": "old factors", "iterative": "multigrid"}
+MARKERS = {"direct": "s", "reuse": "^", "iterative": "o"}
+HATCHES = {"direct": "", "reuse": "....", "iterative": "////"}
+SHIFT = {"direct": -0.28, "reuse": 0.0, "iterative": 0.28}  # beside each other
 
 
 def draw(rows, models, path):
     """A column for each series of a scene: time by phase, memory of each rank, iterations, messages; bars and marks of
-    both solvers side by side."""
+    the solvers side by side."""
     series = list(dict.fromkeys((row["scene"], row["series"]) for row in rows))
     figure, axes = plt.subplots(4, len(series), figsize=(1.5 + 2.3 * len(series), 10.5), squeeze=False, sharey="row",
                                 sharex="col", constrained_layout=True)
@@ -139,7 +146,7 @@ def draw_run(panels, x, row, model):
     bottom = 0.0
     for phase, colour in COLOURS.items():
         height = (rest(row) if phase == "rest" else row[phase]) * scale
-        time.bar(x, height, 0.36, bottom, color=colour, edgecolor="white", linewidth=0, hatch=HATCHES[row["solver"]])
+        time.bar(x, height, 0.26, bottom, color=colour, edgecolor="white", linewidth=0, hatch=HATCHES[row["solver"]])
         bottom += height
     time.plot(x, model.wall(row) * scale, "_", color="black", markersize=11)
     mark = {"marker": MARKERS[row["solver"]], "linestyle": "", "markersize": 4}
@@ -158,7 +165,7 @@ def key():
     phases = [patch(color=colour, label="factor or set up" if phase == "factor" else phase)
               for phase, colour in COLOURS.items()]
     solvers = [line([], [], color="black", marker=MARKERS[s], linestyle="", markersize=4, label=f"{shown} ({side})")
-               for (s, shown), side in zip(SHOWN.items(), ("left", "right"))]
+               for (s, shown), side in zip(SHOWN.items(), ("left", "middle", "right"))]
     return [*phases, *solvers,
             line([], [], color="black", marker="_", linestyle="", markersize=11, label="model"),
             line([], [], color="black", marker=".", linestyle="", label="iterations of Newton's method"),

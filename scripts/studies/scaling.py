@@ -25,10 +25,11 @@ from shared import INPUTS, OUT, ROOT, add_out, arguments, say, study, written
 
 SCENES = ["sphere", "blocks", "ironing"]
 SERIES = ["strong", "weak"]
-SOLVERS = ["direct", "iterative"]
+SOLVERS = ["direct", "reuse", "iterative"]
 PHASES = ["read", "partition", "search", "assembly", "factor", "solve", "output"]
 BY_RANK = ["peak_memory_mb", "messages", "sent_mb"]
-COUNTS = ["elements", "dofs", "increments", "iterations", "factorizations", "linear_iterations", "linear_unsolved"]
+COUNTS = ["elements", "dofs", "increments", "iterations", "factorizations", "linear_iterations",
+          "linear_reused", "linear_unsolved"]
 COLUMNS = ["scene", "series", "size", "n", "solver", "ranks", "code", *COUNTS, "wall_s", *PHASES, *BY_RANK, "forces"]
 
 BLOCKS = """
@@ -137,7 +138,7 @@ def of_ranks(row, key):
 
 def show(rows):
     head = ["scene", "series", "n", "unknowns", "solver", "ranks", "wall s", *(f"{phase} s" for phase in PHASES[2:6]),
-            "MB", "of a rank", "iterations", "linear", "unsolved", "messages", "MB sent", "forces"]
+            "MB", "of a rank", "iterations", "factored", "linear", "unsolved", "messages", "MB sent", "forces"]
     cells = []
     for row in rows:
         cell = [row["scene"], row["series"], row["n"], row.get("dofs", ""), row["solver"], row["ranks"]]
@@ -147,7 +148,7 @@ def show(rows):
         memory, messages, sent = (of_ranks(row, key) for key in BY_RANK)
         cells.append([*cell, f"{row['wall_s']:.1f}", *(f"{row[phase]:.1f}" for phase in PHASES[2:6]),
                       f"{sum(memory):.0f}", f"{max(memory):.0f}", row["iterations"],
-                      f"{row['linear_iterations'] / row['iterations']:.1f}", row["linear_unsolved"],
+                      row["factorizations"], f"{row['linear_iterations'] / row['iterations']:.1f}", row["linear_unsolved"],
                       f"{max(messages):.0f}", f"{max(sent):.1f}", row["forces"]])
     study.table(head, cells)
 
@@ -257,7 +258,7 @@ def main():
     series.add_argument("--series", nargs="+", choices=SERIES, default=["strong"], help="(strong)")
     series.add_argument("--sizes", type=int, nargs="+", default=[20], metavar="N",
                         help="elements along the block, in a weak series on one rank (20)")
-    series.add_argument("--solvers", nargs="+", choices=SOLVERS, default=SOLVERS, help="(both)")
+    series.add_argument("--solvers", nargs="+", choices=SOLVERS, default=SOLVERS, help="(all)")
     series.add_argument("--limit", type=int, default=3600, metavar="S", help="seconds a run may take (%(default)s)")
     series.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as in `nagata run`")
     add = lambda does, told, *parents: commands.add_parser(does.__name__, help=told, description=told, parents=parents)
