@@ -60,7 +60,7 @@ nurbs = "t.igs"
 slave = "b.a"
 master = "t"
 method = "uzawa"
-[contact.b]
+[contact.p]
 slave = "b.a"
 master = "m.a"
 [contact.s]
@@ -126,7 +126,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ),
     ("tool.NAME.symmetry", "tool.t.symmetry.0", &["tool.t.symmetry=[{ point = [0, 0, 0], normal = [0, 0, 1] }]"]),
     ("contact.NAME", "contact.t", &[]),
-    ("contact.NAME", "contact.b", &[]),
+    ("contact.NAME", "contact.p", &[]),
     ("contact.NAME", "contact.s", &[]),
     ("step", "step.s", &[]),
     ("step", "step.0", &["step=[{}]"]),

@@ -74,6 +74,26 @@ fn roll_that_turns_about_its_axis() {
     assert_small("no drag before", history.column("roll.fx")[before] / push, 1e-9);
 }
 
+/// A force has pressed the roll, how far only the run knows; it turns about its own axis all the same, and without
+/// friction nothing changes.
+#[test]
+fn roll_that_a_force_has_moved_turns_about_its_axis() {
+    let force = "force = [{ target = \"roll\", total = [0.0, -8.0, 0.0], directions = \"y\" }]\n";
+    let turn =
+        "move = [{ target = \"roll\", rotate = { point = [0.0, 1.5, 0.0], axis = [0.0, 0.0, 1.0], angle = 90.0 } }]";
+    for held in [true, false] {
+        let turn = if held { turn.to_string() } else { force.to_string() + turn };
+        let steps = step("press", 2, force) + &step("turn", 4, &turn);
+        let run = slab(ROLL, 0.0, "", &steps).solve(1, &[]);
+        let [before, after] = [2, 6].map(|k| run.vectors(k, "body.slab", "displacement"));
+        let depth = before.iter().map(|u| -u[1]).fold(0.0, f64::max);
+        assert!(depth > 0.05, "{depth}");
+        for (before, after) in before.iter().zip(&after) {
+            (0..3).for_each(|d| assert_small("what turning changes", (after[d] - before[d]) / depth, 1e-8));
+        }
+    }
+}
+
 /// A bowl of Nagata patches and a plane are tilted and turned about a slanted axis and back: without friction everything is
 /// as before.
 #[test]

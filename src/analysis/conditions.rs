@@ -111,8 +111,7 @@ impl Conditions {
     pub fn place_tools(&self, tools: &mut [Tool], poses: &[Pose], offsets: &[Vec3], s: f64) {
         for (t, tool) in tools.iter_mut().enumerate() {
             let motion = &self.motions[t];
-            tool.trial = poses[t].moved(&motion.by, motion.rotation.as_ref(), s);
-            tool.trial.translation += offsets[t];
+            tool.trial = poses[t].moved(&motion.by, motion.rotation.as_ref(), s).driven_by(&offsets[t]);
         }
     }
 

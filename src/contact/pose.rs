@@ -3,9 +3,10 @@
 use crate::{Mat3, Vec3};
 use nalgebra::{Rotation3, Unit};
 
-/// A rotation about a fixed axis, a unit vector.
+/// A rotation about an axis, a unit vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Rotation {
+    /// A point of the axis but for what forces have moved the tool by, which nobody knows beforehand.
     pub point: Vec3,
     pub axis: Vec3,
     /// Degrees, right-handed.
@@ -17,11 +18,13 @@ pub struct Rotation {
 pub struct Pose {
     pub rotation: Mat3,
     pub translation: Vec3,
+    /// What forces have moved it by, of all its ways.
+    pub driven: Vec3,
 }
 
 impl Default for Pose {
     fn default() -> Self {
-        Self { rotation: Mat3::identity(), translation: Vec3::zeros() }
+        Self { rotation: Mat3::identity(), translation: Vec3::zeros(), driven: Vec3::zeros() }
     }
 }
 
@@ -43,10 +46,16 @@ impl Pose {
             let angle = (r.angle * fraction).to_radians();
             let turn = *Rotation3::from_axis_angle(&Unit::new_normalize(r.axis), angle).matrix();
             pose.rotation = turn * self.rotation;
-            pose.translation = turn * (self.translation - r.point) + r.point;
+            let point = r.point + self.driven;
+            pose.translation = turn * (self.translation - point) + point;
         }
         pose.translation += by * fraction;
         pose
+    }
+
+    /// The pose after a force has moved it by `offset`.
+    pub fn driven_by(&self, offset: &Vec3) -> Self {
+        Self { translation: self.translation + offset, driven: self.driven + offset, ..*self }
     }
 
     /// Angle by which `other` is turned against it, in 0 to pi.
@@ -76,7 +85,7 @@ impl Pose {
         let point = (across + axis.cross(&across) / (0.5 * angle).tan()) * 0.5;
         let turn = *Rotation3::from_axis_angle(&axis, angle * fraction).matrix();
         let translation = turn * (self.translation - point) + point + along * fraction;
-        Self { rotation: turn * self.rotation, translation }
+        Self { rotation: turn * self.rotation, translation, ..*self }
     }
 }
 
@@ -97,6 +106,16 @@ mod tests {
         let x = Vec3::new(2.0, 0.0, 0.0);
         assert!((pose.outward(&x) - Vec3::new(1.0, 1.0, 2.0)).norm() < 1e-15);
         assert!((pose.inward(&pose.outward(&x)) - x).norm() < 1e-15);
+    }
+
+    #[test]
+    fn the_axis_goes_along_with_what_forces_move() {
+        let turn = Rotation { point: Vec3::new(1.0, 0.0, 2.0), axis: Vec3::new(0.0, 1.0, 0.0), angle: 70.0 };
+        let offset = Vec3::new(0.0, 0.0, -0.3);
+        let pose = Pose::default().driven_by(&offset).moved(&Vec3::new(0.5, 0.0, 0.0), Some(&turn), 1.0);
+        let middle = turn.point + offset + Vec3::new(0.5, 0.0, 0.0);
+        assert!((pose.outward(&turn.point) - middle).norm() < 1e-15);
+        assert_eq!(pose.driven, offset);
     }
 
     #[test]

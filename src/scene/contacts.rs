@@ -22,7 +22,7 @@ const KEYS: [&str; 10] = [
 /// Keys that say how the faces of a body act as a master.
 const OF_SURFACE: [&str; 3] = ["smoothing", "feature_angle", "transfer"];
 
-/// Reads all pairs; none may occur twice.
+/// Reads all pairs; none may occur twice, and one that has forces in the history shares no name with another that has.
 pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
     let mut contacts: Vec<Contact> = Vec::new();
     for (name, item) in items {
@@ -31,6 +31,11 @@ pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result
         if let Some(first) = contacts.iter().find(same) {
             let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
             return Err(Error::input(&next.slave.at, what, "remove one of them"));
+        }
+        if !names.is_tool(&next.master.value) && names.is_target(&next.name.value) {
+            let what = format!("`{}` names a contact between bodies and a tool or body", next.name.value);
+            let help = "rename one of them: the forces of both would have the same names in history.csv";
+            return Err(Error::input(&next.name.at, what, help));
         }
         contacts.push(next);
     }

@@ -76,6 +76,11 @@ impl Names {
         self.tools.iter().any(|known| known == name)
     }
 
+    /// Whether a tool or a body is called so.
+    pub fn is_target(&self, name: &str) -> bool {
+        self.is_tool(name) || self.has_body(name)
+    }
+
     /// `body` or `body.group`; `instead` helps those who name a tool.
     pub fn set(&self, item: &Item, instead: &str) -> Result<Located<String>> {
         let name = item.string()?;

@@ -543,6 +543,11 @@ fn references_are_checked() {
         "step.press.fix.0.set must be `body` or `body.group`; `floor` is a tool"
     );
     assert_eq!(reason("[tool.floor]", "[tool.slab]"), "`slab` names a tool and a body");
+    for name in ["slab", "indenter"] {
+        let between = format!("contact.{name}={{ slave = \"slab.top\", master = \"slab.bottom\" }}");
+        assert!(message_set(&between).contains(&format!("`{name}` names a contact between bodies and a tool or body")));
+    }
+    read(SCENE, &["contact.floor={ slave = \"slab.bottom\", master = \"floor\" }"]).unwrap();
     assert_eq!(reason("[tool.floor]", "[tool.\"a b\"]"), "\"a b\" cannot be a name");
     assert_eq!(reason("name = \"press\"", "name = \"1\""), "\"1\" cannot be a name");
     assert!(message_set("step.1.name=press").contains("two steps are named `press`"));
