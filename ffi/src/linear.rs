@@ -29,6 +29,8 @@ pub const RESIDUAL_TOLERANCE: f64 = 1e-6;
 const MAX_REFINEMENTS: usize = 2;
 /// Systems in a row that the iterative solver may be tried on in vain.
 const MOST_IN_VAIN: usize = 3;
+/// Systems after which its iterations may be found too many.
+const SYSTEMS_TO_JUDGE_BY: usize = 3;
 /// Doublings of the workspace before a factorization is given up.
 const MAX_RETRIES: usize = 5;
 
@@ -203,6 +205,9 @@ pub struct LinearSolver<'p> {
     /// Solves with the factors of an earlier matrix, if it may.
     reuse: Option<Reuse<'p>>,
     multigrid: Option<Multigrid<'p>>,
+    /// Iterations of multigrid a system, in the mean, above which factors are taken; how many it has taken, for how many.
+    patience: usize,
+    taken: [usize; 2],
     /// Systems in a row that multigrid did not solve.
     in_vain: usize,
     statistics: LinearStatistics,
@@ -239,6 +244,8 @@ impl<'p> LinearSolver<'p> {
             factor: None,
             reuse: None,
             multigrid: None,
+            patience: usize::MAX,
+            taken: [0; 2],
             in_vain: 0,
             statistics,
         }
@@ -252,10 +259,18 @@ impl<'p> LinearSolver<'p> {
     }
 
     /// From now on tries to solve systems iteratively, of which the rows belong to these unknowns; what it cannot is solved
-    /// directly, and all that comes after three such in a row. Collective.
-    pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
+    /// directly, and all that comes after three such in a row, or after three or more that have taken more iterations than
+    /// `patience` has, in the mean. Collective.
+    pub fn iterate(&mut self, unknowns: Unknowns, patience: usize) -> Result<(), Error> {
         self.multigrid = Some(Multigrid::new(self.petsc, unknowns)?);
+        self.patience = patience;
         Ok(())
+    }
+
+    /// The iterations of multigrid a system, if they were too many.
+    pub fn impatience(&self) -> Option<usize> {
+        let [iterations, systems] = self.taken;
+        (systems >= SYSTEMS_TO_JUDGE_BY).then(|| iterations / systems).filter(|mean| *mean > self.patience)
     }
 
     /// Whether it tries to solve systems iteratively.
@@ -308,12 +323,16 @@ impl<'p> LinearSolver<'p> {
             // SAFETY: the caller vouches for `x`.
             return Ok(check(unsafe { sys::VecSet(x, 0.0) })?);
         }
-        if let Some(multigrid) = self.multigrid.as_mut().filter(|_| self.in_vain < MOST_IN_VAIN) {
+        let is_wanted = self.in_vain < MOST_IN_VAIN && self.impatience().is_none();
+        if let Some(multigrid) = self.multigrid.as_mut().filter(|_| is_wanted) {
             if !matrix.is_finite_everywhere() {
                 return Err(LinearFailure::NotFinite("matrix").into());
             }
+            let before = self.statistics.krylov_iterations;
             // SAFETY: as for this function.
-            if let Some(relative_residual) = unsafe { multigrid.solve(matrix, (b, norm), x, &mut self.statistics) }? {
+            let solved = unsafe { multigrid.solve(matrix, (b, norm), x, &mut self.statistics) }?;
+            self.taken = [self.taken[0] + self.statistics.krylov_iterations - before, self.taken[1] + 1];
+            if let Some(relative_residual) = solved {
                 self.in_vain = 0;
                 self.statistics.relative_residual = relative_residual;
                 self.statistics.null_pivots = 0;

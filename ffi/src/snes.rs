@@ -203,8 +203,13 @@ impl<'p> Snes<'p> {
     }
 
     /// As [`LinearSolver::iterate`]. Collective.
-    pub fn iterate(&mut self, unknowns: Unknowns) -> Result<(), Error> {
-        self.linear.iterate(unknowns)
+    pub fn iterate(&mut self, unknowns: Unknowns, patience: usize) -> Result<(), Error> {
+        self.linear.iterate(unknowns, patience)
+    }
+
+    /// As [`LinearSolver::impatience`].
+    pub fn impatience(&self) -> Option<usize> {
+        self.linear.impatience()
     }
 
     /// As [`LinearSolver::iterates`].

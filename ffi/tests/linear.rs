@@ -352,7 +352,7 @@ fn multigrid_solves_what_mumps_does() {
         let (mut dense, unknowns) = lattice();
         let mut a = matrix(petsc, &dense);
         let mut solver = LinearSolver::new(petsc, Factorization::Lu);
-        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns)).unwrap();
+        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns), usize::MAX).unwrap();
         // New values, of which some make another contact, then a new pattern.
         for round in 0..3 {
             let error = error_of_solution(petsc, &mut solver, &a, &dense);
@@ -378,6 +378,23 @@ fn multigrid_solves_what_mumps_does() {
     });
 }
 
+/// Multigrid that takes more iterations than are worth it gives way to factors after three systems.
+#[test]
+fn too_many_iterations_of_multigrid() {
+    with_petsc("too_many_iterations_of_multigrid", &[1, 2], "", |petsc| {
+        let (dense, unknowns) = lattice();
+        let a = matrix(petsc, &dense);
+        let mut solver = LinearSolver::new(petsc, Factorization::Lu);
+        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns), 2).unwrap();
+        for round in 1..6 {
+            assert!(error_of_solution(petsc, &mut solver, &a, &dense) < 1e-6);
+            assert_eq!(solver.impatience().is_some(), round >= 3);
+        }
+        let statistics = solver.statistics();
+        assert_eq!((statistics.iterative_solves, statistics.unsolved, statistics.factorizations), (3, 0, 1));
+    });
+}
+
 #[test]
 fn what_multigrid_cannot_solve_is_factored() {
     let options = "-linear_ksp_type preonly";
@@ -385,7 +402,7 @@ fn what_multigrid_cannot_solve_is_factored() {
         let (dense, unknowns) = lattice();
         let a = matrix(petsc, &dense);
         let mut solver = LinearSolver::new(petsc, Factorization::Lu);
-        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns)).unwrap();
+        solver.iterate(own_unknowns(petsc, dense.len(), &unknowns), usize::MAX).unwrap();
         for round in 1..6 {
             let error = error_of_solution(petsc, &mut solver, &a, &dense);
             assert!(error < 1e-9, "{error}");

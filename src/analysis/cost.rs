@@ -32,6 +32,20 @@ pub fn solver(linear: Linear, unknowns: u64, is_plane: bool) -> Linear {
     }
 }
 
+/// Iterations of multigrid a system above which factors that serve several are cheaper, which `Auto` leaves open. An
+/// iteration takes time with the unknowns, a factorization with their square. Where factors take gigabytes, no number is too
+/// large.
+pub fn patience(linear: Linear, unknowns: u64) -> usize {
+    const LEAST: u64 = 40;
+    const UNKNOWNS_AN_ITERATION: u64 = 1250;
+    const MANY: u64 = 100_000;
+    if linear == Linear::Auto && unknowns < MANY {
+        LEAST.max(unknowns / UNKNOWNS_AN_ITERATION) as usize
+    } else {
+        usize::MAX
+    }
+}
+
 /// How many of its applications a factorization must cost to serve several systems, which `Auto` leaves open: below, what
 /// FGMRES itself costs outweighs it. Some 1,000 unknowns cost 6, 7,500 in a layer 7, 14,500 in a block 22.
 pub fn least_worth(linear: Linear) -> usize {

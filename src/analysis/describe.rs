@@ -140,6 +140,13 @@ pub fn unsolved(step: &str) -> String {
     )
 }
 
+/// Of so many iterations of multigrid a system.
+pub fn impatience(step: &str, mean: usize) -> String {
+    format!(
+        "  {step}: multigrid takes {mean} iterations a system; factors that serve several are cheaper, and take over"
+    )
+}
+
 /// What `nagata check` prints: what will be modelled and what will not. Collective.
 ///
 /// # Errors

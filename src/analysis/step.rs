@@ -39,8 +39,8 @@ pub(super) struct Running<'a> {
     x: Vector<'a>,
     /// What was done for linear systems before it.
     before: LinearStatistics,
-    /// Null pivots, and systems that were not solved iteratively, have been told of.
-    warned: [bool; 2],
+    /// Null pivots, systems that were not solved iteratively, and too many iterations have been told of.
+    warned: [bool; 3],
 }
 
 impl Frame {
@@ -173,19 +173,21 @@ impl<'a> Simulation<'a> {
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
-        match cost::solver(self.scene.solver.linear, dofs.total, self.model.is_plane()) {
+        let linear = self.scene.solver.linear;
+        match cost::solver(linear, dofs.total, self.model.is_plane()) {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
-                snes.iterate(dofs.unknowns(&self.model, place))?;
+                snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, dofs.total))?;
+                snes.reuse_factors(cost::least_worth(linear))?;
                 self.summary.linear_solver = "FGMRES, multigrid".into();
             }
-            Linear::Reuse => snes.reuse_factors(cost::least_worth(self.scene.solver.linear))?,
+            Linear::Reuse => snes.reuse_factors(cost::least_worth(linear))?,
             Linear::Direct | Linear::Auto => {}
         }
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        self.running = Some(Running { frame, snes, x, before: self.summary.linear, warned: [false; 2] });
+        self.running = Some(Running { frame, snes, x, before: self.summary.linear, warned: [false; 3] });
         Ok(())
     }
 
@@ -232,6 +234,11 @@ impl<'a> Simulation<'a> {
                     let LinearStatistics { null_pivots, unsolved, .. } = snes.linear_statistics();
                     if unsolved > 0 && !std::mem::replace(&mut running.warned[1], true) {
                         self.warn(describe::unsolved(frame.name()), observer)?;
+                    }
+                    if let Some(mean) = snes.impatience()
+                        && !std::mem::replace(&mut running.warned[2], true)
+                    {
+                        observer(&Event::Detail(&describe::impatience(frame.name(), mean)))?;
                     }
                     if null_pivots > 0 && !std::mem::replace(&mut running.warned[0], true) {
                         let free = self.free_motion(frame, snes)?;
