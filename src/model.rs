@@ -438,27 +438,25 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
     for (index, body) in scene.bodies.iter().enumerate() {
         let mut mesh = mesh::load(&body.mesh, Purpose::Body)?;
         let offset = global.points.len() as u32;
-        let ties = match &body.plane_strain {
+        let mut ties = match &body.plane_strain {
             Some(asked) if asked.value => mesh::tie_layer(&mut mesh, &asked.at)?,
             _ => (0..mesh.points.len() as u32).collect(),
         };
-        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
-        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
-        global.tie.extend(ties.iter().map(|t| t + offset));
-        global.points.extend(mesh.points.iter().map(|p| Vec3::from(*p)));
-        global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
-        global.id.extend(&mesh.point_ids);
-        global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
-        global.solids.extend(mesh.solids.iter().map(|s| {
-            let mut solid = *s;
-            solid.nodes.iter_mut().for_each(|n| *n += offset);
-            solid
-        }));
         for (set, name) in global.sets.iter_mut().zip(names) {
             if let Some(found) = resolve(&body.name.value, &mesh, name)? {
                 *set = shifted(found, offset);
             }
         }
+        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
+        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
+        ties.iter_mut().for_each(|tie| *tie += offset);
+        mesh.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|n| *n += offset);
+        global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
+        global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
+        join(&mut global.tie, ties);
+        join(&mut global.points, mesh.points.into_iter().map(Vec3::from).collect());
+        join(&mut global.id, mesh.point_ids);
+        join(&mut global.solids, mesh.solids);
     }
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {
@@ -478,6 +476,14 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
         }
     }
     Ok(global)
+}
+
+/// Appends; what is first is not copied, for it may be most of the memory of a scene.
+fn join<T>(all: &mut Vec<T>, more: Vec<T>) {
+    match all.is_empty() {
+        true => *all = more,
+        false => all.extend(more),
+    }
 }
 
 /// Patches, and what nodes avoid by their numbers.

@@ -13,6 +13,10 @@ use std::path::{Path, PathBuf};
 /// the path, the group, or a place in the mesh file.
 pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
     let Selected { mut mesh, outward } = match source {
+        // All of a block is a body.
+        MeshSource::Block(shape) if purpose == Purpose::Body => {
+            Selected { mesh: block::generate(shape)?, outward: Vec::new() }
+        }
         MeshSource::Block(shape) => {
             let wish = Wish { purpose, group: None, at: &shape.at };
             select::select(FileMesh::from(block::generate(shape)?), &wish)?
