@@ -10,7 +10,7 @@ use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
-use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
+use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
@@ -476,14 +476,6 @@ fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMes
         }
     }
     Ok(global)
-}
-
-/// Appends; what is first is not copied, for it may be most of the memory of a scene.
-fn join<T>(all: &mut Vec<T>, more: Vec<T>) {
-    match all.is_empty() {
-        true => *all = more,
-        false => all.extend(more),
-    }
 }
 
 /// Patches, and what nodes avoid by their numbers.

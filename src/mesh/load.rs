@@ -43,7 +43,7 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
     })?;
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
-        (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, &data)?,
+        (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, data)?,
         (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data)?,
         _ => {
             let what = format!("'{name}' is neither a Gmsh nor an Abaqus file");
