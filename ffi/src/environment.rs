@@ -41,3 +41,26 @@ pub fn return_freed_memory() {
         unsafe { mallopt(parameter, value) };
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn resident_kib() -> u64 {
+        let status = std::fs::read_to_string("/proc/self/status").unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.trim().strip_suffix("kB").unwrap().trim().parse().unwrap()
+    }
+
+    #[test]
+    fn freed_memory_is_given_back() {
+        return_freed_memory();
+        // The smallest block with pages of its own, many times, and what is allocated above it.
+        let (blocks, kept): (Vec<_>, Vec<_>) = (0..64).map(|_| (vec![1u8; 5 << 20], vec![1u8; 1 << 10])).unzip();
+        let full = resident_kib();
+        drop(blocks);
+        let left = resident_kib();
+        assert!(full.saturating_sub(left) > 64 * 4 << 10, "{full} kB, then {left} kB");
+        drop(kept);
+    }
+}

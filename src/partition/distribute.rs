@@ -251,3 +251,16 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     }
     (part, wanted)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_concerns_a_rank_is_listed_once() {
+        let owner = [2, 2, 0, 0, 2];
+        let elements: [&[u32]; 4] = [&[0, 1, 4], &[1, 2, 3], &[2, 3], &[3, 0, 2, 4]];
+        let listed = ByRank::new(3, elements.len(), |e, each| owners(&owner, elements[e], each));
+        assert_eq!([0, 1, 2].map(|rank| listed.of(rank)), [&[1, 2, 3][..], &[], &[0, 1, 3]]);
+    }
+}
