@@ -235,6 +235,7 @@ pub fn run() -> i32 {
     // Who looks at the results while the run goes on must not keep it from writing.
     petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
     petsc::environment::leave_hdf5_at_exit();
+    petsc::environment::return_freed_memory();
     let Some(universe) = mpi::initialize() else {
         eprintln!("error: MPI cannot be initialized");
         return 3;

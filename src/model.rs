@@ -10,7 +10,7 @@ use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
-use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape};
+use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
@@ -441,27 +441,25 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
     for (index, body) in scene.bodies.iter().enumerate() {
         let mut mesh = mesh::load(&body.mesh, Purpose::Body)?;
         let offset = global.points.len() as u32;
-        let ties = match &body.plane_strain {
+        let mut ties = match &body.plane_strain {
             Some(asked) if asked.value => mesh::tie_layer(&mut mesh, &asked.at)?,
             _ => (0..mesh.points.len() as u32).collect(),
         };
-        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
-        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
-        global.tie.extend(ties.iter().map(|t| t + offset));
-        global.points.extend(mesh.points.iter().map(|p| Vec3::from(*p)));
-        global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
-        global.id.extend(&mesh.point_ids);
-        global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
-        global.solids.extend(mesh.solids.iter().map(|s| {
-            let mut solid = *s;
-            solid.nodes.iter_mut().for_each(|n| *n += offset);
-            solid
-        }));
         for (set, name) in global.sets.iter_mut().zip(names) {
             if let Some(found) = resolve(&body.name.value, &mesh, name)? {
                 *set = shifted(found, offset);
             }
         }
+        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
+        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
+        ties.iter_mut().for_each(|tie| *tie += offset);
+        mesh.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|n| *n += offset);
+        global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
+        global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
+        join(&mut global.tie, ties);
+        join(&mut global.points, mesh.points.into_iter().map(Vec3::from).collect());
+        join(&mut global.id, mesh.point_ids);
+        join(&mut global.solids, mesh.solids);
     }
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {

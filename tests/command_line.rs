@@ -200,3 +200,23 @@ fn quiet_is_quiet_and_results_go_to_a_folder_named_after_the_scene() {
     assert_eq!(fs::read_dir(bench.path("out")).unwrap().count(), 1);
     assert_eq!(run.history().steps, ["press", "press", "slide", "slide"]);
 }
+
+/// Pattern and places of a block, 3.3 kB an element when rows and elements kept what their nodes have in common.
+#[test]
+fn setting_up_takes_little_more_than_what_is_kept() {
+    let block = r#"block = { box = { size = [2.0, 2.0, 1.0] }, elements = [40, 40, 40],
+        faces = { top = ["zmax"], bottom = ["zmin"], edge = ["xmin"] } }"#;
+    let bench = Bench::new(&SCENE.replace(r#"mesh = "meshes/slab.inp""#, block));
+    for ranks in [1, 2] {
+        let check = nagata(&bench.path(""), ranks, &["check", "scene.toml"], bench.path("out"));
+        assert_eq!(check.code, 0, "{}", check.stderr);
+        let line = check.stdout.lines().last().unwrap();
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let megabytes: f64 = words[3].parse().unwrap();
+        assert!(line.starts_with("set up with ") && megabytes < 250.0 + 50.0 * (ranks - 1) as f64, "{line}");
+        if ranks > 1 {
+            let share: f64 = words[words.len() - 4].parse().unwrap();
+            assert!((0.8..1.2).contains(&share), "{line}");
+        }
+    }
+}

@@ -6,8 +6,8 @@ use crate::contact::{BodySurface, Master, Meets, Tool};
 use crate::error::Result;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
-use crate::output::summary::Summary;
-use crate::parallel::{agree, sum};
+use crate::output::summary::{Summary, peak_memory_mb};
+use crate::parallel::{agree, max, sum};
 use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing};
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
@@ -147,7 +147,7 @@ pub fn impatience(step: &str, mean: usize) -> String {
     )
 }
 
-/// What `nagata check` prints: what will be modelled and what will not. Collective.
+/// What `nagata check` prints: what will be modelled and what will not, and the memory that this took. Collective.
 ///
 /// # Errors
 /// What [`preflight`](super::preflight) refuses.
@@ -222,7 +222,26 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         );
         last = conditions;
     }
+    let _ = writeln!(text, "{}", memory(comm));
     Ok(text)
+}
+
+/// What all this has taken at its peak, on all ranks and on rank 0, which reads the meshes. Collective.
+fn memory(comm: &SimpleCommunicator) -> String {
+    let own = peak_memory_mb();
+    let (mut all, mut largest) = ([own], [own]);
+    sum(comm, &mut all);
+    max(comm, &mut largest);
+    match comm.size() {
+        1 => format!("set up with {:.0} MB", all[0]),
+        ranks => {
+            let share = own / (all[0] / f64::from(ranks));
+            format!(
+                "set up with {:.0} MB, at most {:.0} on a rank; rank 0 with {share:.2} times the mean",
+                all[0], largest[0]
+            )
+        }
+    }
 }
 
 /// What is done about an increment that failed.

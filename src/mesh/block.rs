@@ -111,6 +111,8 @@ fn fill(elements: [usize; 3], grading: [f64; 3], shape: &CheckedShape) -> Mesh {
     let [nx, ny, nz] = elements;
     let rows = if shape.closed { ny } else { ny + 1 };
     let mut mesh = Mesh { source: "block".into(), ..Mesh::default() };
+    mesh.points.reserve_exact((nx + 1) * rows * (nz + 1));
+    mesh.solids.reserve_exact(nx * ny * nz);
     for &z in &along[2] {
         for &y in &along[1][..rows] {
             mesh.points.extend(along[0].iter().map(|&x| shape.point([x, y, z])));
@@ -134,6 +136,7 @@ fn fill(elements: [usize; 3], grading: [f64; 3], shape: &CheckedShape) -> Mesh {
 /// Facets and groups of the sides. Returns the names of those there are.
 fn add_sides(mesh: &mut Mesh, elements: [usize; 3], shape: &CheckedShape) -> Vec<&'static str> {
     let [nx, ny, _] = elements;
+    let strides = [1, nx, nx * ny];
     let mut names = Vec::new();
     for (side, (name, face)) in shape.sides.into_iter().zip(SIDE_FACES).enumerate() {
         let direction = side / 2;
@@ -142,11 +145,12 @@ fn add_sides(mesh: &mut Mesh, elements: [usize; 3], shape: &CheckedShape) -> Vec
         }
         let layer = if side % 2 == 0 { 0 } else { elements[direction] - 1 };
         let mut group = Group::default();
-        for (index, solid) in mesh.solids.iter().enumerate() {
-            let at = [index % nx, index / nx % ny, index / (nx * ny)];
-            if at[direction] == layer {
+        let across: Vec<usize> = (0..3).filter(|d| *d != direction).collect();
+        for slow in 0..elements[across[1]] {
+            for fast in 0..elements[across[0]] {
+                let index = layer * strides[direction] + fast * strides[across[0]] + slow * strides[across[1]];
                 group.facets.push(mesh.facets.len() as u32);
-                mesh.facets.push(solid.face(face));
+                mesh.facets.push(mesh.solids[index].face(face));
             }
         }
         mesh.groups.insert(name.into(), group);

@@ -233,17 +233,18 @@ fn more_pairs<T>(pairs: &[T]) -> String {
 fn check_coincident(mesh: &Mesh) -> Result<()> {
     let sizes = sizes(mesh);
     let direction = Vec3::new(0.5357, 0.6214, 0.5718);
-    let points: Vec<Vec3> = mesh.points.iter().map(|&point| point.into()).collect();
-    let mut order: Vec<(f64, u32)> = points.iter().zip(0..).map(|(point, at)| (point.dot(&direction), at)).collect();
+    let points = || mesh.points.iter().map(|&point| Vec3::from(point));
+    let mut order: Vec<(f64, u32)> = points().zip(0..).map(|(point, at)| (point.dot(&direction), at)).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     // Projections carry rounding errors of the size of the coordinates.
-    let extent = points.iter().map(|point| point.amax()).fold(0.0, f64::max);
+    let extent = points().map(|point| point.amax()).fold(0.0, f64::max);
     let window = COINCIDENT * sizes.iter().copied().fold(0.0, f64::max) + 1e-15 * extent;
     let mut pairs = Vec::new();
     for (at, &(along, a)) in order.iter().enumerate() {
         for &(_, b) in order[at + 1..].iter().take_while(|other| other.0 - along <= window) {
             let [a, b] = [a.min(b) as usize, a.max(b) as usize];
-            if (points[a] - points[b]).norm() <= COINCIDENT * sizes[a].min(sizes[b]) {
+            let [x, y] = [a, b].map(|node| Vec3::from(mesh.points[node]));
+            if (x - y).norm() <= COINCIDENT * sizes[a].min(sizes[b]) {
                 pairs.push([a, b]);
             }
         }

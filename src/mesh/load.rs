@@ -13,6 +13,10 @@ use std::path::{Path, PathBuf};
 /// the path, the group, or a place in the mesh file.
 pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
     let Selected { mut mesh, outward } = match source {
+        // All of a block is a body.
+        MeshSource::Block(shape) if purpose == Purpose::Body => {
+            Selected { mesh: block::generate(shape)?, outward: Vec::new() }
+        }
         MeshSource::Block(shape) => {
             let wish = Wish { purpose, group: None, at: &shape.at };
             select::select(FileMesh::from(block::generate(shape)?), &wish)?
@@ -39,7 +43,7 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
     })?;
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
-        (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, &data)?,
+        (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, data)?,
         (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data)?,
         _ => {
             let what = format!("'{name}' is neither a Gmsh nor an Abaqus file");

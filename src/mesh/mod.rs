@@ -104,3 +104,11 @@ impl Facet {
         &self.nodes[..self.count as usize]
     }
 }
+
+/// Appends; what is first is not copied, for it may be most of the memory of a scene.
+pub(crate) fn join<T>(all: &mut Vec<T>, more: Vec<T>) {
+    match all.is_empty() {
+        true => *all = more,
+        false => all.extend(more),
+    }
+}

@@ -1,7 +1,7 @@
 //! A mesh as its file describes it: all of it, and before anything is selected, oriented or checked.
 
-use super::message;
 use super::{Facet, Group, Mesh, Solid, SolidShape};
+use super::{join, message};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
@@ -155,17 +155,17 @@ impl FileMesh {
 
     /// Appends points and the elements on them, which count their nodes among these points alone. Returns where the
     /// nodes and elements went. Fails on a node that is defined twice or missing.
-    pub fn append(&mut self, ids: &[u64], points: &[[f64; 3]], cells: &[Cell]) -> Result<(Ids, Vec<Slot>)> {
+    pub fn append(&mut self, ids: Vec<u64>, points: Vec<[f64; 3]>, cells: &[Cell]) -> Result<(Ids, Vec<Slot>)> {
         let base = self.mesh.points.len();
         if base + points.len().max(cells.len() * 6) >= u32::MAX as usize {
             return Err(message::whole_file(&self.mesh.source, "the mesh is too large for 32-bit numbers", ""));
         }
-        let nodes = Ids::new(ids, base as u32).map_err(|twice| {
+        let nodes = Ids::new(&ids, base as u32).map_err(|twice| {
             let what = format!("{} defined twice", message::several("node", &twice));
             message::whole_file(&self.mesh.source, what, "give each node a number of its own")
         })?;
-        self.mesh.points.extend_from_slice(points);
-        self.mesh.point_ids.extend_from_slice(ids);
+        join(&mut self.mesh.points, points);
+        join(&mut self.mesh.point_ids, ids);
         self.attached.resize(self.mesh.points.len(), false);
 
         let mut missing = Vec::new();

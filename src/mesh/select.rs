@@ -23,7 +23,7 @@ pub(super) struct Selected {
 }
 
 /// Takes what is wished for. A body's facets are boundary faces of its solids; a tool has facets alone.
-pub(super) fn select(file: FileMesh, wish: &Wish) -> Result<Selected> {
+pub(super) fn select(mut file: FileMesh, wish: &Wish) -> Result<Selected> {
     let named = match wish.group {
         Some(name) => Some(file.groups.get(name).ok_or_else(|| unknown(&file, name, wish))?),
         None => None,
@@ -31,12 +31,11 @@ pub(super) fn select(file: FileMesh, wish: &Wish) -> Result<Selected> {
     if let Some(error) = named.map_or(&file.unread, |group| &group.unread) {
         return Err(error.clone());
     }
-    let chosen = named.map(|named| &named.group);
-    let taken = match wish.purpose {
-        Purpose::Body => take_body(&file, chosen, wish)?,
-        Purpose::Tool => take_tool(&file, chosen, wish)?,
+    let mut taken = match wish.purpose {
+        Purpose::Body => take_body(&mut file, wish)?,
+        Purpose::Tool => take_tool(&file, named.map(|named| &named.group), wish)?,
     };
-    let outward = taken.outward.clone();
+    let outward = std::mem::take(&mut taken.outward);
     Ok(Selected { mesh: taken.restrict(file), outward })
 }
 
@@ -81,20 +80,27 @@ struct Taken {
     inside: Vec<bool>,
 }
 
-fn take_body(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Taken> {
-    let mesh = &file.mesh;
-    let mut solid_map = vec![None; mesh.solids.len()];
-    let mut solids = Vec::new();
-    let mut take = |index: usize| {
-        solid_map[index].get_or_insert_with(|| {
-            solids.push(mesh.solids[index]);
-            solids.len() as u32 - 1
-        });
+/// Takes the solids out of the file.
+fn take_body(file: &mut FileMesh, wish: &Wish) -> Result<Taken> {
+    let all = std::mem::take(&mut file.mesh.solids);
+    let mut solid_map = vec![None; all.len()];
+    let solids = match wish.group.and_then(|name| file.groups.get(name)) {
+        None => {
+            solid_map.iter_mut().zip(0..).for_each(|(new, index)| *new = Some(index));
+            all
+        }
+        Some(chosen) => {
+            let mut solids = Vec::new();
+            for &index in &chosen.group.solids {
+                solid_map[index as usize].get_or_insert_with(|| {
+                    solids.push(all[index as usize]);
+                    solids.len() as u32 - 1
+                });
+            }
+            solids
+        }
     };
-    match chosen {
-        Some(group) => group.solids.iter().for_each(|&index| take(index as usize)),
-        None => (0..mesh.solids.len()).for_each(&mut take),
-    }
+    let mesh = &file.mesh;
     if solids.is_empty() {
         return Err(empty(file, wish));
     }
@@ -149,16 +155,21 @@ fn take_tool(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Tak
 impl Taken {
     /// The mesh of what was taken, with nodes in the order of the file.
     fn restrict(mut self, file: FileMesh) -> Mesh {
-        let FileMesh { mesh, groups, .. } = file;
+        let FileMesh { mut mesh, groups, .. } = file;
+        mesh.solids = Vec::new();
         let mut node_map = vec![u32::MAX; mesh.points.len()];
         let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
         solid_nodes.chain(self.facets.iter().flat_map(Facet::nodes)).for_each(|&node| node_map[node as usize] = 0);
         let mut result = Mesh { source: mesh.source.clone(), warnings: mesh.warnings.clone(), ..Mesh::default() };
-        for (node, new) in node_map.iter_mut().enumerate().filter(|(_, new)| **new == 0) {
-            *new = result.points.len() as u32;
-            result.points.push(mesh.points[node]);
-            result.point_ids.push(mesh.point_ids[node]);
+        for (new, index) in node_map.iter_mut().filter(|new| **new == 0).zip(0..) {
+            *new = index;
         }
+        // In place: a copy may be much of the memory of a scene.
+        let mut kept = node_map.iter().chain(&node_map).map(|new| *new != u32::MAX);
+        result.points = std::mem::take(&mut mesh.points);
+        result.points.retain(|_| kept.next() == Some(true));
+        result.point_ids = std::mem::take(&mut mesh.point_ids);
+        result.point_ids.retain(|_| kept.next() == Some(true));
         for (name, found) in &groups {
             let group = self.restrict_group(found, &mesh, &node_map);
             if group != Group::default() {

@@ -17,6 +17,7 @@ use std::sync::atomic::{AtomicI32, AtomicU64, Ordering};
 pub type Parcels<T> = BTreeMap<usize, Vec<T>>;
 
 const ROUTE: i32 = 100;
+const SERVE: i32 = 103;
 const EXCHANGE: i32 = 101;
 /// Turns the tag of an exchange, so that the messages of the next are not taken for its own: a rank that has left one may
 /// already write to one that has yet to hear of its end. None can be two ahead.
@@ -78,6 +79,19 @@ pub fn exchange<T: Equivalence + Clone>(comm: &SimpleCommunicator, parcels: &Par
 /// What rank 0 has for this rank. Collective.
 pub fn scatter<T: Equivalence + Clone>(comm: &SimpleCommunicator, parcels: &Parcels<T>) -> Vec<T> {
     exchange(comm, parcels).remove(&0).unwrap_or_default()
+}
+
+/// What rank 0 makes for each rank, one after the other: it holds one parcel at a time. Its own it makes last. Collective.
+pub fn serve<T: Equivalence>(comm: &SimpleCommunicator, mut make: impl FnMut(usize) -> Vec<T>) -> Vec<T> {
+    if comm.rank() != 0 {
+        return comm.process_at_rank(0).matched_probe_with_tag(SERVE).matched_receive_vec().0;
+    }
+    for rank in 1..comm.size() {
+        let parcel = make(rank as usize);
+        tally(&parcel);
+        comm.process_at_rank(rank).synchronous_send_with_tag(&parcel[..], SERVE);
+    }
+    make(0)
 }
 
 /// A way that values take again and again: both sides know who sends how much.

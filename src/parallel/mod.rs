@@ -5,7 +5,7 @@
 
 mod messages;
 
-pub use messages::{Parcels, Route, Sent, exchange, scatter, sent};
+pub use messages::{Parcels, Route, Sent, exchange, scatter, sent, serve};
 
 use crate::error::{Error, Location, Result};
 use crate::failure::Cause;

@@ -1,4 +1,5 @@
-//! Rank 0 has the whole mesh; afterwards every rank has its part.
+//! Rank 0 has the whole mesh; afterwards every rank has its part. The parts are made one after the other, each in time and
+//! memory of its own size.
 
 use super::graph::{element_parts, node_owners};
 use super::halo::Halo;
@@ -6,7 +7,7 @@ use super::{Part, PartFacet, PartSet, PartSolid};
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::{Solid, SolidShape};
-use crate::parallel::{Parcels, agree, beginnings, scatter, starts};
+use crate::parallel::{Parcels, agree, beginnings, serve, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -48,21 +49,27 @@ pub struct GlobalFacet {
     pub id: u64,
 }
 
+impl GlobalFacet {
+    /// The nodes that count.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.count as usize]
+    }
+}
+
 /// Partitions the mesh that rank 0 holds (the others pass `None`) and gives every rank its part. Rank 0 also gets the
 /// number over all ranks, as in [`Part::starts`], of each node of its mesh. Collective.
 ///
 /// # Errors
 /// METIS's own, on all ranks.
 pub fn distribute(comm: &SimpleCommunicator, mesh: Option<&GlobalMesh>) -> Result<(Part, Vec<u64>)> {
-    let size = comm.size() as usize;
-    let nothing = || (Vec::new(), Vec::new());
-    let (parcels, numbering) = agree(comm, mesh.map_or_else(|| Ok(nothing()), |m| cut(m, size)))?;
-    let (numbers, points): (Vec<_>, Vec<_>) = parcels.into_iter().map(|p| (p.numbers, p.points)).unzip();
-    let numbers = scatter(comm, &numbers.into_iter().enumerate().collect());
-    let points = scatter(comm, &points.into_iter().enumerate().collect());
-    let (mut part, wanted) = unpack(&numbers, &points);
+    let cut = mesh.map(|mesh| Cut::new(mesh, comm.size() as usize)).transpose();
+    let mut cut = agree(comm, cut)?;
+    let numbers = serve(comm, |rank| cut.as_mut().map_or(Vec::new(), |cut| cut.parcel(rank)));
+    let (mut part, wanted) = unpack(&numbers);
+    drop(numbers);
     part.halo = Halo::new(comm, &wanted);
     part.starts = starts(comm, part.owned as u64);
+    let numbering = cut.map_or(Vec::new(), |cut| cut.numbers(&part.starts));
     Ok((part, numbering))
 }
 
@@ -79,111 +86,153 @@ pub struct Piece {
 /// # Errors
 /// METIS's own.
 pub fn pieces(mesh: &GlobalMesh, ranks: usize) -> Result<(Vec<Piece>, Vec<u64>)> {
-    let (parcels, numbering) = cut(mesh, ranks)?;
-    let unpacked = parcels.iter().map(|parcel| unpack(&parcel.numbers, &parcel.points));
+    let mut cut = Cut::new(mesh, ranks)?;
+    let unpacked = (0..ranks).map(|rank| unpack(&cut.parcel(rank)));
     let mut pieces: Vec<Piece> = unpacked.map(|(part, wanted)| Piece { part, wanted }).collect();
     let starts = beginnings(&pieces.iter().map(|piece| piece.part.owned as u64).collect::<Vec<_>>());
     pieces.iter_mut().for_each(|piece| piece.part.starts.clone_from(&starts));
-    Ok((pieces, numbering))
+    Ok((pieces, cut.numbers(&starts)))
 }
 
-/// A part on its way: flat, because it travels by MPI. [`cut`] writes it and [`unpack`] reads it in the same order.
-#[derive(Clone, Debug, Default)]
-struct Parcel {
-    numbers: Vec<u64>,
-    points: Vec<f64>,
+/// Things by the ranks that they concern: those of rank r are `items[starts[r]..starts[r + 1]]`, rising.
+struct ByRank {
+    starts: Vec<usize>,
+    items: Vec<u32>,
 }
 
-/// Makes the parcel of every rank, and numbers the nodes over all ranks.
-fn cut(mesh: &GlobalMesh, size: usize) -> Result<(Vec<Parcel>, Vec<u64>)> {
-    let mut first = vec![0i32];
-    let mut nodes = Vec::new();
-    for solid in &mesh.solids {
-        nodes.extend(solid.nodes().iter().map(|&n| n as i32));
-        first.push(nodes.len() as i32);
+impl ByRank {
+    /// Of so many things, of which `each` calls its argument with every rank that one concerns, once.
+    fn new(size: usize, count: usize, each: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
+        let mut starts = vec![0; size + 1];
+        (0..count).for_each(|k| each(k, &mut |rank| starts[rank + 1] += 1));
+        (0..size).for_each(|rank| starts[rank + 1] += starts[rank]);
+        let mut next = starts.clone();
+        let mut items = vec![0; starts[size]];
+        for k in 0..count {
+            each(k, &mut |rank| {
+                items[next[rank]] = k as u32;
+                next[rank] += 1;
+            });
+        }
+        Self { starts, items }
     }
-    let work = |s: &Solid| 4 + s.nodes().iter().map(|&n| mesh.node_work[n as usize]).sum::<i32>();
-    let weights: Vec<i32> = mesh.solids.iter().map(work).collect();
-    let part = element_parts(&first, &nodes, &weights, size)?;
-    let owner = node_owners(&first, &nodes, &part, &mesh.tie);
-    let mut place = vec![0u32; owner.len()];
-    let mut count = vec![0u32; size];
-    for (node, &rank) in owner.iter().enumerate() {
-        place[node] = count[rank as usize];
-        count[rank as usize] += 1;
+
+    fn of(&self, rank: usize) -> &[u32] {
+        &self.items[self.starts[rank]..self.starts[rank + 1]]
     }
-    let first: Vec<u64> = count.iter().scan(0, |end, &n| Some(std::mem::replace(end, *end + u64::from(n)))).collect();
-    let numbers = owner.iter().zip(&place).map(|(&rank, &k)| first[rank as usize] + u64::from(k)).collect();
-    let numbering = Numbering { owner, place };
-    Ok(((0..size).map(|rank| parcel(mesh, &numbering, rank as i32)).collect(), numbers))
 }
 
-/// The numbering of nodes over all ranks.
-struct Numbering {
+/// Calls `each` with every owner of the nodes, once.
+fn owners(owner: &[i32], nodes: &[u32], each: &mut dyn FnMut(usize)) {
+    let of = |n: &u32| owner[*n as usize];
+    for (k, n) in nodes.iter().enumerate() {
+        if !nodes[..k].iter().any(|m| of(m) == of(n)) {
+            each(of(n) as usize);
+        }
+    }
+}
+
+const UNSEEN: u32 = u32::MAX;
+
+/// A mesh that is partitioned, on rank 0.
+struct Cut<'a> {
+    mesh: &'a GlobalMesh,
     /// Rank of each node.
     owner: Vec<i32>,
     /// Index of each node among those of its rank.
     place: Vec<u32>,
+    /// Nodes by their owners, solids by those of their nodes.
+    nodes: ByRank,
+    solids: ByRank,
+    /// The same of the nodes and facets of each set, as indices in it.
+    sets: Vec<[ByRank; 2]>,
+    /// Index of each node in the part that is being made.
+    local: Vec<u32>,
 }
 
-/// What `rank` gets.
-fn parcel(mesh: &GlobalMesh, numbering: &Numbering, rank: i32) -> Parcel {
-    const UNSEEN: u32 = u32::MAX;
-    let owner = &numbering.owner;
-    let touches = |nodes: &[u32]| nodes.iter().any(|&n| owner[n as usize] == rank);
-    let mut local = vec![UNSEEN; mesh.points.len()];
-    let mut held: Vec<u32> = (0..mesh.points.len() as u32).filter(|&n| owner[n as usize] == rank).collect();
-    let owned = held.len();
-    for (k, &n) in held.iter().enumerate() {
-        local[n as usize] = k as u32;
-    }
-    let mut see = |held: &mut Vec<u32>, nodes: &[u32]| {
-        for &n in nodes {
-            if local[n as usize] == UNSEEN {
-                local[n as usize] = held.len() as u32;
-                held.push(n);
-            }
+impl<'a> Cut<'a> {
+    fn new(mesh: &'a GlobalMesh, size: usize) -> Result<Self> {
+        let work = |s: &Solid| 4 + s.nodes().iter().map(|&n| mesh.node_work[n as usize]).sum::<i32>();
+        let weights: Vec<i32> = mesh.solids.iter().map(work).collect();
+        let elements = mesh.solids.iter().map(Solid::nodes);
+        let part = element_parts(elements.clone(), &weights, size)?;
+        let owner = node_owners(elements, &part, &mesh.tie);
+        let nodes = ByRank::new(size, owner.len(), |n, each| each(owner[n] as usize));
+        let mut place = vec![0; owner.len()];
+        for rank in 0..size {
+            (0..).zip(nodes.of(rank)).for_each(|(k, &n)| place[n as usize] = k);
         }
-    };
-    let solids: Vec<usize> = (0..mesh.solids.len()).filter(|&e| touches(mesh.solids[e].nodes())).collect();
-    solids.iter().for_each(|&e| see(&mut held, mesh.solids[e].nodes()));
-    // A halo node's tie is held too, so that every tie is a local node.
-    for k in owned..held.len() {
-        let tie = mesh.tie[held[k] as usize];
-        see(&mut held, &[tie]);
+        let solids = ByRank::new(size, mesh.solids.len(), |e, each| owners(&owner, mesh.solids[e].nodes(), each));
+        let of_set = |set: &GlobalSet| {
+            let nodes = ByRank::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
+            let facets = ByRank::new(size, set.facets.len(), |k, each| owners(&owner, set.facets[k].nodes(), each));
+            [nodes, facets]
+        };
+        let sets = mesh.sets.iter().map(of_set).collect();
+        let local = vec![UNSEEN; owner.len()];
+        Ok(Self { mesh, owner, place, nodes, solids, sets, local })
     }
 
-    let mut p = Parcel::default();
-    p.numbers.extend([owned, held.len(), mesh.points.len(), mesh.solids.len(), solids.len()].map(|n| n as u64));
-    for &n in &held {
-        let at = n as usize;
-        p.numbers.extend([owner[at] as u64, u64::from(numbering.place[at])]);
-        p.numbers.extend([u64::from(mesh.body[at]), mesh.id[at], u64::from(local[mesh.tie[at] as usize])]);
-        p.points.extend(mesh.points[at].iter());
+    /// The number of each node over all ranks.
+    fn numbers(&self, starts: &[u64]) -> Vec<u64> {
+        self.owner.iter().zip(&self.place).map(|(&rank, &k)| starts[rank as usize] + u64::from(k)).collect()
     }
-    for &e in &solids {
-        let solid = &mesh.solids[e];
-        let mine = owner[solid.nodes[0] as usize] == rank;
-        p.numbers.extend([solid.nodes().len() as u64, u64::from(mesh.solid_body[e]), solid.id, u64::from(mine)]);
-        p.numbers.extend(solid.nodes().iter().map(|&n| u64::from(local[n as usize])));
-    }
-    p.numbers.push(mesh.sets.len() as u64);
-    for set in &mesh.sets {
-        let mine: Vec<u64> =
-            set.nodes.iter().filter(|&&n| owner[n as usize] == rank).map(|&n| u64::from(local[n as usize])).collect();
-        let facets: Vec<&GlobalFacet> = set.facets.iter().filter(|f| touches(&f.nodes[..f.count as usize])).collect();
-        p.numbers.extend([mine.len() as u64, facets.len() as u64]);
-        p.numbers.extend(mine);
-        for f in facets {
-            p.numbers.extend([u64::from(f.count), u64::from(owner[f.nodes[0] as usize] == rank)]);
-            p.numbers.extend(f.nodes[..f.count as usize].iter().map(|&n| u64::from(local[n as usize])));
+
+    /// What `rank` gets, flat, because it travels by MPI; [`unpack`] reads it in the same order.
+    fn parcel(&mut self, rank: usize) -> Vec<u64> {
+        let Self { mesh, owner, place, local, .. } = self;
+        let is_own = |n: u32| owner[n as usize] as usize == rank;
+        let mut held = self.nodes.of(rank).to_vec();
+        let owned = held.len();
+        for (k, &n) in (0..).zip(&held) {
+            local[n as usize] = k;
         }
+        let mut see = |held: &mut Vec<u32>, nodes: &[u32]| {
+            for &n in nodes {
+                if local[n as usize] == UNSEEN {
+                    local[n as usize] = held.len() as u32;
+                    held.push(n);
+                }
+            }
+        };
+        let solids = self.solids.of(rank).iter().map(|&e| e as usize);
+        solids.clone().for_each(|e| see(&mut held, mesh.solids[e].nodes()));
+        // A halo node's tie is held too, so that every tie is a local node.
+        for k in owned..held.len() {
+            let tie = mesh.tie[held[k] as usize];
+            see(&mut held, &[tie]);
+        }
+
+        let at = |n: u32| u64::from(local[n as usize]);
+        let mut p = Vec::with_capacity(8 * held.len() + 12 * solids.len());
+        p.extend([owned, held.len(), mesh.points.len(), mesh.solids.len(), solids.len()].map(|n| n as u64));
+        for n in held.iter().map(|&n| n as usize) {
+            p.extend([owner[n] as u64, u64::from(place[n]), u64::from(mesh.body[n]), mesh.id[n], at(mesh.tie[n])]);
+            p.extend(mesh.points[n].iter().map(|x| x.to_bits()));
+        }
+        for e in solids {
+            let solid = &mesh.solids[e];
+            let mine = u64::from(is_own(solid.nodes[0]));
+            p.extend([solid.nodes().len() as u64, u64::from(mesh.solid_body[e]), solid.id, mine]);
+            p.extend(solid.nodes().iter().map(|&n| at(n)));
+        }
+        p.push(mesh.sets.len() as u64);
+        for (set, [nodes, facets]) in mesh.sets.iter().zip(&self.sets) {
+            let (nodes, facets) = (nodes.of(rank), facets.of(rank));
+            p.extend([nodes.len() as u64, facets.len() as u64]);
+            p.extend(nodes.iter().map(|&k| at(set.nodes[k as usize])));
+            for facet in facets.iter().map(|&k| &set.facets[k as usize]) {
+                p.extend([u64::from(facet.count), u64::from(is_own(facet.nodes[0]))]);
+                p.extend(facet.nodes().iter().map(|&n| at(n)));
+            }
+        }
+        held.iter().for_each(|&n| local[n as usize] = UNSEEN);
+        p
     }
-    p
 }
 
 /// Reads a parcel; also returns for each rank the halo nodes that it owns, as (local node, index among its own).
-fn unpack(numbers: &[u64], points: &[f64]) -> (Part, Parcels<(u32, u32)>) {
+fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     let mut rest = numbers.iter().copied();
     let mut next = || rest.next().unwrap_or_default();
     let mut part = Part { owned: next() as usize, ..Part::default() };
@@ -192,7 +241,7 @@ fn unpack(numbers: &[u64], points: &[f64]) -> (Part, Parcels<(u32, u32)>) {
     part.total_solids = next();
     let solids = next() as usize;
     let mut wanted = Parcels::new();
-    for (local, x) in (0..held).zip(points.chunks_exact(3)) {
+    for local in 0..held {
         let (of, place) = (next() as usize, next() as u32);
         if local >= part.owned {
             wanted.entry(of).or_insert_with(Vec::new).push((local as u32, place));
@@ -200,7 +249,7 @@ fn unpack(numbers: &[u64], points: &[f64]) -> (Part, Parcels<(u32, u32)>) {
         part.body.push(next() as u32);
         part.id.push(next());
         part.tie.push(next() as u32);
-        part.points.push(Vec3::new(x[0], x[1], x[2]));
+        part.points.push(Vec3::from_fn(|_, _| f64::from_bits(next())));
     }
     for _ in 0..solids {
         let count = next() as usize;
@@ -269,5 +318,13 @@ mod tests {
                 assert_eq!(halo.count(), part.points.len() - part.owned);
             }
         }
+    }
+
+    #[test]
+    fn what_concerns_a_rank_is_listed_once() {
+        let owner = [2, 2, 0, 0, 2];
+        let elements: [&[u32]; 4] = [&[0, 1, 4], &[1, 2, 3], &[2, 3], &[3, 0, 2, 4]];
+        let listed = ByRank::new(3, elements.len(), |e, each| owners(&owner, elements[e], each));
+        assert_eq!([0, 1, 2].map(|rank| listed.of(rank)), [&[1, 2, 3][..], &[], &[0, 1, 3]]);
     }
 }

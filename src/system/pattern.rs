@@ -1,7 +1,9 @@
 //! The compressed-row pattern of this rank's rows, built from elements and contact.
 //!
-//! Within a row the columns ascend, so the free displacements of a node stand side by side: the place of an element's
-//! entries is found once for each (row, node) and then only looked up.
+//! The rows of a node's displacements have the same columns: elements and contact couple nodes, not directions. So columns
+//! are found once a node, by its elements, and what contact adds is kept apart until then. Within a row the columns ascend,
+//! and the free displacements of a node stand side by side: where an element's entries are is known by a number for each
+//! pair of its nodes.
 
 use super::candidates::Candidates;
 use super::dofs::{DofMap, NONE};
@@ -12,6 +14,7 @@ use crate::model::Model;
 use crate::model::elements::carrying;
 use crate::parallel::agree;
 use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
 
 /// Length from which a row is rid of repetitions: long before it is crowded with them.
 const CROWDED: usize = 600;
@@ -26,8 +29,13 @@ pub struct Pattern {
     pub offsets: Vec<i32>,
     /// Global columns, ascending in each row.
     pub columns: Vec<i32>,
-    /// For each element of the part, rows `3 a + i` by nodes b: the place of the first free column of node b.
-    elements: Vec<Vec<u32>>,
+    /// For each element of the part, carrying nodes a by b: where in the rows of a the free columns of b begin.
+    /// [`NOWHERE`] where there is no such row or column.
+    elements: Vec<u32>,
+    /// Where each element begins in `elements`.
+    starts: Vec<u32>,
+    /// The first free row of each local node; [`NOWHERE`] if it is another rank's, or none.
+    rows: Vec<u32>,
     /// For each local node and direction the position among its free directions, or -1.
     shift: Vec<[i8; 3]>,
     /// Entries of contact elements of this rank in rows of others.
@@ -44,45 +52,36 @@ impl Pattern {
     /// More unknowns, or entries on a rank, than PETSc's indices count, on all ranks.
     pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap, place: impl Fn(u32) -> Vec3) -> Result<Self> {
         countable(dofs.total, "unknowns")?;
-        let part = &model.part;
-        let mut rows: Vec<Vec<i32>> = vec![Vec::new(); dofs.count];
-        for solid in &part.solids {
-            let nodes = carrying(model, solid);
-            let columns: Vec<i32> = nodes.iter().flat_map(|&n| free(&dofs.node[n as usize])).collect();
-            for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
-                rows[row].extend(&columns);
-            }
-            for row in nodes.iter().flat_map(|&n| dofs.node[n as usize]).filter_map(|e| dofs.local(e)) {
-                if rows[row].len() > CROWDED {
-                    tidy(&mut rows[row]);
-                }
+        let mut pattern = Self { candidates: Candidates::new(&model.pairs, &model.masters, place), ..Self::default() };
+        pattern.shift = dofs.node.iter().map(positions).collect();
+        let first = |equations: &[i64; 3]| equations.iter().find_map(|&e| dofs.local(e));
+        pattern.rows = dofs.node.iter().map(|equations| first(equations).map_or(NOWHERE, |row| row as u32)).collect();
+        let mut node_of = vec![NOWHERE; dofs.count];
+        for node in (0..model.part.owned).filter(|n| model.part.tie[*n] as usize == *n) {
+            for row in dofs.node[node].iter().filter_map(|&e| dofs.local(e)) {
+                node_of[row] = node as u32;
             }
         }
+        let mut added = Added { dofs, rows: &pattern.rows, node_of, columns: BTreeMap::new() };
         for (pair, multipliers) in model.pairs.iter().zip(&dofs.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(multipliers) {
-                let of_node: Vec<i32> = free(&dofs.node[slave.node as usize]).chain(free(equations)).collect();
-                for &row in &of_node {
-                    rows[(i64::from(row) - dofs.first) as usize].extend(&of_node);
-                }
+                let of_node = free(&dofs.node[slave.node as usize]).chain(free(equations));
+                added.couple(&of_node.map(i64::from).collect::<Vec<_>>());
             }
         }
         // Tools that nothing touches yet have a stiffness, too.
-        for (row, equation) in dofs.tool.iter().flatten().filter_map(|&e| Some((dofs.local(e)?, e))) {
-            rows[row].push(equation as i32);
+        for &equation in dofs.tool.iter().flatten() {
+            dofs.local(equation).into_iter().for_each(|row| added.push(row, &[equation as i32]));
         }
-        let candidates = Candidates::new(&model.pairs, &model.masters, place);
-        let groups = candidates.groups(comm, &model.pairs, &model.masters, dofs);
-        let (foreign, received) = Foreign::new(comm, add_groups(dofs, &groups, &mut rows), &dofs.starts);
-        for [row, column] in &received {
-            rows[(i64::from(*row) - dofs.first) as usize].push(*column);
-        }
-        rows.iter_mut().for_each(tidy);
-        agree(comm, countable(rows.iter().map(Vec::len).sum::<usize>() as u64, "entries on a rank"))?;
-        let mut pattern = Self { offsets: vec![0], foreign, candidates, ..Self::default() };
-        for row in &rows {
-            pattern.columns.extend(row);
-            pattern.offsets.push(pattern.columns.len() as i32);
-        }
+        let groups = pattern.candidates.groups(comm, &model.pairs, &model.masters, dofs);
+        let foreign = groups.iter().flat_map(|group| added.couple(group)).collect();
+        drop(groups);
+        let (foreign, received) = Foreign::new(comm, foreign, &dofs.starts);
+        received.iter().for_each(|[row, column]| added.push((i64::from(*row) - dofs.first) as usize, &[*column]));
+        let Added { node_of, columns, .. } = added;
+        pattern.fill(model, dofs, &node_of, columns);
+        pattern.foreign = foreign;
+        agree(comm, countable(pattern.columns.len() as u64, "entries on a rank"))?;
         pattern.find_places(model, dofs);
         let local = |[row, column]: &[i32; 2]| pattern.place((i64::from(*row) - dofs.first) as usize, *column);
         let places = received.iter().map(local).collect();
@@ -90,36 +89,52 @@ impl Pattern {
         Ok(pattern)
     }
 
-    fn find_places(&mut self, model: &Model, dofs: &DofMap) {
-        self.shift = dofs
-            .node
-            .iter()
-            .map(|e| {
-                let mut next = 0;
-                e.map(|equation| {
-                    if equation == NONE {
-                        return -1;
-                    }
-                    next += 1;
-                    next - 1
-                })
-            })
-            .collect();
-        self.elements =
-            model.part.solids.iter().map(|solid| self.element_places(carrying(model, solid), dofs)).collect();
+    /// Writes the columns of all rows: those that elements couple with a node, and what else is added to its rows.
+    fn fill(&mut self, model: &Model, dofs: &DofMap, node_of: &[u32], mut added: BTreeMap<usize, Vec<i32>>) {
+        let touching = Touching::new(model);
+        let mut seen = vec![NOWHERE; self.rows.len()];
+        let mut columns = Vec::new();
+        self.offsets.reserve(dofs.count + 1);
+        self.offsets.push(0);
+        let mut row = 0;
+        while row < dofs.count {
+            columns.clear();
+            columns.extend(added.remove(&row).into_iter().flatten());
+            let mut rows = 1;
+            if node_of[row] != NOWHERE {
+                let node = node_of[row];
+                let solids = touching.of(node).iter().map(|&e| &model.part.solids[e as usize]);
+                let beside = solids.flat_map(|solid| carrying(model, solid));
+                let new = beside.filter(|&&n| std::mem::replace(&mut seen[n as usize], node) != node);
+                columns.extend(new.flat_map(|&n| free(&dofs.node[n as usize])));
+                rows = free(&dofs.node[node as usize]).count();
+            }
+            tidy(&mut columns);
+            for _ in 0..rows {
+                self.columns.extend(&columns);
+                self.offsets.push(self.columns.len() as i32);
+            }
+            row += rows;
+        }
     }
 
-    fn element_places(&self, nodes: &[u32], dofs: &DofMap) -> Vec<u32> {
-        let mut places = Vec::with_capacity(3 * nodes.len() * nodes.len());
-        for row in nodes.iter().flat_map(|&a| dofs.node[a as usize]).map(|e| dofs.local(e)) {
-            for &b in nodes {
-                places.push(match (row, free(&dofs.node[b as usize]).next()) {
-                    (Some(row), Some(column)) => self.place(row, column),
+    fn find_places(&mut self, model: &Model, dofs: &DofMap) {
+        let solids = &model.part.solids;
+        let mut elements = Vec::with_capacity(solids.iter().map(|s| carrying(model, s).len().pow(2)).sum());
+        let mut starts = Vec::with_capacity(solids.len());
+        for nodes in solids.iter().map(|solid| carrying(model, solid)) {
+            starts.push(elements.len() as u32);
+            for &a in nodes {
+                let row = self.rows[a as usize];
+                elements.extend(nodes.iter().map(|&b| match free(&dofs.node[b as usize]).next() {
+                    Some(column) if row != NOWHERE => {
+                        self.place(row as usize, column) - self.offsets[row as usize] as u32
+                    }
                     _ => NOWHERE,
-                });
+                }));
             }
         }
-        places
+        (self.elements, self.starts) = (elements, starts);
     }
 
     /// Place of an entry of a local row; [`NOWHERE`] if it is not in the pattern.
@@ -137,20 +152,32 @@ impl Pattern {
         element: usize,
         tangent: &[[f64; N]; N],
     ) {
-        let places = self.elements[element].chunks_exact(nodes.len());
-        for (row, places) in tangent.iter().zip(places) {
-            for ((&place, &node), k) in places.iter().zip(nodes).zip(row.as_chunks::<3>().0) {
-                let place = place as usize;
-                match (self.shift[node as usize], values.get_mut(place..place.wrapping_add(3))) {
-                    // Most nodes are free in all directions.
-                    ([0, 1, 2], Some(entries)) => entries.iter_mut().zip(k).for_each(|(entry, k)| *entry += k),
-                    (shift, _) if place != NOWHERE as usize => {
-                        for (&shift, k) in shift.iter().zip(k).filter(|(s, _)| **s >= 0) {
-                            values[place + shift as usize] += k;
-                        }
+        let pairs = self.elements[self.starts[element] as usize..].chunks_exact(nodes.len());
+        for ((&node, rows), starts) in nodes.iter().zip(tangent.as_chunks::<3>().0).zip(pairs) {
+            let row = self.rows[node as usize];
+            if row == NOWHERE {
+                continue;
+            }
+            for (shift, tangent) in self.shift[node as usize].into_iter().zip(rows).filter(|(shift, _)| *shift >= 0) {
+                let offset = self.offsets[row as usize + shift as usize] as usize;
+                self.add_row(&mut values[offset..], nodes, starts, tangent);
+            }
+        }
+    }
+
+    /// Adds a row of a tangent to the values from the start of a row on.
+    fn add_row(&self, values: &mut [f64], nodes: &[u32], starts: &[u32], tangent: &[f64]) {
+        for ((&start, &node), k) in starts.iter().zip(nodes).zip(tangent.as_chunks::<3>().0) {
+            let start = start as usize;
+            match (self.shift[node as usize], values.get_mut(start..start.wrapping_add(3))) {
+                // Most nodes are free in all directions.
+                ([0, 1, 2], Some(entries)) => entries.iter_mut().zip(k).for_each(|(entry, k)| *entry += k),
+                (shift, _) if start != NOWHERE as usize => {
+                    for (&shift, k) in shift.iter().zip(k).filter(|(s, _)| **s >= 0) {
+                        values[start + shift as usize] += k;
                     }
-                    _ => {}
                 }
+                _ => {}
             }
         }
     }
@@ -163,24 +190,72 @@ impl Pattern {
     }
 }
 
-/// Couples the equations of each group in the rows of this rank, and returns the entries in rows of others.
-fn add_groups(dofs: &DofMap, groups: &[Vec<i64>], rows: &mut [Vec<i32>]) -> Vec<[i32; 2]> {
-    let mut foreign = Vec::new();
-    for group in groups {
+/// Columns that contact and tools add, by row; of the rows of a node by the first.
+struct Added<'a> {
+    dofs: &'a DofMap,
+    /// The first row of each local node.
+    rows: &'a [u32],
+    /// The node of each row.
+    node_of: Vec<u32>,
+    columns: BTreeMap<usize, Vec<i32>>,
+}
+
+impl Added<'_> {
+    fn push(&mut self, row: usize, columns: &[i32]) {
+        let node = self.node_of[row];
+        let first = if node == NOWHERE { row } else { self.rows[node as usize] as usize };
+        let row = self.columns.entry(first).or_default();
+        row.extend(columns);
+        if row.len() > CROWDED {
+            tidy(row);
+        }
+    }
+
+    /// Couples equations with each other in the rows of this rank; returns the entries in rows of others.
+    fn couple(&mut self, group: &[i64]) -> Vec<[i32; 2]> {
         let columns: Vec<i32> = group.iter().map(|&e| e as i32).collect();
+        let mut foreign = Vec::new();
         for (&row, &number) in group.iter().zip(&columns) {
-            match dofs.local(row) {
-                Some(local) => {
-                    rows[local].extend(&columns);
-                    if rows[local].len() > CROWDED {
-                        tidy(&mut rows[local]);
-                    }
-                }
+            match self.dofs.local(row) {
+                Some(local) => self.push(local, &columns),
                 None => foreign.extend(columns.iter().map(|&column| [number, column])),
             }
         }
+        foreign
     }
-    foreign
+}
+
+/// The elements that each owned node carries.
+struct Touching {
+    starts: Vec<u32>,
+    elements: Vec<u32>,
+}
+
+impl Touching {
+    fn new(model: &Model) -> Self {
+        let part = &model.part;
+        let owned = |solid| carrying(model, solid).iter().map(|&n| n as usize).filter(|&n| n < part.owned);
+        let mut starts = vec![0u32; part.owned + 1];
+        part.solids.iter().flat_map(owned).for_each(|n| starts[n] += 1);
+        let mut end = 0;
+        for start in &mut starts {
+            end += *start;
+            *start = end;
+        }
+        // Filled from the back, after which each start is where it should be.
+        let mut elements = vec![0; end as usize];
+        for (e, solid) in (0u32..).zip(&part.solids) {
+            for n in owned(solid) {
+                starts[n] -= 1;
+                elements[starts[n] as usize] = e;
+            }
+        }
+        Self { starts, elements }
+    }
+
+    fn of(&self, node: u32) -> &[u32] {
+        &self.elements[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
+    }
 }
 
 /// Whether PETSc's indices, of 32 bits, count so many.
@@ -192,6 +267,18 @@ fn countable(count: u64, what: &str) -> Result<()> {
             i32::MAX
         ))),
     }
+}
+
+/// The position of each direction among the free ones of a node, or -1.
+fn positions(equations: &[i64; 3]) -> [i8; 3] {
+    let mut next = 0;
+    equations.map(|equation| {
+        if equation == NONE {
+            return -1;
+        }
+        next += 1;
+        next - 1
+    })
 }
 
 fn free(equations: &[i64; 3]) -> impl Iterator<Item = i32> + '_ {

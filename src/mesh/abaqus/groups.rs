@@ -17,7 +17,7 @@ pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
     let mut file = FileMesh::new(source);
     let mut placed = Placed { deck: &deck, nodes: Vec::new(), cells: Vec::new(), starts: vec![0], slots: Vec::new() };
     for scope in &deck.scopes {
-        let (nodes, slots) = file.append(&scope.point_ids, &scope.points, &scope.cells)?;
+        let (nodes, slots) = file.append(scope.point_ids.clone(), scope.points.clone(), &scope.cells)?;
         let ids: Vec<u64> = scope.cells.iter().map(|cell| cell.id).collect();
         let cells = Ids::new(&ids, placed.slots.len() as u32).map_err(|twice| {
             let what = format!("{} defined twice", message::several("element", &twice));

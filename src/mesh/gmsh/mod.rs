@@ -20,17 +20,16 @@ type Key = (i64, i64);
 const DIMENSIONS: [&str; 4] = ["point", "curve", "surface", "volume"];
 
 /// Reads a whole file; `source` names it in messages.
-pub(super) fn read(source: &str, data: &[u8]) -> Result<FileMesh> {
-    let mut gmsh = Gmsh {
-        input: Bytes::new(source, data),
-        names: HashMap::new(),
-        entities: HashMap::new(),
-        point_ids: Vec::new(),
-        points: Vec::new(),
-        cells: Vec::new(),
-        groups: HashMap::new(),
-        written: HashMap::new(),
-    };
+pub(super) fn read(source: &str, data: Vec<u8>) -> Result<FileMesh> {
+    let mut listed = list(source, &data)?;
+    drop(data);
+    listed.unite();
+    listed.finish(source)
+}
+
+/// All that a file lists.
+fn list(source: &str, data: &[u8]) -> Result<Listed> {
+    let mut gmsh = Gmsh { input: Bytes::new(source, data), entities: HashMap::new(), listed: Listed::default() };
     let old = gmsh.read_format()?;
     let mut missing = vec!["$Nodes", "$Elements"];
     while let Some(name) = gmsh.input.section()? {
@@ -52,22 +51,27 @@ pub(super) fn read(source: &str, data: &[u8]) -> Result<FileMesh> {
     }
     match missing.first() {
         Some(section) => Err(message::whole_file(source, format!("the file has no {section}"), "mesh before saving")),
-        None => gmsh.finish(source),
+        None => Ok(gmsh.listed),
     }
 }
 
 struct Gmsh<'a> {
     input: Bytes<'a>,
-    names: HashMap<Key, String>,
     /// Physical groups of each entity; negative where the group turns it over.
     entities: HashMap<Key, Vec<i64>>,
+    listed: Listed,
+}
+
+#[derive(Default)]
+struct Listed {
+    names: HashMap<Key, String>,
     point_ids: Vec<u64>,
     points: Vec<[f64; 3]>,
     cells: Vec<Cell>,
+    /// In version 2 the physical group that stands beside each cell, or 0.
+    physical: Vec<i64>,
     /// Cells of each physical group.
     groups: HashMap<Key, Vec<u32>>,
-    /// Version 2 writes an element once for each of its groups: where it went, and the groups so far.
-    written: HashMap<(CellShape, [u64; 8]), (u32, Vec<i64>)>,
 }
 
 impl Gmsh<'_> {
@@ -108,7 +112,7 @@ impl Gmsh<'_> {
             let dimension = self.input.word_as("a dimension")?;
             let number = self.input.word_as("the number of a physical group")?;
             let name = self.input.quoted("the name of a physical group")?;
-            self.names.insert((dimension, number), name);
+            self.listed.names.insert((dimension, number), name);
         }
         Ok(())
     }
@@ -159,7 +163,7 @@ impl Gmsh<'_> {
         self.input.end_line();
         for _ in 0..count {
             let id = self.id("a node number")?;
-            self.point_ids.push(id);
+            self.listed.point_ids.push(id);
             self.read_point()?;
         }
         Ok(())
@@ -177,7 +181,7 @@ impl Gmsh<'_> {
             let count = self.input.count("the number of nodes of a block")?;
             for _ in 0..count {
                 let id = self.input.size("a node number")?;
-                self.point_ids.push(id);
+                self.listed.point_ids.push(id);
             }
             for _ in 0..count {
                 self.read_point()?;
@@ -194,7 +198,7 @@ impl Gmsh<'_> {
         for coordinate in &mut point {
             *coordinate = self.input.real("a coordinate")?;
         }
-        self.points.push(point);
+        self.listed.points.push(point);
         Ok(())
     }
 
@@ -236,18 +240,8 @@ impl Gmsh<'_> {
         for node in &mut cell.nodes[..shape.node_count()] {
             *node = self.id("a node number")?;
         }
-        let index = self.cells.len() as u32;
-        let (at, groups) = self.written.entry((shape, cell.nodes)).or_insert((index, Vec::new()));
-        if physical == 0 || groups.contains(&physical) || (*at != index && groups.is_empty()) {
-            *at = index; // new, or a true duplicate, which is for the check to find
-        }
-        if *at == index {
-            self.cells.push(cell);
-        }
-        if physical != 0 {
-            groups.push(physical);
-            self.groups.entry((dimension(shape), physical.abs())).or_default().push(*at);
-        }
+        self.listed.cells.push(cell);
+        self.listed.physical.push(physical);
         Ok(())
     }
 
@@ -261,7 +255,7 @@ impl Gmsh<'_> {
             let kind = self.input.int("an element type")?;
             let count = self.input.count("the number of elements of a block")?;
             let physical = self.entities.get(&entity).cloned().unwrap_or_default();
-            let start = self.cells.len() as u32;
+            let start = self.listed.cells.len() as u32;
             for _ in 0..count {
                 let id = self.input.size("an element number")?;
                 let shape = self.shape(kind, id)?;
@@ -272,11 +266,11 @@ impl Gmsh<'_> {
                 if matches!(shape, CellShape::Triangle | CellShape::Quad) && physical.first().is_some_and(|&p| p < 0) {
                     nodes[1..shape.node_count()].reverse();
                 }
-                self.cells.push(Cell { shape, id, nodes });
+                self.listed.cells.push(Cell { shape, id, nodes });
             }
             for number in physical {
-                let cells = self.groups.entry((entity.0, number.abs())).or_default();
-                cells.extend(start..self.cells.len() as u32);
+                let cells = self.listed.groups.entry((entity.0, number.abs())).or_default();
+                cells.extend(start..self.listed.cells.len() as u32);
             }
         }
         Ok(())
@@ -310,10 +304,55 @@ impl Gmsh<'_> {
         let what = format!("element {id} has Gmsh type {kind}; {name} are not read");
         Err(self.input.error_here(what, help))
     }
+}
+
+impl Listed {
+    /// Version 2 writes an element once for each of its groups. It goes where it stands first; a true duplicate, without a
+    /// group or twice in one, stays, for the check to find.
+    fn unite(&mut self) {
+        if self.physical.is_empty() {
+            return;
+        }
+        let mut order: Vec<(u64, u32)> = self.cells.iter().map(|cell| cell.nodes[0]).zip(0..).collect();
+        order.sort_unstable();
+        let mut goes: Vec<u32> = (0..order.len() as u32).collect();
+        let mut groups = Vec::new();
+        for near in order.chunk_by_mut(|a, b| a.0 == b.0) {
+            let what = |k: u32| (self.cells[k as usize].shape as u8, self.cells[k as usize].nodes);
+            near.sort_unstable_by_key(|(_, k)| (what(*k), *k));
+            for same in near.chunk_by(|a, b| what(a.1) == what(b.1)).filter(|same| same.len() > 1) {
+                let mut at = same[0].1;
+                groups.clear();
+                for &(_, k) in same {
+                    let physical = self.physical[k as usize];
+                    if physical == 0 || groups.contains(&physical) || groups.is_empty() {
+                        at = k;
+                    }
+                    goes[k as usize] = at;
+                    groups.extend((physical != 0).then_some(physical));
+                }
+            }
+        }
+        let mut kept = 0;
+        for k in 0..goes.len() {
+            let stays = goes[k] == k as u32;
+            goes[k] = if stays { kept } else { goes[goes[k] as usize] };
+            if stays {
+                self.cells[kept as usize] = self.cells[k];
+                kept += 1;
+            }
+            if self.physical[k] != 0 {
+                let key = (dimension(self.cells[goes[k] as usize].shape), self.physical[k].abs());
+                self.groups.entry(key).or_default().push(goes[k]);
+            }
+        }
+        self.cells.truncate(kept as usize);
+    }
 
     fn finish(self, source: &str) -> Result<FileMesh> {
         let mut file = FileMesh::new(source);
-        let (_, slots) = file.append(&self.point_ids, &self.points, &self.cells)?;
+        let (_, slots) = file.append(self.point_ids, self.points, &self.cells)?;
+        drop(self.cells);
         for (&(dimension, number), cells) in &self.groups {
             let elsewhere = |&(d, n): &Key| n == number && d != dimension && !self.names.contains_key(&(d, n));
             let name = match self.names.get(&(dimension, number)) {

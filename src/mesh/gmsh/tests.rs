@@ -16,6 +16,10 @@ struct Writer {
     bytes: Vec<u8>,
 }
 
+fn read(source: &str, data: &[u8]) -> Result<FileMesh> {
+    super::read(source, data.to_vec())
+}
+
 impl Writer {
     fn text(&mut self, text: &str) {
         self.bytes.extend_from_slice(text.as_bytes());
