@@ -148,8 +148,8 @@ def show(rows):
         memory, messages, sent = (of_ranks(row, key) for key in BY_RANK)
         cells.append([*cell, f"{row['wall_s']:.1f}", *(f"{row[phase]:.1f}" for phase in PHASES[2:6]),
                       f"{sum(memory):.0f}", f"{max(memory):.0f}", row["iterations"],
-                      row["factorizations"], f"{row['linear_iterations'] / row['iterations']:.1f}", row["linear_unsolved"],
-                      f"{max(messages):.0f}", f"{max(sent):.1f}", row["forces"]])
+                      row["factorizations"], f"{row['linear_iterations'] / row['iterations']:.1f}",
+                      row["linear_unsolved"], f"{max(messages):.0f}", f"{max(sent):.1f}", row["forces"]])
     study.table(head, cells)
 
 
