@@ -290,15 +290,18 @@ fn parts_cut_both_sides() {
     same_history(&scene, &[2, 3, 4, 7]);
 }
 
+/// Factors of another pattern do not serve.
+const DIRECT: [&str; 2] = ["--set", "solver.linear=direct"];
+
 /// Runs on one rank and on others, unless this is a worker of [`on_ranks`].
 fn same_history(scene: &str, ranks: &[usize]) {
     if is_worker() {
         return;
     }
     let bench = Bench::new(scene);
-    let alone = bench.solve(1, &[]);
+    let alone = bench.solve(1, &DIRECT);
     for &n in ranks {
-        let run = bench.solve(n, &[]);
+        let run = bench.solve(n, &DIRECT);
         assert_small(&format!("{n} ranks"), alone.history().difference(&run.history()), 1e-8);
         for count in ["search_fetches", "pattern_rebuilds", "analyses"] {
             assert_eq!(run.summary()[count], alone.summary()[count], "{count} on {n} ranks");
@@ -309,7 +312,7 @@ fn same_history(scene: &str, ranks: &[usize]) {
 /// Sixteen nodes slide over seven facets each. Only a new pattern makes MUMPS analyse anew, and that is seldom.
 #[test]
 fn few_patterns_serve_a_long_slide() {
-    let run = Bench::new(&drawn_block([20, 15, 1], [3, 3, 1], 16)).solve(1, &[]);
+    let run = Bench::new(&drawn_block([20, 15, 1], [3, 3, 1], 16)).solve(1, &DIRECT);
     let summary = run.summary();
     let [rebuilds, analyses] = ["pattern_rebuilds", "analyses"].map(|key| summary[key].as_u64().unwrap());
     assert_eq!(analyses, 2 + rebuilds, "one a step, and one a new pattern");
