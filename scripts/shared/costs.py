@@ -12,29 +12,21 @@ def rest(row):
     return row["wall_s"] - sum(row[phase] for phase in ("search", "assembly", "factor", "solve"))
 
 
-# Of each phase: what it takes, how often it is done, by what size it grows.
+def laws(**of_systems):
+    """Of each phase what it takes, how often it is done, by what size it grows; `of_systems` are a solver's own."""
+    return {
+        "assembly": (lambda row: row["assembly"], "iterations", "elements"),
+        "search": (lambda row: row["search"], "iterations", "elements"),
+        **{name.replace("_", " "): (lambda row, phase=phase: row[phase], often, "dofs")
+           for name, (phase, often) in of_systems.items()},
+        "rest": (rest, "increments", "elements"),
+    }
+
+
 LAWS = {
-    "direct": {
-        "assembly": (lambda row: row["assembly"], "iterations", "elements"),
-        "search": (lambda row: row["search"], "iterations", "elements"),
-        "factor": (lambda row: row["factor"], "factorizations", "dofs"),
-        "solve": (lambda row: row["solve"], "factorizations", "dofs"),
-        "rest": (rest, "increments", "elements"),
-    },
-    "reuse": {
-        "assembly": (lambda row: row["assembly"], "iterations", "elements"),
-        "search": (lambda row: row["search"], "iterations", "elements"),
-        "factor": (lambda row: row["factor"], "factorizations", "dofs"),
-        "solve": (lambda row: row["solve"], "linear_iterations", "dofs"),
-        "rest": (rest, "increments", "elements"),
-    },
-    "iterative": {
-        "assembly": (lambda row: row["assembly"], "iterations", "elements"),
-        "search": (lambda row: row["search"], "iterations", "elements"),
-        "set up": (lambda row: row["factor"], "iterations", "dofs"),
-        "solve": (lambda row: row["solve"], "linear_iterations", "dofs"),
-        "rest": (rest, "increments", "elements"),
-    },
+    "direct": laws(factor=("factor", "factorizations"), solve=("solve", "factorizations")),
+    "reuse": laws(factor=("factor", "factorizations"), solve=("solve", "linear_iterations")),
+    "iterative": laws(set_up=("factor", "iterations"), solve=("solve", "linear_iterations")),
 }
 MEMORY = (lambda row: sum(row["peak_memory_mb"]) - PROCESS * row["ranks"], None, "dofs")
 NAMES = {"dofs": "unknowns", "linear_iterations": "linear iterations"}

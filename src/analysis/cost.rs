@@ -21,7 +21,7 @@ pub fn megabytes_of_multigrid(entries: f64) -> f64 {
 
 /// How systems of so many unknowns are solved, which `Auto` leaves open. Factors take the square of their number in work, in
 /// plane strain its power 3/2. On two cores, under a ball, multigrid takes a third of the time of factors at 14,500 unknowns,
-/// and half that of factors that serve several systems; below 10,000 all take a second.
+/// and half to two thirds of that of factors that serve several systems; below 10,000 all take seconds.
 pub fn solver(linear: Linear, unknowns: u64, is_plane: bool) -> Linear {
     const MANY: u64 = 10_000;
     const MANY_IN_A_PLANE: u64 = 200_000;

@@ -39,8 +39,15 @@ pub(super) struct Running<'a> {
     x: Vector<'a>,
     /// What was done for linear systems before it.
     before: LinearStatistics,
-    /// Null pivots, systems that were not solved iteratively, and too many iterations have been told of.
-    warned: [bool; 3],
+    told: Told,
+}
+
+/// What of the linear solver has been told of in a step.
+#[derive(Default)]
+struct Told {
+    null_pivots: bool,
+    unsolved: bool,
+    impatience: bool,
 }
 
 impl Frame {
@@ -187,7 +194,7 @@ impl<'a> Simulation<'a> {
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        self.running = Some(Running { frame, snes, x, before: self.summary.linear, warned: [false; 3] });
+        self.running = Some(Running { frame, snes, x, before: self.summary.linear, told: Told::default() });
         Ok(())
     }
 
@@ -232,15 +239,15 @@ impl<'a> Simulation<'a> {
                     let increment = self.accept(frame, *converged, x)?;
                     observer(&Event::Increment(&increment))?;
                     let LinearStatistics { null_pivots, unsolved, .. } = snes.linear_statistics();
-                    if unsolved > 0 && !std::mem::replace(&mut running.warned[1], true) {
+                    if unsolved > 0 && !std::mem::replace(&mut running.told.unsolved, true) {
                         self.warn(describe::unsolved(frame.name()), observer)?;
                     }
                     if let Some(mean) = snes.impatience()
-                        && !std::mem::replace(&mut running.warned[2], true)
+                        && !std::mem::replace(&mut running.told.impatience, true)
                     {
                         observer(&Event::Detail(&describe::impatience(frame.name(), mean)))?;
                     }
-                    if null_pivots > 0 && !std::mem::replace(&mut running.warned[0], true) {
+                    if null_pivots > 0 && !std::mem::replace(&mut running.told.null_pivots, true) {
                         let free = self.free_motion(frame, snes)?;
                         let warning = describe::null_pivots(frame.name(), null_pivots, free.as_deref());
                         self.warn(warning, observer)?;

@@ -3,6 +3,7 @@
 
 use super::graph::{element_parts, node_owners};
 use super::halo::Halo;
+use super::lists::Lists;
 use super::{Part, PartFacet, PartSet, PartSolid};
 use crate::Vec3;
 use crate::error::Result;
@@ -94,34 +95,6 @@ pub fn pieces(mesh: &GlobalMesh, ranks: usize) -> Result<(Vec<Piece>, Vec<u64>)>
     Ok((pieces, cut.numbers(&starts)))
 }
 
-/// Things by the ranks that they concern: those of rank r are `items[starts[r]..starts[r + 1]]`, rising.
-struct ByRank {
-    starts: Vec<usize>,
-    items: Vec<u32>,
-}
-
-impl ByRank {
-    /// Of so many things, of which `each` calls its argument with every rank that one concerns, once.
-    fn new(size: usize, count: usize, each: impl Fn(usize, &mut dyn FnMut(usize))) -> Self {
-        let mut starts = vec![0; size + 1];
-        (0..count).for_each(|k| each(k, &mut |rank| starts[rank + 1] += 1));
-        (0..size).for_each(|rank| starts[rank + 1] += starts[rank]);
-        let mut next = starts.clone();
-        let mut items = vec![0; starts[size]];
-        for k in 0..count {
-            each(k, &mut |rank| {
-                items[next[rank]] = k as u32;
-                next[rank] += 1;
-            });
-        }
-        Self { starts, items }
-    }
-
-    fn of(&self, rank: usize) -> &[u32] {
-        &self.items[self.starts[rank]..self.starts[rank + 1]]
-    }
-}
-
 /// Calls `each` with every owner of the nodes, once.
 fn owners(owner: &[i32], nodes: &[u32], each: &mut dyn FnMut(usize)) {
     let of = |n: &u32| owner[*n as usize];
@@ -142,10 +115,10 @@ struct Cut<'a> {
     /// Index of each node among those of its rank.
     place: Vec<u32>,
     /// Nodes by their owners, solids by those of their nodes.
-    nodes: ByRank,
-    solids: ByRank,
+    nodes: Lists,
+    solids: Lists,
     /// The same of the nodes and facets of each set, as indices in it.
-    sets: Vec<[ByRank; 2]>,
+    sets: Vec<[Lists; 2]>,
     /// Index of each node in the part that is being made.
     local: Vec<u32>,
 }
@@ -157,15 +130,15 @@ impl<'a> Cut<'a> {
         let elements = mesh.solids.iter().map(Solid::nodes);
         let part = element_parts(elements.clone(), &weights, size)?;
         let owner = node_owners(elements, &part, &mesh.tie);
-        let nodes = ByRank::new(size, owner.len(), |n, each| each(owner[n] as usize));
+        let nodes = Lists::new(size, owner.len(), |n, each| each(owner[n] as usize));
         let mut place = vec![0; owner.len()];
         for rank in 0..size {
             (0..).zip(nodes.of(rank)).for_each(|(k, &n)| place[n as usize] = k);
         }
-        let solids = ByRank::new(size, mesh.solids.len(), |e, each| owners(&owner, mesh.solids[e].nodes(), each));
+        let solids = Lists::new(size, mesh.solids.len(), |e, each| owners(&owner, mesh.solids[e].nodes(), each));
         let of_set = |set: &GlobalSet| {
-            let nodes = ByRank::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
-            let facets = ByRank::new(size, set.facets.len(), |k, each| owners(&owner, set.facets[k].nodes(), each));
+            let nodes = Lists::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
+            let facets = Lists::new(size, set.facets.len(), |k, each| owners(&owner, set.facets[k].nodes(), each));
             [nodes, facets]
         };
         let sets = mesh.sets.iter().map(of_set).collect();
@@ -324,7 +297,7 @@ mod tests {
     fn what_concerns_a_rank_is_listed_once() {
         let owner = [2, 2, 0, 0, 2];
         let elements: [&[u32]; 4] = [&[0, 1, 4], &[1, 2, 3], &[2, 3], &[3, 0, 2, 4]];
-        let listed = ByRank::new(3, elements.len(), |e, each| owners(&owner, elements[e], each));
+        let listed = Lists::new(3, elements.len(), |e, each| owners(&owner, elements[e], each));
         assert_eq!([0, 1, 2].map(|rank| listed.of(rank)), [&[1, 2, 3][..], &[], &[0, 1, 3]]);
     }
 }

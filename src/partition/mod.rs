@@ -11,12 +11,14 @@ mod distribute;
 mod gather;
 mod graph;
 mod halo;
+mod lists;
 pub mod parcels;
 
 pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
 pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
 pub use halo::Halo;
+pub use lists::Lists;
 pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;

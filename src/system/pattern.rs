@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::elements::carrying;
 use crate::parallel::agree;
+use crate::partition::Lists;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
@@ -91,7 +92,11 @@ impl Pattern {
 
     /// Writes the columns of all rows: those that elements couple with a node, and what else is added to its rows.
     fn fill(&mut self, model: &Model, dofs: &DofMap, node_of: &[u32], mut added: BTreeMap<usize, Vec<i32>>) {
-        let touching = Touching::new(model);
+        let part = &model.part;
+        let touching = Lists::new(part.owned, part.solids.len(), |e, each| {
+            let nodes = carrying(model, &part.solids[e]).iter().map(|&n| n as usize);
+            nodes.filter(|&n| n < part.owned).for_each(each);
+        });
         let mut seen = vec![NOWHERE; self.rows.len()];
         let mut columns = Vec::new();
         self.offsets.reserve(dofs.count + 1);
@@ -103,7 +108,7 @@ impl Pattern {
             let mut rows = 1;
             if node_of[row] != NOWHERE {
                 let node = node_of[row];
-                let solids = touching.of(node).iter().map(|&e| &model.part.solids[e as usize]);
+                let solids = touching.of(node as usize).iter().map(|&e| &part.solids[e as usize]);
                 let beside = solids.flat_map(|solid| carrying(model, solid));
                 let new = beside.filter(|&&n| std::mem::replace(&mut seen[n as usize], node) != node);
                 columns.extend(new.flat_map(|&n| free(&dofs.node[n as usize])));
@@ -222,39 +227,6 @@ impl Added<'_> {
             }
         }
         foreign
-    }
-}
-
-/// The elements that each owned node carries.
-struct Touching {
-    starts: Vec<u32>,
-    elements: Vec<u32>,
-}
-
-impl Touching {
-    fn new(model: &Model) -> Self {
-        let part = &model.part;
-        let owned = |solid| carrying(model, solid).iter().map(|&n| n as usize).filter(|&n| n < part.owned);
-        let mut starts = vec![0u32; part.owned + 1];
-        part.solids.iter().flat_map(owned).for_each(|n| starts[n] += 1);
-        let mut end = 0;
-        for start in &mut starts {
-            end += *start;
-            *start = end;
-        }
-        // Filled from the back, after which each start is where it should be.
-        let mut elements = vec![0; end as usize];
-        for (e, solid) in (0u32..).zip(&part.solids) {
-            for n in owned(solid) {
-                starts[n] -= 1;
-                elements[starts[n] as usize] = e;
-            }
-        }
-        Self { starts, elements }
-    }
-
-    fn of(&self, node: u32) -> &[u32] {
-        &self.elements[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
     }
 }
 
