@@ -153,7 +153,7 @@ pub fn impatience(step: &str, mean: usize) -> String {
 /// What [`preflight`](super::preflight) refuses.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
-    let mut text = format!("{}\n", heading(comm, scene, model));
+    let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
     for body in &scene.bodies {
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
             MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",

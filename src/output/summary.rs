@@ -46,6 +46,8 @@ pub struct Summary {
     pub linear_solver: String,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
+    /// The preset of accuracy, as in "balanced".
+    pub accuracy: &'static str,
     /// The controls that differ from their defaults.
     pub controls: BTreeMap<&'static str, f64>,
 }
@@ -110,6 +112,7 @@ impl Summary {
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
             "warnings": self.warnings,
+            "accuracy": self.accuracy,
             "controls": self.controls,
         });
         format!("{value:#}\n")
@@ -142,7 +145,7 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls"
+             wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings accuracy controls"
                 .split_whitespace()
                 .collect();
         promised.sort();

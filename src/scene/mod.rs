@@ -14,6 +14,7 @@ mod overrides;
 mod parse;
 mod reader;
 mod references;
+mod solver;
 mod steps;
 #[cfg(test)]
 mod tests;
@@ -331,6 +332,10 @@ pub struct Output {
 /// Controls of the nonlinear solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Solver {
+    /// What the settings that a scene does not give are those of.
+    pub accuracy: Accuracy,
+    /// Increments of the steps are so many times as long as these say; it has been applied to them.
+    pub pace: f64,
     /// Largest residual over the largest force of the scene.
     pub tolerance: f64,
     /// Newton iterations before an increment is cut.
@@ -338,6 +343,18 @@ pub struct Solver {
     /// Force that stands for "the forces of the scene" while there is none; `None` derives it from the stiffness.
     pub force_floor: Option<f64>,
     pub linear: Linear,
+}
+
+/// Presets that trade speed for accuracy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Accuracy {
+    /// Fast: the answer in large.
+    Draft,
+    /// As the scene says.
+    #[default]
+    Balanced,
+    /// To measure others by.
+    Reference,
 }
 
 /// How linear systems are solved.
