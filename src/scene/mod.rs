@@ -19,12 +19,14 @@ mod steps;
 #[cfg(test)]
 mod tests;
 mod tools;
+mod trade;
 mod tree;
 
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub(crate) use references::body_of;
+pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
 pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
@@ -66,6 +68,7 @@ pub struct Scene {
     pub output: Output,
     pub solver: Solver,
     pub controls: Controls,
+    pub trade: Trade,
 }
 
 /// A deformable body.

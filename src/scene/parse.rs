@@ -5,7 +5,7 @@ use super::references::Names;
 use super::tree::{self, Node};
 use super::{
     Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, materials,
-    overrides, solver, steps, tools,
+    overrides, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -13,7 +13,8 @@ use crate::error::{Error, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
-const KEYS: [&str; 9] = ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls"];
+const KEYS: [&str; 10] =
+    ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls", "trade"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -109,6 +110,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         output: output(&root, &names)?,
         solver,
         controls: controls(&root)?,
+        trade: trade::read(&root)?,
     })
 }
 

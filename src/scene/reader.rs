@@ -2,7 +2,7 @@
 
 use super::Located;
 use super::names::{did_you_mean, is_name};
-use super::tree::{Node, Value};
+use super::tree::{self, Node, Value};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
 use std::path::{Path, PathBuf};
@@ -114,6 +114,16 @@ impl<'a> Item<'a> {
     /// A value read from here, with this place.
     pub fn located<T>(&self, value: T) -> Located<T> {
         Located { value, at: self.at().clone() }
+    }
+
+    /// A number, string or boolean, or a list of them, as TOML.
+    pub fn plain_toml(&self) -> Result<String> {
+        let is_plain = |node: &Node| matches!(node.value, Value::Leaf(_));
+        match &self.node.value {
+            Value::Leaf(_) => Ok(tree::inline(self.node)),
+            Value::List(items) if items.iter().all(is_plain) => Ok(tree::inline(self.node)),
+            _ => Err(self.wrong_type("a number, a string, a boolean, or a list of them", "1.0")),
+        }
     }
 
     /// One of some words.
