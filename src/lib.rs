@@ -21,6 +21,7 @@
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
 //! - [`system`]: equation numbers, sparsity pattern, assembly
 //! - [`analysis`]: what is checked before a run, steps, increments, the nonlinear problem for SNES, commit and rollback
+//! - [`trade`]: runs of a scene in many settings, errors against costs
 //! - [`cli`]: the commands
 
 pub mod accuracy;
@@ -42,6 +43,7 @@ pub mod solid;
 pub mod surface;
 pub mod system;
 pub mod tool;
+pub mod trade;
 
 /// A vector in a plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -154,8 +154,7 @@ impl BodyState {
     /// Root of the mean square difference of stress, and of plastic strain, to the same body on another mesh, over the volume:
     /// on the coarser mesh, onto whose elements the finer one is averaged.
     pub fn apart(&self, other: &Self) -> (f64, Option<f64>) {
-        let (coarse, fine) =
-            if self.volumes.len() <= other.volumes.len() { (self, other) } else { (other, self) };
+        let (coarse, fine) = if self.volumes.len() <= other.volumes.len() { (self, other) } else { (other, self) };
         let nearest = coarse.nearest_of(fine);
         let stress = coarse.averaged(&fine.stress, fine, &nearest);
         let off = coarse.stress.iter().zip(&stress).map(|(a, b)| {
