@@ -19,7 +19,7 @@ impl Accuracy {
         let (pace, tolerance) = match self {
             Self::Draft => (4.0, 1e-6),
             Self::Balanced => (1.0, 1e-10),
-            Self::Reference => (0.5, 1e-12),
+            Self::Reference => (0.25, 1e-10),
         };
         Solver { accuracy: self, pace, tolerance, max_iterations: 15, force_floor: None, linear: Linear::Auto }
     }

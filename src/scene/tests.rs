@@ -161,7 +161,7 @@ fn a_preset_sets_what_the_scene_does_not() {
     assert_eq!(values(&[]), (1.0, 1e-10));
     assert_eq!(values(&["solver.accuracy=draft"]), (4.0, 1e-6));
     assert_eq!(values(&["solver.accuracy=draft", "solver.pace=2"]), (2.0, 1e-6));
-    assert_eq!(values(&["solver.accuracy=reference", "solver.tolerance=1e-8"]), (0.5, 1e-8));
+    assert_eq!(values(&["solver.accuracy=reference", "solver.tolerance=1e-8"]), (0.25, 1e-8));
     let scene = scene(&["solver.accuracy=draft", "solver.tolerance=1e-8"]);
     assert_eq!(scene.steps[0].increment.max, 0.2);
     assert_eq!(scene.solver.describe(), "accuracy `draft`: pace 4, tolerance 1e-8");
