@@ -45,7 +45,7 @@ pub fn fronts(title: &str, sheet: &Sheet, price: Price) -> Result<String> {
         for (area, of) in panels.split_evenly((lines, columns)).iter().zip(quantities) {
             panel(area, sheet, price, of)?;
         }
-        legend(&list, sheet)?;
+        legend(&list, sheet, price)?;
         root.present().map_err(failed)?;
     }
     Ok(text)
@@ -136,7 +136,7 @@ fn describe(sheet: &Sheet, of: Quantity) -> String {
 }
 
 /// The runs by their numbers, and those that failed.
-fn legend(area: &Area, sheet: &Sheet) -> Result<()> {
+fn legend(area: &Area, sheet: &Sheet, price: Price) -> Result<()> {
     let mut top = 8;
     let mut line = |text: String, color: RGBColor| {
         let style = (FONT, 13).into_font().color(&color);
@@ -145,7 +145,7 @@ fn legend(area: &Area, sheet: &Sheet) -> Result<()> {
         drawn
     };
     for row in &sheet.rows {
-        let any = sheet.shown().any(|of| row.on_front[Price::Wall as usize][of as usize]);
+        let any = sheet.shown().any(|of| row.on_front[price as usize][of as usize]);
         let color = if row.is_reference {
             ORANGE
         } else if any {

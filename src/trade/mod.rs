@@ -66,7 +66,7 @@ impl Made {
 
 /// How many times longer than it should a run may take, and seconds more.
 const LONGEST: f64 = 5.0;
-const GRACE_S: f64 = 20.0;
+const GRACE_S: f64 = 5.0;
 
 /// Runs a scene in many settings, prints errors and costs, and writes them. Not collective: for one process without MPI.
 ///

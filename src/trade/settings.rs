@@ -2,7 +2,8 @@
 
 use super::plan::Variant;
 use crate::scene::{
-    Body, Description, Discretization, Enforcement, Formulation, Linear, MeshSource, Scene, Smoothing, Tangent, Tool,
+    Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, MaterialModel, MeshSource, Scene,
+    Smoothing, Tangent, Tool,
 };
 
 /// A setting with the ways that it can be, one of which the scene has: label, overrides, and wall time over that of the scene
@@ -58,7 +59,7 @@ pub fn of(scene: &Scene, every: usize) -> Vec<Setting> {
     let [direct, rest] = linear(scene);
     let all = [
         pace(scene),
-        accuracy(scene),
+        accuracy(scene, Accuracy::Draft),
         mesh(scene),
         surface(scene),
         masters(scene),
@@ -67,6 +68,7 @@ pub fn of(scene: &Scene, every: usize) -> Vec<Setting> {
         penalty(scene),
         element(scene),
         direct,
+        accuracy(scene, Accuracy::Reference),
         control(scene),
         method(scene, &[Enforcement::Lagrange, Enforcement::Uzawa]),
         rest,
@@ -162,14 +164,12 @@ fn pace(scene: &Scene) -> Setting {
     setting
 }
 
-/// The presets.
-fn accuracy(scene: &Scene) -> Setting {
+/// The presets, which set the pace.
+fn accuracy(scene: &Scene, preset: Accuracy) -> Setting {
     let mut setting = Setting::new("solver.accuracy");
-    for (name, cost) in [("draft", 0.3), ("reference", 2.0)] {
-        if scene.solver.accuracy.key() != name {
-            let preset = format!("solver.accuracy={name}");
-            setting.add(&preset.clone(), vec![preset], cost);
-        }
+    if scene.solver.accuracy != preset {
+        let text = format!("solver.accuracy={}", preset.key());
+        setting.add(&text.clone(), vec![text], scene.solver.pace / preset.solver().pace);
     }
     setting
 }
@@ -235,7 +235,7 @@ fn masters(scene: &Scene) -> Setting {
 
 fn tolerance(scene: &Scene) -> Setting {
     let mut setting = Setting::new("solver.tolerance");
-    for tolerance in [1e-4, 1e-6, 1e-8].into_iter().filter(|&loose| loose > 10.0 * scene.solver.tolerance) {
+    for tolerance in [1e-4, 1e-6].into_iter().filter(|&loose| loose > 10.0 * scene.solver.tolerance) {
         let text = format!("solver.tolerance={tolerance:e}");
         setting.add(&text.clone(), vec![text], 0.8);
     }
@@ -272,7 +272,13 @@ fn element(scene: &Scene) -> Setting {
             let is_block = matches!(body.mesh, MeshSource::Block(_));
             let given = body.element.as_ref().map(|element| element.value);
             let hexahedra = is_block || given.is_some_and(|given| given != Formulation::Tet4);
-            hexahedra && given != Some(element) && (element != Formulation::Hex8 || !locks(scene, body))
+            let locks = keeps_volume(scene, body);
+            let now = given.unwrap_or(match (is_plastic(scene, body), locks) {
+                (true, _) => Formulation::Hex8Sri,
+                (false, true) => Formulation::Hex8Fbar,
+                (false, false) => Formulation::Hex8,
+            });
+            hexahedra && now != element && (element != Formulation::Hex8 || !locks)
         });
         let others = others.map(|body| format!("body.{}.element={}", body.name.value, element.key())).collect();
         setting.add(&format!("elements: {}", element.key()), others, 1.0);
@@ -280,10 +286,17 @@ fn element(scene: &Scene) -> Setting {
     setting
 }
 
+fn material<'a>(scene: &'a Scene, body: &Body) -> Option<&'a MaterialModel> {
+    scene.materials.iter().find(|material| material.name.value == body.material.value).map(|material| &material.model)
+}
+
 /// Whether elements with full integration lock.
-fn locks(scene: &Scene, body: &Body) -> bool {
-    let material = scene.materials.iter().find(|material| material.name.value == body.material.value);
-    material.is_some_and(|material| material.model.keeps_volume().is_some())
+fn keeps_volume(scene: &Scene, body: &Body) -> bool {
+    material(scene, body).is_some_and(|model| model.keeps_volume().is_some())
+}
+
+fn is_plastic(scene: &Scene, body: &Body) -> bool {
+    matches!(material(scene, body), Some(MaterialModel::Plastic { .. }))
 }
 
 fn tangent(scene: &Scene) -> Setting {
@@ -338,7 +351,9 @@ fn output(scene: &Scene, every: usize) -> Setting {
     let mut setting = Setting::new("output");
     let increments: f64 = scene.steps.iter().map(|step| step.duration / step.increment.max).sum();
     if (every as f64) < increments {
-        setting.add(&format!("fields every {every} increments"), vec![format!("output.every={every}")], 1.0);
+        let label =
+            if every == 1 { "fields every increment".into() } else { format!("fields every {every} increments") };
+        setting.add(&label, vec![format!("output.every={every}")], 1.0);
     }
     setting
 }

@@ -13,6 +13,9 @@ fn cell(sheet: &Sheet, row: &Row, of: Quantity) -> String {
         return own.map_or(String::new(), |own| format!("±{own:.1e}"));
     };
     let star = if row.on_front[Price::Wall as usize][of as usize] { " *" } else { "" };
+    if error == 0.0 {
+        return format!("0{star}");
+    }
     if error < sheet.least(of) { format!("({error:.1e}){star}") } else { format!("{error:.1e}{star}") }
 }
 
