@@ -116,10 +116,11 @@ impl<'a> Item<'a> {
         Located { value, at: self.at().clone() }
     }
 
-    /// A number, string or boolean, or a list of them, as TOML.
+    /// A number, string or boolean, or a list of them, as an override gives it: TOML, but a string that is none is bare.
     pub fn plain_toml(&self) -> Result<String> {
         let is_plain = |node: &Node| matches!(node.value, Value::Leaf(_));
         match &self.node.value {
+            Value::Leaf(toml::Value::String(text)) if tree::is_bare(text) => Ok(text.clone()),
             Value::Leaf(_) => Ok(tree::inline(self.node)),
             Value::List(items) if items.iter().all(is_plain) => Ok(tree::inline(self.node)),
             _ => Err(self.wrong_type("a number, a string, a boolean, or a list of them", "1.0")),

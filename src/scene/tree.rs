@@ -83,6 +83,11 @@ pub(super) fn parse_value(text: &str, at: &Location) -> Result<Node> {
     }
 }
 
+/// Whether a text is a bare string where a value is expected: no TOML, and no blanks that would be lost.
+pub(super) fn is_bare(text: &str) -> bool {
+    !text.is_empty() && text == text.trim() && DeValue::parse(text).is_err()
+}
+
 /// The place of a byte of the text; its `text` is the line it stands in.
 fn locate(file: &str, text: &str, byte: usize) -> Location {
     let before = &text[..text.floor_char_boundary(byte)];

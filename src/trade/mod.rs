@@ -30,6 +30,7 @@ use child::{Bench, Cost, Ended};
 use errors::{Errors, Quantity, Reading};
 use plan::{Plan, Variant, Wishes};
 use sheet::{Price, Sheet};
+use std::io::Write as _;
 use std::path::Path;
 
 /// What is asked of a study.
@@ -39,8 +40,7 @@ pub struct Options<'a> {
     pub wishes: Wishes<'a>,
     pub out: &'a Path,
     pub ranks: usize,
-    /// Seconds that a run may take; by default several times what it should, and without end for the reference and for what
-    /// nobody knows.
+    /// Seconds that a run may take; by default several times what it should, and without end where nobody knows.
     pub limit: Option<f64>,
     /// Make finished runs anew.
     pub fresh: bool,
@@ -75,7 +75,7 @@ const GRACE_S: f64 = 5.0;
 pub fn run(options: &Options) -> Result<()> {
     let (plan, scene) = Plan::new(options.scene, &options.wishes)?;
     if options.list {
-        print!("{}", listed(&plan));
+        let _ = write!(std::io::stdout(), "{}", listed(&plan));
         return Ok(());
     }
     let folder = OutputFolder::of_this_process(options.out)?;
@@ -91,19 +91,9 @@ pub fn run(options: &Options) -> Result<()> {
     };
     let mut study = Study::new(&bench, &plan, options)?;
     let total = plan.runs.len();
-    // The references first: all others are compared with them.
-    let chain: Vec<usize> = plan.reference.chain.iter().map(|(number, _)| *number).collect();
-    let first = std::iter::once(0).chain(chain.iter().copied());
-    let rest = (0..total).filter(|number| *number != 0 && !chain.contains(number));
-    let mut order: Vec<usize> = Vec::new();
-    first.chain(rest).for_each(|number| {
-        if !order.contains(&number) {
-            order.push(number);
-        }
-    });
-    for (k, &number) in order.iter().enumerate() {
+    for (k, number) in plan.order().into_iter().enumerate() {
         study.perform(&plan.runs[number], &format!("{} of {total}", k + 1))?;
-        if number == 0 || Some(&number) == chain.first() {
+        if number == 0 || study.chain.first().is_some_and(|first| first.0 == number) {
             study.must_have_converged()?;
         }
         study.write()?;
@@ -115,8 +105,9 @@ pub fn run(options: &Options) -> Result<()> {
         }
     }
     study.write()?;
-    print!("{}", table::text(&study.sheet(), &plan));
-    println!("written to {}", options.out.display());
+    // Whoever reads it may have stopped.
+    let text = table::text(&study.sheet(), &plan);
+    let _ = writeln!(std::io::stdout(), "{text}written to {}", options.out.display());
     Ok(())
 }
 
@@ -141,6 +132,8 @@ struct Study<'a> {
     /// Of each run that converged, once the reference has been made.
     errors: Vec<Option<Errors>>,
     reference: Option<Reading>,
+    /// As in [`plan::Reference`], but for references that failed.
+    chain: Vec<(usize, f64)>,
     /// How far it is off itself, once that is known.
     floor: Option<Errors>,
     /// Quantities of which something is known exactly.
@@ -152,7 +145,8 @@ impl<'a> Study<'a> {
         let exact = bench.scene.trade.exact.iter().map(|exact| errors::check_exact(exact, bench.scene));
         let exact = exact.collect::<Result<_>>()?;
         let (runs, errors) = (Vec::new(), Vec::new());
-        Ok(Self { bench, plan, options, runs, errors, reference: None, floor: None, exact })
+        let chain = plan.reference.chain.clone();
+        Ok(Self { bench, plan, options, runs, errors, reference: None, chain, floor: None, exact })
     }
 
     /// Makes a run, or takes it from an earlier study.
@@ -179,14 +173,13 @@ impl<'a> Study<'a> {
     /// Seconds that a run may take.
     fn limit(&self, variant: &Variant) -> Option<f64> {
         let of_scene = self.runs.first().and_then(|base| base.cost()).map(|cost| cost.wall_s);
-        let is_reference = self.number_in_chain(variant).is_some();
-        let long = variant.cost.zip(of_scene).filter(|_| !is_reference);
+        let long = variant.cost.zip(of_scene);
         self.options.limit.or(long.map(|(cost, wall)| LONGEST * cost.max(1.0) * wall + GRACE_S))
     }
 
     /// 0 for the reference, 1 for the next to it, ...
     fn number_in_chain(&self, variant: &Variant) -> Option<usize> {
-        self.plan.reference.chain.iter().position(|(number, _)| self.plan.runs[*number] == *variant)
+        self.chain.iter().position(|(number, _)| self.plan.runs[*number] == *variant)
     }
 
     /// The run just made must have converged: without it there is nothing to compare.
@@ -229,7 +222,7 @@ impl<'a> Study<'a> {
     /// How far the reference is off itself: the differences along the chain, each with its part. Nothing as long as the chain
     /// is not complete, and where what is known exactly takes its place.
     fn estimate(&mut self) -> Result<()> {
-        let chain = &self.plan.reference.chain;
+        let chain = &self.chain;
         let made = |number: usize| self.runs.iter().find(|made| made.variant == self.plan.runs[number]);
         let runs: Vec<&Made> = chain.iter().filter_map(|(number, _)| made(*number)).collect();
         let complete = chain.len() > 1 && runs.len() == chain.len() && runs.iter().all(|made| made.cost().is_some());

@@ -38,6 +38,8 @@ pub struct Reference {
     /// Numbers of runs, each a little less accurate than the one before, with the part of the difference to the one before
     /// that counts as the error of this; of the first, the reference, nothing.
     pub chain: Vec<(usize, f64)>,
+    /// Whether nobody asked for it, so that the next of the chain may take its place when it fails.
+    pub is_suggested: bool,
 }
 
 /// All runs but those that combine others.
@@ -122,6 +124,18 @@ impl Plan {
         })
     }
 
+    /// The runs by number as they are made: the scene as it is, the references, with which all others are compared, the rest.
+    pub fn order(&self) -> Vec<usize> {
+        let chain = self.reference.chain.iter().map(|(number, _)| *number);
+        let mut order: Vec<usize> = Vec::new();
+        for number in std::iter::once(0).chain(chain).chain(0..self.runs.len()) {
+            if !order.contains(&number) {
+                order.push(number);
+            }
+        }
+        order
+    }
+
     /// The reference that the user has named, or that the scene suggests.
     fn add_reference(&mut self, path: &Path, wishes: &Wishes, scene: &Scene) -> Result<()> {
         let trade = &scene.trade;
@@ -135,7 +149,10 @@ impl Plan {
                 check(path, &self.common, &overrides, at.as_ref())?;
                 vec![(Variant::new("reference", overrides, None), 0.0)]
             }
-            None => settings::references(scene, SHARE_OF_REFERENCE * wishes.budget),
+            None => {
+                self.reference.is_suggested = true;
+                settings::references(scene, SHARE_OF_REFERENCE * wishes.budget)
+            }
         };
         if let Some((overrides, at)) = given(wishes.next, &trade.next) {
             check(path, &self.common, &overrides, at.as_ref())?;
