@@ -98,10 +98,11 @@ def presets(folder):
 
 
 def figure(path):
-    """The text of a figure, smaller: attributes that say what is so anyway are left out."""
-    text = path.read_text()
-    for word in (' opacity="1"', ' fill-opacity="1"', ' stroke="none"'):
+    """The text of a figure, smaller: what is so anyway is left out, what is so everywhere stands once."""
+    text, font = path.read_text(), ' font-family="sans-serif"'
+    for word in (' opacity="1"', ' fill-opacity="1"', ' stroke="none"', font):
         text = text.replace(word, "")
+    text = re.sub(r"(\d\.\d)\d+", r"\1", text.replace("<svg", f"<svg{font}", 1))
     return re.sub(r">\s+", ">", re.sub(r"\s+<", "<", text)) + "\n"
 
 

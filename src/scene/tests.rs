@@ -170,6 +170,38 @@ fn a_preset_sets_what_the_scene_does_not() {
 }
 
 #[test]
+fn what_is_traded_is_read() {
+    let text = r#"
+[trade]
+steps = 1
+set = ["output.every=9"]
+reference = ["solver.pace=0.5"]
+next = ["solver.pace=0.7"]
+vary = [
+    { key = ["a.b", "c.d"], values = ["word", "2", 2, 0.5, true, [4, 4, 1]] },
+    { name = "rough", set = ["e.f=1"] },
+]
+exact = [{ of = "punch.fz", value = -2 }, { of = "punch.fx", curve = [[0, 0], [1, 3]] }]
+"#;
+    let Trade { steps, set, vary, reference, next, exact } = read(&format!("{SCENE}{text}"), &[]).unwrap().trade;
+    let texts = |all: &[Located<String>]| all.iter().map(|text| text.value.clone()).collect::<Vec<_>>();
+    assert_eq!((steps, texts(&set)), (Some(1), vec!["output.every=9".to_string()]));
+    assert_eq!(
+        (texts(&reference.unwrap()), texts(&next.unwrap())),
+        (vec!["solver.pace=0.5".into()], vec!["solver.pace=0.7".into()])
+    );
+    let Varied::Keys { keys, values } = &vary[0].kind else { panic!("{vary:?}") };
+    assert_eq!(keys, &["a.b", "c.d"]);
+    // A string that would be read as something else keeps its quotes.
+    assert_eq!(values, &["word", "\"2\"", "2", "0.5", "true", "[4, 4, 1]"]);
+    let Varied::Together { name, set } = &vary[1].kind else { panic!("{vary:?}") };
+    assert_eq!((name.as_str(), texts(set)), ("rough", vec!["e.f=1".to_string()]));
+    assert_eq!(exact[0].known, Known::Value { value: -2.0, step: None });
+    assert_eq!(exact[1].known, Known::Curve(vec![[0.0, 0.0], [1.0, 3.0]]));
+    assert!(scene(&[]).trade.vary.is_empty());
+}
+
+#[test]
 fn everything_that_can_be_said_is_read() {
     let text = r#"
 [body.ring]

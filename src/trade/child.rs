@@ -86,7 +86,7 @@ impl Bench<'_> {
             .collect();
         json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "scene": self.scene.text,
+            "scene": without_trade(&self.scene.text),
             "files": files,
             "overrides": variant.overrides,
             "steps": self.steps,
@@ -272,6 +272,13 @@ impl Ended {
             cost,
         })
     }
+}
+
+/// A scene but for what it says about trading, which no run reads.
+fn without_trade(text: &str) -> String {
+    let Ok(mut table) = text.parse::<toml::Table>() else { return text.to_string() };
+    table.remove("trade");
+    table.to_string()
 }
 
 /// The files that a scene reads.

@@ -72,6 +72,7 @@ pub fn of(scene: &Scene, every: usize) -> Vec<Setting> {
         control(scene),
         method(scene, &[Enforcement::Lagrange, Enforcement::Uzawa]),
         rest,
+        patches(scene),
         tangent(scene),
         output(scene, every),
     ];
@@ -218,6 +219,23 @@ fn surface(scene: &Scene) -> Setting {
     }
     for key in keys.into_iter().filter(|&key| key != "facet") {
         setting.add(&format!("tools: {key}"), to(key), 1.0);
+    }
+    setting
+}
+
+/// Tools made of meshes with each facet split so many times more.
+fn split_tools(scene: &Scene, times: i64) -> Vec<String> {
+    let name = |tool: &Tool| tool.name.value.clone();
+    let tools = scene.tools.iter().filter(|tool| tool.mesh.is_some()).map(name);
+    tools.map(|name| format!("tool.{name}.refine={}", number(scene, "tool", &name) + times)).collect()
+}
+
+/// More patches, where tools are made of them.
+fn patches(scene: &Scene) -> Setting {
+    let mut setting = Setting::new("surface");
+    let patched = |tool: &Tool| tool.smoothing.value == Description::Mesh(Smoothing::Nagata);
+    if scene.tools.iter().any(patched) {
+        setting.add("tools: split once", split_tools(scene, 1), 1.0);
     }
     setting
 }
