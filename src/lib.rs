@@ -13,6 +13,7 @@
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
+//! - [`refine`]: meshes split by midpoints, curved boundaries kept
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
 //! - [`contact`]: masters (placed tools, surfaces of bodies), contact pairs, the laws of contact, and the contact element
@@ -38,6 +39,7 @@ pub mod model;
 pub mod output;
 pub mod parallel;
 pub mod partition;
+pub mod refine;
 pub mod scene;
 pub mod solid;
 pub mod surface;
