@@ -44,6 +44,8 @@ pub struct Summary {
     pub matrix: String,
     /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
     pub linear_solver: String,
+    /// What is estimated of the errors at the ends of steps.
+    pub estimates: Vec<Value>,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
     /// The controls that differ from their defaults.
@@ -109,6 +111,7 @@ impl Summary {
             },
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
+            "estimate": self.estimates,
             "warnings": self.warnings,
             "controls": self.controls,
         });
@@ -142,7 +145,7 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls"
+             wall_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings controls"
                 .split_whitespace()
                 .collect();
         promised.sort();
