@@ -20,6 +20,7 @@
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
+//! - [`estimate`]: how far a converged state may be from the solution, without a reference
 //! - [`system`]: equation numbers, sparsity pattern, assembly
 //! - [`analysis`]: what is checked before a run, steps, increments, the nonlinear problem for SNES, commit and rollback
 //! - [`trade`]: runs of a scene in many settings, errors against costs
@@ -32,6 +33,7 @@ pub mod cli;
 pub mod contact;
 pub mod controls;
 pub mod error;
+pub mod estimate;
 pub mod failure;
 pub mod interrupt;
 pub mod mesh;
