@@ -1,8 +1,10 @@
 //! The run of a scene as the command line has it: its steps one after the other, with log, history, fields and summary.
 
+use super::estimates::Estimates;
 use super::results::Results;
 use super::{Event, Increment, Simulation, describe};
 use crate::error::{Error, Result};
+use crate::estimate::energy::Energy;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
@@ -45,10 +47,12 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
-    let mut recorder = Recorder { log, results, every: scene.output.every, since_written: 0 };
+    let mut recorder =
+        Recorder { log, results, every: scene.output.every, since_written: 0, estimates: Estimates::default() };
     let outcome = recorder.steps(&mut simulation, options.steps.unwrap_or(usize::MAX));
     let mut summary = simulation.summary();
     summary.converged = outcome.is_ok();
+    summary.estimates.clone_from(&recorder.estimates.steps);
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
     measure_solver(petsc, &summary.linear, simulation.phases());
@@ -57,6 +61,9 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let written = summary.write(&folder, comm, simulation.phases(), sent);
     let log = &mut recorder.log;
     log.finish();
+    if let Some(words) = recorder.estimates.words() {
+        log.line(words);
+    }
     log.line(&describe::farewell(&summary, options.out));
     // The terminal hears of it from the command line.
     if let Err(error) = &outcome {
@@ -84,6 +91,7 @@ struct Recorder {
     /// Increments from one writing of the fields to the next, and since the last.
     every: usize,
     since_written: usize,
+    estimates: Estimates,
 }
 
 impl Recorder {
@@ -111,9 +119,13 @@ impl Recorder {
         while let Some(increment) = simulation.advance(&mut |event| self.hear(event))? {
             let begun = Instant::now();
             self.results.add_row(simulation, &increment)?;
+            self.estimates.learn(simulation);
             self.since_written += 1;
             if self.since_written >= self.every || increment.ends_step {
-                self.write_fields(simulation)?;
+                let energy = self.write_fields(simulation)?;
+                if increment.ends_step {
+                    self.estimates.end_step(simulation, &increment.step, &energy);
+                }
             }
             simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
@@ -121,10 +133,13 @@ impl Recorder {
         Ok(())
     }
 
-    fn write_fields(&mut self, simulation: &Simulation) -> Result<()> {
+    /// Writes the fields, and gives the error in energy that is among them. Collective.
+    fn write_fields(&mut self, simulation: &Simulation) -> Result<Energy> {
         self.since_written = 0;
-        let state = simulation.state();
-        self.results.write_fields(simulation.comm(), simulation.model(), state.time, &state.u)
+        let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
+        let energy = Energy::new(comm, model, &state.u)?;
+        self.results.write_fields(comm, model, (state.time, &state.u), &energy)?;
+        Ok(energy)
     }
 
     fn hear(&mut self, event: &Event) -> Result<()> {

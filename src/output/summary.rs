@@ -44,6 +44,8 @@ pub struct Summary {
     pub matrix: String,
     /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
     pub linear_solver: String,
+    /// What is estimated of the errors at the ends of steps.
+    pub estimates: Vec<Value>,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
     /// The preset of accuracy, as in "balanced".
@@ -114,6 +116,7 @@ impl Summary {
             },
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
+            "estimate": self.estimates,
             "warnings": self.warnings,
             "accuracy": self.accuracy,
             "controls": self.controls,
@@ -163,7 +166,7 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver warnings accuracy controls"
+             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls"
                 .split_whitespace()
                 .collect();
         promised.sort();

@@ -85,6 +85,8 @@ pub struct Body {
     pub plane_strain: Option<Located<bool>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
     pub symmetry: Vec<Located<String>>,
+    /// How many times each element of the mesh is split by the midpoints of its edges, from 1 on.
+    pub refine: Option<Located<u32>>,
 }
 
 /// Where a mesh comes from.

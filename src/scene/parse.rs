@@ -115,7 +115,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
 }
 
 fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> Result<Body> {
-    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain", "symmetry"])?;
+    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain", "symmetry", "refine"])?;
     let mesh = match (table.get("mesh"), table.get("block")) {
         (Some(_), Some(block)) => return Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
         (Some(file), None) => mesh_file(&table, &file, directory)?,
@@ -131,7 +131,8 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
     let symmetry = table.each("symmetry", group)?;
-    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain, symmetry };
+    let refine = table.optional("refine", Item::splits)?.flatten();
+    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain, symmetry, refine };
     check_block_use(&body)?;
     Ok(body)
 }

@@ -93,6 +93,14 @@ impl<'a> Item<'a> {
         count.ok_or_else(|| self.error(format!("must be 1 or more, not {value}"), ""))
     }
 
+    /// How many times each element of a mesh is split; `None` for 0.
+    pub fn splits(&self) -> Result<Option<Located<u32>>> {
+        const MOST: f64 = 6.0;
+        let whole = |value: f64| value.fract() == 0.0 && (0.0..=MOST).contains(&value);
+        let times = self.number_that_is("a whole number from 0 to 6", whole, "each time splits every edge in two")?;
+        Ok((times > 0.0).then(|| self.located(times as u32)))
+    }
+
     pub fn boolean(&self) -> Result<bool> {
         match &self.node.value {
             Value::Leaf(toml::Value::Boolean(value)) => Ok(*value),

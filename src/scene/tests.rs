@@ -94,7 +94,7 @@ fn defaults_fill_what_is_not_given() {
     assert_eq!(path.value, Path::new("in/slab.msh"));
     assert_eq!(scene.materials[1].model, MaterialModel::Hooke { young: 210000.0, poisson: 0.3 });
     let [indenter, floor] = &scene.tools[..] else { panic!("{:?}", scene.tools) };
-    let Some(ToolMesh { source: MeshSource::File { path, .. }, normals, sharp, symmetry }) = &indenter.mesh else {
+    let Some(ToolMesh { source: MeshSource::File { path, .. }, normals, sharp, symmetry, .. }) = &indenter.mesh else {
         panic!("{indenter:?}")
     };
     assert_eq!(path.value, Path::new("in/sub/indenter.msh"));
@@ -303,7 +303,7 @@ force_floor = 1e-3
 
 fn tools_are_read(tools: &[Tool]) {
     let [t, c, s, e, l, r] = tools else { panic!("{tools:?}") };
-    let Some(ToolMesh { source, normals, sharp, symmetry }) = &t.mesh else { panic!("{t:?}") };
+    let Some(ToolMesh { source, normals, sharp, symmetry, .. }) = &t.mesh else { panic!("{t:?}") };
     assert!(matches!(source, MeshSource::File { group: Some(group), .. } if group.value == "die"));
     assert!(matches!(normals, NormalSource::Description(other) if other.value == Description::Nurbs));
     assert_eq!((sharp[0].value.as_str(), symmetry[0].normal), ("rim", Vec3::y()));
