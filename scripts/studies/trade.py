@@ -23,7 +23,7 @@ from shared.study import IN_MPI_ENVIRONMENT, NAGATA, setup
 # Presets are compared at an eighth of the increments' size, on the mesh as it is; the finest of them tells the error.
 PRESETS = ["--vary", "solver.accuracy=draft,reference", "--reference", "solver.pace=0.125", "--reference",
            "solver.tolerance=1e-12", "--next", "solver.accuracy=reference", "--no-combined"]
-QUANTITIES = ["force", "displacement", "penetration", "pressure", "stress", "strain"]
+QUANTITIES = ["force", "end_force", "displacement", "penetration", "pressure", "stress", "strain"]
 
 
 @dataclass
@@ -80,7 +80,8 @@ def short(value):
 
 def presets(folder):
     """A table: of each scene the presets with cost and errors, and in brackets how far the reference may be off."""
-    lines = ["| scene | preset | wall s | iterations | " + " | ".join(QUANTITIES) + " |", "|" + " --- |" * 10]
+    heads = ["scene", "preset", "wall s", "iterations", *(of.replace("_", " ") for of in QUANTITIES)]
+    lines = [f"| {' | '.join(heads)} |", "|" + " --- |" * len(heads)]
     for case in CASES:
         study = rows(folder / f"{case.scene}-presets")
         own = next((row for row in study if row["kind"] == "reference error"), {})

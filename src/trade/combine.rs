@@ -7,7 +7,7 @@ use super::plan::Variant;
 /// What decides: quantities that users ask for.
 fn decides(of: &Quantity) -> bool {
     use Quantity::*;
-    matches!(of, Force | Displacement | Pressure | Stress | Strain)
+    matches!(of, Force | EndForce | Displacement | Pressure | Stress | Strain)
 }
 
 /// Errors of a run over those of the scene as it is, neither below what the reference can tell; the largest over quantities.

@@ -1,7 +1,7 @@
 //! The errors of a run against another, or against what is known exactly.
 
 use super::fields::{self, Snapshot};
-use super::history::{Apart, DISPLACEMENT, FORCE, History, at};
+use super::history::{DISPLACEMENT, FORCE, History, at};
 use crate::error::{Error, Result};
 use crate::scene::{Exact, Known, Scene};
 use std::path::Path;
@@ -11,6 +11,7 @@ use std::path::Path;
 pub enum Quantity {
     Force,
     ForceRms,
+    EndForce,
     Displacement,
     Penetration,
     Pressure,
@@ -33,6 +34,7 @@ impl Quantity {
         match self {
             Force => "force",
             ForceRms => "force RMS",
+            EndForce => "end force",
             Displacement => "displacement",
             Penetration => "penetration",
             Pressure => "pressure",
@@ -46,7 +48,7 @@ impl Quantity {
 
     /// Whether it stands in tables and figures, not in `trade.csv` alone.
     pub fn is_shown(self) -> bool {
-        matches!(self, Force | Displacement | Penetration | Pressure | Stress | Strain)
+        matches!(self, Force | EndForce | Displacement | Penetration | Pressure | Stress | Strain)
     }
 
     /// Whether its error is its own value, a length, since it should be 0.
@@ -94,10 +96,11 @@ impl Reading {
         let mut errors = self.against(reference);
         if exact.iter().any(|exact| quantity(&exact.of.value) == Some(Force)) {
             errors.set(ForceRms, None);
+            errors.set(EndForce, None);
         }
         for of in Quantity::ALL {
             let known = exact.iter().filter(|exact| quantity(&exact.of.value) == Some(of));
-            let found: Vec<f64> = known.map(|exact| self.off(exact).unwrap_or(f64::NAN)).collect();
+            let found: Vec<f64> = known.map(|exact| self.off(exact, reference).unwrap_or(f64::NAN)).collect();
             if let Some(largest) = largest(found) {
                 errors.set(of, Some(largest));
             }
@@ -111,6 +114,8 @@ impl Reading {
         let force = self.history.apart(&reference.history, &FORCE);
         errors.set(Force, force.map(|force| force.largest));
         errors.set(ForceRms, force.map(|force| force.rms));
+        let ends = self.history.apart_at_ends(&reference.history, &FORCE);
+        errors.set(EndForce, ends.map(|ends| ends.largest));
         let displacement = self.history.apart(&reference.history, &DISPLACEMENT);
         errors.set(Displacement, displacement.map(|displacement| displacement.largest));
         errors.set(Penetration, self.history.largest("max_penetration"));
@@ -160,8 +165,9 @@ impl Reading {
         [over(stress, scale[0]), over(strain, scale[1])]
     }
 
-    /// The error against what is known exactly, relative to it; `None` when the run has nothing of that name.
-    fn off(&self, exact: &Exact) -> Option<f64> {
+    /// The error against what is known exactly, relative to it, of a curve at all times of the reference, with this run linear
+    /// between its own; `None` when the run has nothing of that name or at these times.
+    fn off(&self, exact: &Exact, reference: &Self) -> Option<f64> {
         let (times, values) = self.curve(&exact.of.value)?;
         match &exact.known {
             Known::Value { value, step } => {
@@ -170,21 +176,22 @@ impl Reading {
                     Some(step) => ends.iter().find(|(name, _)| name == step)?.1,
                     None => ends.last()?.1,
                 };
-                let time = self.history.times()[row];
-                let found = times.iter().position(|&t| t == time)?;
+                let end = self.history.times()[row];
+                let found = times.iter().position(|&time| time == end)?;
                 Some((values[found] - value).abs() / value.abs())
             }
             Known::Curve(points) => {
-                let first = [points[0][1]];
                 let (known_times, known): (Vec<f64>, Vec<[f64; 1]>) = points.iter().map(|p| (p[0], [p[1]])).unzip();
                 let scale = known.iter().map(|[value]| value.abs()).fold(0.0, f64::max);
-                let within = |&(&time, _): &(&f64, &f64)| {
-                    known_times.first().is_some_and(|&t| t <= time) && known_times.last().is_some_and(|&t| t >= time)
-                };
-                let exact_at = |time: f64| if time == known_times[0] { first } else { at(&known_times, &known, time) };
-                let pairs = times.iter().zip(&values).filter(within);
-                let off: Vec<f64> = pairs.map(|(&time, value)| (value - exact_at(time)[0]).abs()).collect();
-                (!off.is_empty()).then(|| Apart::of(&[], &off).largest / scale)
+                let (first, last) = (points.first()?, points.last()?);
+                let values: Vec<[f64; 1]> = values.into_iter().map(|value| [value]).collect();
+                let (asked, _) = reference.curve(&exact.of.value)?;
+                let within = asked.into_iter().filter(|time| (first[0]..=last[0]).contains(time));
+                let off = within.map(|time| {
+                    let exact = if time == first[0] { [first[1]] } else { at(&known_times, &known, time) };
+                    (at(&times, &values, time)[0] - exact[0]).abs()
+                });
+                largest(off.collect()).map(|off| off / scale)
             }
         }
     }
