@@ -46,6 +46,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
+    log.line(&scene.solver.describe());
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
