@@ -96,7 +96,10 @@ fn rows(bench: &Bench) -> BTreeMap<String, BTreeMap<String, String>> {
         assert_eq!(cells.len(), names.len(), "{line}");
         names.iter().cloned().zip(cells).collect()
     };
-    lines.map(row).map(|row| (if row["run"].is_empty() { row["kind"].clone() } else { row["run"].clone() }, row)).collect()
+    lines
+        .map(row)
+        .map(|row| (if row["run"].is_empty() { row["kind"].clone() } else { row["run"].clone() }, row))
+        .collect()
 }
 
 fn history(bench: &Bench, run: &str) -> History {
@@ -125,7 +128,8 @@ fn a_sweep_shows_errors_and_costs_and_failures() {
     let (stdout, stderr) = succeeds(&bench, &["--reference", "solver.tolerance=1e-11"]);
     let rows = rows(&bench);
     // The reference of the command line takes the place of that of the scene, and has the increments of the others.
-    let number = |run: &str, column: &str| rows[run][column].parse::<f64>().unwrap_or_else(|_| panic!("{run} {column}"));
+    let number =
+        |run: &str, column: &str| rows[run][column].parse::<f64>().unwrap_or_else(|_| panic!("{run} {column}"));
     for run in ["method=penalty", "method=uzawa"] {
         let folder = format!("contact.tread.{run}");
         let expected = forces_apart(&history(&bench, &folder), &history(&bench, "reference"));
@@ -179,7 +183,8 @@ fn finished_runs_are_not_made_again() {
     let half = "contact.tread.method=uzawa";
     fs::remove_file(bench.path(&format!("out/runs/{half}.json"))).unwrap();
     let (_, stderr) = succeeds(&bench, &["--no-combined"]);
-    let again: Vec<String> = written(&bench).into_iter().filter(|(k, t)| first.get(k) != Some(t)).map(|(k, _)| k).collect();
+    let again: Vec<String> =
+        written(&bench).into_iter().filter(|(k, t)| first.get(k) != Some(t)).map(|(k, _)| k).collect();
     assert_eq!(again, [half, "rough"]);
     assert_eq!(stderr.matches("(as before)").count(), 5, "{stderr}");
     // The failure is known, too; other settings, or the wish, make all anew.

@@ -82,7 +82,7 @@ fn doubts_of_contact(contact: &OfContact) -> Vec<String> {
         doubts.push(format!("{nodes} {some} from its edge to its middle: the pressure is not resolved"));
     }
     if contact.pressure.peaks_at_edge {
-        doubts.push("the highest pressure is at its edge, and grows with a finer mesh".into());
+        doubts.push("the highest pressure is at its edge, and grows with a finer mesh where that is sharp".into());
     }
     doubts
 }
