@@ -47,6 +47,9 @@ enum Command {
         /// Run only the first N steps of the scene.
         #[arg(long, value_name = "N")]
         steps: Option<NonZeroUsize>,
+        /// Estimate the error of the increments, too, by a second run with increments twice as long: half the time more.
+        #[arg(long)]
+        estimate: bool,
         /// Print nothing but warnings and errors.
         #[arg(long)]
         quiet: bool,
@@ -187,13 +190,14 @@ impl Cli {
             .map_err(|e| Error::input_anywhere(e.to_string(), "options after `--` go to PETSc"))?;
         petsc.reserve_memory()?;
         match &self.command {
-            Command::Run { scene, out, steps, quiet, .. } => {
+            Command::Run { scene, out, steps, estimate, quiet, .. } => {
                 let loaded = scene.load(comm)?;
                 let default = Path::new("out").join(&loaded.name);
                 let steps = steps.map(NonZeroUsize::get);
                 let out = out.as_deref().unwrap_or(&default);
-                let outcome =
-                    analysis::run(comm, &petsc, &loaded, &Options { out, steps, quiet: *quiet, source: &scene.scene });
+                let source = &scene.scene;
+                let options = Options { out, steps, estimate: *estimate, quiet: *quiet, source };
+                let outcome = analysis::run(comm, &petsc, &loaded, &options);
                 if matches!(outcome, Ok(()) | Err(Error::Diverged(_) | Error::Interrupted(_))) && comm.rank() == 0 {
                     warn_of_unused(&petsc.unused_options()?);
                 }

@@ -129,3 +129,112 @@ fn a_ball_on_a_block() {
         assert!((0.5..2.0).contains(&effectivity), "{elements}: {effectivity}");
     }
 }
+
+/// A block of metal or rubber under a tool, in 2D.
+fn pad(elements: [usize; 2], material: &str, tool: &str, contact: &str, steps: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.pad]
+        material = "soft"
+        plane_strain = true
+        [body.pad.block]
+        box = {{ origin = [-10.0, -8.0, 0.0], size = [20.0, 8.0, 1.0] }}
+        elements = [{}, {}, 1]
+        [material.soft]
+        {material}
+        [tool.die]
+        {tool}
+        [contact.top]
+        slave = "pad.ymax"
+        master = "die"
+        {contact}
+        {steps}
+        "#,
+        elements[0], elements[1]
+    ))
+}
+
+const ELASTIC: &str = "model = \"hooke\"\nyoung = 1000.0\npoisson = 0.3";
+const ROLLER: &str = "cylinder = { point = [0.0, 20.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 20.0 }";
+
+fn press(by: f64, increments: usize) -> String {
+    format!(
+        "[[step]]\nincrements = {increments}\nfix = [{{ set = \"pad.ymin\" }}]\nmove = [{{ target = \"die\", by = [0.0, {by:?}, 0.0] }}]\n"
+    )
+}
+
+fn doubts(of: &Value) -> String {
+    of["doubts"].as_array().unwrap().iter().map(|d| d.as_str().unwrap()).collect::<Vec<_>>().join("; ")
+}
+
+#[test]
+fn what_is_not_to_be_trusted_is_said() {
+    let run = |elements, material, tool, by| {
+        let run = pad(elements, material, tool, "", &press(by, 2)).solve(1, &[]);
+        let found = estimate(&run);
+        assert!(run.log().contains("estimated errors: energy of `pad`"));
+        (doubts(&found["bodies"]["pad"]), doubts(&found["contacts"]["top"]), run.log())
+    };
+    let (body, contact, log) = run([40, 16], ELASTIC, ROLLER, -0.4);
+    assert_eq!((body.as_str(), contact.as_str()), ("", ""));
+    assert!(!log.contains("not to be trusted"));
+    let (_, contact, log) = run([40, 16], ELASTIC, ROLLER, -0.02);
+    assert_eq!(contact, "2 nodes from its edge to its middle: the pressure is not resolved");
+    assert!(log.contains("  not to be trusted: `top`: 2 nodes from its edge"));
+    let punch = "profile = { points = [[-4.0, 9.0], [-4.0, 0.0], [4.0, 0.0], [4.0, 9.0]] }";
+    let (_, contact, _) = run([40, 16], ELASTIC, punch, -0.1);
+    assert_eq!(contact, "the highest pressure is at its edge, and grows with a finer mesh where that is sharp");
+    let (body, _, _) = run([40, 1], ELASTIC, ROLLER, -0.4);
+    assert_eq!(body, "it is one element thick: what varies through the thickness is not seen");
+    let flows = "model = \"j2\"\nyoung = 1000.0\npoisson = 0.3\nyield_stress = 10.0\nhardening = { linear = 10.0 }";
+    let (body, _, _) = run([40, 16], flows, ROLLER, -0.4);
+    assert!(body.contains("it flows"), "{body}");
+}
+
+/// A tool of facets is as far from its arc as one facet is high; what that does to the force is the difference to the exact
+/// cylinder, at most.
+#[test]
+fn facets_of_a_tool() {
+    let facets = "mesh = \"die.msh\"\nsmoothing = \"facet\"";
+    let bench = pad([40, 16], ELASTIC, facets, "", &press(-0.4, 4));
+    let half = 0.02f64;
+    let place = |s: f64, t: f64| {
+        let angle = half * (80.0 * s - 40.0);
+        [20.0 * angle.sin(), 20.0 - 20.0 * angle.cos(), 2.0 * t - 0.5]
+    };
+    bench.write("die.msh", &common::msh::surface(40, place));
+    let run = bench.solve(1, &[]);
+    let tool = &estimate(&run)["tools"]["die"];
+    assert_close("length", tool["length"].as_f64().unwrap(), 20.0 * (1.0 - half.cos()), 1e-3);
+    let exact = pad([40, 16], ELASTIC, ROLLER, "", &press(-0.4, 4)).solve(1, &[]);
+    let off = run.history().last("die.fy") - exact.history().last("die.fy");
+    let ratio = tool["force"].as_f64().unwrap() / off.abs();
+    println!("{off} {ratio}");
+    assert!((1.0..4.0).contains(&ratio), "{ratio}");
+    assert!(estimate(&exact)["tools"].as_object().unwrap().is_empty());
+}
+
+/// What a second run differs by is the error of the first: half of it with half the increments.
+#[test]
+fn increments_by_a_second_run() {
+    let drag = |increments: usize| {
+        let steps = format!(
+            "[[step]]\nname = \"press\"\nincrements = {increments}\nfix = [{{ set = \"pad.ymin\" }}]\n\
+             move = [{{ target = \"die\", by = [0.1, -0.4, 0.0] }}]\n"
+        );
+        pad([40, 16], ELASTIC, ROLLER, "friction = 0.3", &steps)
+    };
+    let shear = |increments: usize, ranks: usize| {
+        let run = drag(increments).solve(ranks, &["--estimate"]);
+        assert!(run.log().contains("; increments, nodal forces of `top`"));
+        estimate(&run)["increments"]["contacts"]["top"]["shear"].as_f64().unwrap()
+    };
+    let (coarse, fine) = (shear(8, 1), shear(16, 1));
+    println!("{coarse} {fine}");
+    assert!((1.5..3.0).contains(&(coarse / fine)), "{coarse} {fine}");
+    assert_close("on two ranks", shear(8, 2), coarse, 1e-6);
+    let one = drag(1).solve(1, &["--estimate"]);
+    assert!(estimate(&one)["increments"].is_null());
+    let smooth = pad([40, 16], ELASTIC, ROLLER, "", &press(-0.4, 4)).solve(1, &["--estimate"]);
+    assert!(estimate(&smooth).get("increments").is_none());
+}

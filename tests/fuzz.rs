@@ -96,7 +96,9 @@ impl Kind {
                         let _ = mesh::load(&MeshSource::File { path, group }, purpose);
                     }
                 }
-                describe(&format!("mesh = {:?}", path.display()), path);
+                for more in ["", "refine = 1"] {
+                    describe(&format!("mesh = {:?}\n{more}", path.display()), path);
+                }
             }
             Self::Iges => describe(&format!("nurbs = {:?}\nincomplete = true", path.display()), path),
             Self::Bezier => describe(&format!("bezier = {:?}", path.display()), path),
@@ -109,7 +111,7 @@ impl Kind {
         let block = "block = { box = { size = [1.0, 1.0, 1.0] }, elements = [2, 2, 1] }";
         let (body, tool) = match self {
             Self::Scene => return String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned(),
-            Self::Gmsh | Self::Deck => (format!("mesh = {file:?}"), format!("mesh = {file:?}")),
+            Self::Gmsh | Self::Deck => (format!("mesh = {file:?}\nrefine = 1"), String::new()),
             Self::Iges => (block.into(), format!("nurbs = {file:?}\nincomplete = true")),
             Self::Bezier => (block.into(), format!("bezier = {file:?}")),
         };
@@ -396,14 +398,18 @@ fn batch(test: &str, kind: Kind, first: u64, count: u64, folder: &Path) -> Vec<(
 /// Elements of a block above which its memory is what was asked for.
 const LARGE: usize = 50_000;
 
-/// Whether a scene has a block that is large.
+/// Whether a scene has a block or a refined mesh that is large.
 fn is_large(text: &str) -> bool {
     let scene = scene::parse("scene.toml", text, &inputs(), &[]);
     scene.is_ok_and(|scene| {
-        scene.bodies.iter().any(|body| match &body.mesh {
-            MeshSource::Block(block) => block.value.elements.iter().product::<usize>() > LARGE,
-            MeshSource::File { .. } => false,
-        })
+        let times = |refine: &Option<Located<u32>>| refine.as_ref().map_or(0, |times| times.value);
+        scene.tools.iter().any(|tool| tool.mesh.as_ref().is_some_and(|mesh| times(&mesh.refine) > 3))
+            || scene.bodies.iter().any(|body| match &body.mesh {
+                MeshSource::Block(block) => {
+                    block.value.elements.iter().product::<usize>() << (3 * times(&body.refine)) > LARGE
+                }
+                MeshSource::File { .. } => times(&body.refine) > 1,
+            })
     })
 }
 
@@ -675,6 +681,7 @@ plane_strain = true
 [body.indenter]
 mesh = "ironing-indenter-elastic.msh"
 material = "n"
+refine = 1
 [material.m]
 model = "j2"
 young = 1e3

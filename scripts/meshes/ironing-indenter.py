@@ -28,11 +28,12 @@ SIDE, ARC, FLAT = 5, 4, 8
 Z = (-0.5, 1.5)
 
 
-def profile():
-    """Points (x, y) down the left side, along the bottom and up the right side: the solid is on the left hand."""
+def profile(arc):
+    """Points (x, y) down the left side, along the bottom and up the right side, with so many edges to a fillet: the
+    solid is on the left hand."""
     left = [(-HALF_WIDTH, HEIGHT - (HEIGHT - RADIUS) * i / SIDE) for i in range(SIDE + 1)]
-    for i in range(1, ARC):
-        angle = math.pi / 2 * i / ARC
+    for i in range(1, arc):
+        angle = math.pi / 2 * i / arc
         left.append((RADIUS - HALF_WIDTH - RADIUS * math.cos(angle), RADIUS - RADIUS * math.sin(angle)))
     flat_half = HALF_WIDTH - RADIUS
     left += [(-flat_half + 2 * flat_half * i / FLAT, 0.0) for i in range(FLAT // 2)]
@@ -119,8 +120,10 @@ def folded(words, width):
 def main():
     parser = arguments(__doc__)
     add_out(parser, INPUTS)
-    stem = written(parser.parse_args().out / "ironing-indenter")
-    stem.with_suffix(".msh").write_text(mesh(profile()))
+    parser.add_argument("--arc", type=int, default=ARC, metavar="N", help="quads of a fillet of the mesh (%(default)s)")
+    args = parser.parse_args()
+    stem = written(args.out / "ironing-indenter")
+    stem.with_suffix(".msh").write_text(mesh(profile(args.arc)))
     stem.with_suffix(".igs").write_text(iges(sections()))
     stem.with_suffix(".bpt").write_text(bezier(sections()))
 

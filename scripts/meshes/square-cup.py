@@ -145,10 +145,13 @@ def bezier(found):
 def main():
     parser = arguments(__doc__)
     add_out(parser, INPUTS)
-    folder = parser.parse_args().out
+    parser.add_argument("--arc", type=int, metavar="N",
+                        help="edges of all quarter circles of the meshes that are to be smoothed (3 and 6)")
+    args = parser.parse_args()
+    folder, smoothed = args.out, SMOOTHED | ({"corner": args.arc, "fillet": args.arc} if args.arc else {})
     for name, section in sections().items():
         stem = "square-cup-" + name
-        written(folder / (stem + ".msh")).write_text(mesh(name, section, SMOOTHED))
+        written(folder / (stem + ".msh")).write_text(mesh(name, section, smoothed))
         (folder / (stem + "-facets.msh")).write_text(mesh(name, section, FACETED))
         (folder / (stem + ".bpt")).write_text(bezier(patches(name, section)))
 

@@ -23,8 +23,9 @@ pub struct Estimates {
     stiffness: Vec<Stiffness>,
     /// One for each step that has ended.
     pub steps: Vec<Value>,
-    /// The last of them.
+    /// The last of them, and what is known of the increments.
     words: Option<String>,
+    increments: Option<String>,
 }
 
 impl Estimates {
@@ -46,9 +47,19 @@ impl Estimates {
         self.words = words(model, &found);
     }
 
+    /// Adds something that is known of each step.
+    pub fn add(&mut self, key: &str, found: Vec<Value>) {
+        for (step, found) in self.steps.iter_mut().zip(found) {
+            step[key] = found;
+        }
+        self.increments = self.steps.last().and_then(|step| worst_increments(&step[key]));
+    }
+
     /// The last estimate, in two lines at most.
-    pub fn words(&self) -> Option<&str> {
-        self.words.as_deref()
+    pub fn words(&self) -> Option<String> {
+        let (words, more) = (self.words.clone()?, self.increments.as_deref().unwrap_or_default());
+        let (first, rest) = words.split_once('\n').map_or((words.as_str(), None), |(a, b)| (a, Some(b)));
+        Some(rest.map_or(format!("{first}{more}"), |rest| format!("{first}{more}\n{rest}")))
     }
 }
 
@@ -71,7 +82,7 @@ fn doubts_of_contact(contact: &OfContact) -> Vec<String> {
         doubts.push(format!("{nodes} {some} from its edge to its middle: the pressure is not resolved"));
     }
     if contact.pressure.peaks_at_edge {
-        doubts.push("the highest pressure is at its edge, and grows with a finer mesh".into());
+        doubts.push("the highest pressure is at its edge, and grows with a finer mesh where that is sharp".into());
     }
     doubts
 }
@@ -105,6 +116,15 @@ fn record(model: &Model, found: &Estimate, step: &str, time: f64) -> Value {
 /// Four digits: there are no more in an estimate.
 fn short(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// The contact whose forces increments change the most, in words.
+fn worst_increments(found: &Value) -> Option<String> {
+    let off =
+        |of: &Value| ["pressure", "shear"].map(|key| of[key].as_f64().unwrap_or(0.0)).into_iter().fold(0.0, f64::max);
+    let contacts = found["contacts"].as_object()?.iter().map(|(name, of)| (name, off(of)));
+    let (name, off) = contacts.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!("; increments, nodal forces of `{name}` {:.2} %", 100.0 * off))
 }
 
 /// An estimate in two lines at most: the worst of each kind, and what is not to be trusted.

@@ -13,6 +13,7 @@
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged
 //! - `estimates`: how far what has converged may be from the solution
+//! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
 //! - `runaway`: tools that nothing can hold
@@ -34,6 +35,7 @@ mod increments;
 mod jump;
 mod ladder;
 mod newton;
+mod paths;
 pub mod preflight;
 mod results;
 mod run;

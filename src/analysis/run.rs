@@ -1,6 +1,7 @@
 //! The run of a scene as the command line has it: its steps one after the other, with log, history, fields and summary.
 
 use super::estimates::Estimates;
+use super::paths::{self, End};
 use super::results::Results;
 use super::{Event, Increment, Simulation, describe};
 use crate::error::{Error, Result};
@@ -22,6 +23,8 @@ pub struct Options<'a> {
     pub out: &'a Path,
     /// Run only so many steps.
     pub steps: Option<usize>,
+    /// Estimate the error of the increments by a second run.
+    pub estimate: bool,
     pub quiet: bool,
     /// The scene file, which must not be overwritten.
     pub source: &'a Path,
@@ -47,8 +50,14 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
-    let mut recorder =
-        Recorder { log, results, every: scene.output.every, since_written: 0, estimates: Estimates::default() };
+    let mut recorder = Recorder {
+        log,
+        results,
+        every: scene.output.every,
+        since_written: 0,
+        estimates: Estimates::default(),
+        ends: Vec::new(),
+    };
     let outcome = recorder.steps(&mut simulation, options.steps.unwrap_or(usize::MAX));
     let mut summary = simulation.summary();
     summary.converged = outcome.is_ok();
@@ -58,11 +67,18 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     measure_solver(petsc, &summary.linear, simulation.phases());
     let (own, (messages, bytes)) = (sent(), petsc.sent());
     let sent = Sent { messages: own.messages + messages, bytes: own.bytes + bytes };
-    let written = summary.write(&folder, comm, simulation.phases(), sent);
+    let mut written = summary.write(&folder, comm, simulation.phases(), sent);
+    recorder.log.finish();
+    let mut outcome = outcome;
+    if options.estimate && outcome.is_ok() && paths::matter(&simulation) {
+        outcome = recorder.compare(&mut simulation, petsc);
+        summary.estimates.clone_from(&recorder.estimates.steps);
+        summary.warnings = simulation.summary().warnings;
+        written = written.and(summary.write(&folder, comm, simulation.phases(), sent));
+    }
     let log = &mut recorder.log;
-    log.finish();
     if let Some(words) = recorder.estimates.words() {
-        log.line(words);
+        log.line(&words);
     }
     log.line(&describe::farewell(&summary, options.out));
     // The terminal hears of it from the command line.
@@ -92,6 +108,8 @@ struct Recorder {
     every: usize,
     since_written: usize,
     estimates: Estimates,
+    /// The ends of steps.
+    ends: Vec<End>,
 }
 
 impl Recorder {
@@ -125,10 +143,24 @@ impl Recorder {
                 let energy = self.write_fields(simulation)?;
                 if increment.ends_step {
                     self.estimates.end_step(simulation, &increment.step, &energy);
+                    self.ends.push(End::of(simulation, &increment.step));
                 }
             }
             simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
+        }
+        Ok(())
+    }
+
+    /// Estimates the error of the increments. Collective.
+    fn compare(&mut self, simulation: &mut Simulation, petsc: &Petsc) -> Result<()> {
+        match paths::compare(simulation.comm(), petsc, simulation.scene(), &self.ends) {
+            Ok(found) => self.estimates.add("increments", found),
+            Err(error) => {
+                let warning = paths::failed(error)?;
+                self.log.line(&format!("  warning: {warning}"));
+                simulation.warned(warning);
+            }
         }
         Ok(())
     }

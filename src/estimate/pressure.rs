@@ -12,6 +12,9 @@ use mpi::topology::SimpleCommunicator;
 /// Nodes from the edge of a contact to its middle that are counted.
 const MOST: usize = 5;
 
+/// Nodes from the edge that count as at it: the outermost stands for an area that is in part outside, and bears the less.
+const AT_EDGE: f64 = 2.0;
+
 /// The pressure of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pressure {
@@ -182,7 +185,7 @@ impl Pressure {
             chord_work: squares[2],
             edge_work: squares[3],
             ends: ends > 0.0,
-            peaks_at_edge: at[1] == 1.0 && deepest > 2.0,
+            peaks_at_edge: at[1] <= AT_EDGE && deepest > AT_EDGE + 1.0,
         })
     }
 }

@@ -85,7 +85,7 @@ fn a_block_becomes_the_block_of_twice_the_numbers() {
 #[test]
 fn numbers_go_on() {
     let mut mesh = bricks([2, 1, 1], |x| x);
-    mesh.point_ids.iter_mut().for_each(|id| *id = 7 * *id);
+    mesh.point_ids.iter_mut().for_each(|id| *id *= 7);
     let split = straight(mesh.clone(), 1);
     let old = mesh.points.len();
     assert_eq!((&split.points[..old], &split.point_ids[..old]), (&mesh.points[..], &mesh.point_ids[..]));
