@@ -26,8 +26,19 @@ use Quantity::*;
 
 impl Quantity {
     /// All of them, in the order of their declaration.
-    pub const ALL: [Self; 10] =
-        [Force, ForceRms, Displacement, Penetration, Pressure, PeakPressure, Stress, PeakStress, Strain, PeakStrain];
+    pub const ALL: [Self; 11] = [
+        Force,
+        ForceRms,
+        EndForce,
+        Displacement,
+        Penetration,
+        Pressure,
+        PeakPressure,
+        Stress,
+        PeakStress,
+        Strain,
+        PeakStrain,
+    ];
 
     /// What tables call it.
     pub fn name(self) -> &'static str {
