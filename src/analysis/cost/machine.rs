@@ -47,9 +47,7 @@ impl Machine {
     fn among(kept: Vec<Kept>, host: &str, ranks: usize) -> Self {
         let nearest = kept.into_iter().filter(|k| k.host == host).min_by_key(|k| k.ranks.abs_diff(ranks));
         match nearest {
-            Some(kept) => {
-                Self { ranks, rates: kept.rates.on(kept.ranks, ranks), measured: Some((kept.ranks, kept.date)) }
-            }
+            Some(kept) => Self { rates: kept.rates.on(kept.ranks, ranks), measured: Some((kept.ranks, kept.date)) },
             None => Self::usual(ranks),
         }
     }

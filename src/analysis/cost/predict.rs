@@ -33,6 +33,7 @@ struct Course {
     solver: Linear,
     /// From multigrid to factors, after the first systems.
     hands_over: bool,
+    increments: f64,
     /// Newton iterations.
     iterations: f64,
     /// Share of the systems that are factored, and iterations of each of the others with old factors.
@@ -59,8 +60,10 @@ const CYCLES: [f64; 3] = [14.5, 25.0, 90.0];
 const UNTIL_FACTORS: f64 = 3.0;
 /// Evaluations of all elements an iteration: in plane strain, in space, with plastic flow.
 const PASSES: [f64; 3] = [1.45, 1.15, 1.05];
+/// What is written of an increment, s.
+const OUTPUT: f64 = 2e-3;
 /// A slave node of a tool over one of a body.
-const OF_A_TOOL: f64 = 0.4;
+const OF_A_TOOL: f64 = 0.3;
 /// MB that each rank takes for libraries at work, bytes an entry of the matrix, an entry of the factors on one rank, a unit of
 /// multigrid, and a number of a vector.
 const AT_WORK: f64 = 8.8;
@@ -102,7 +105,7 @@ impl Prediction {
         self.assembly_s += assembly;
         self.contact_s += contact;
         self.linear_s += linear;
-        self.wall_s += assembly + contact + linear + course.iterations * besides;
+        self.wall_s += assembly + contact + linear + course.iterations * besides + course.increments * OUTPUT;
     }
 
     fn add_memory(&mut self, size: &Size, course: &Course, systems: &Systems) {
@@ -178,6 +181,7 @@ impl Course {
         Self {
             solver,
             hands_over: solver == Linear::Iterative && cycles > patience(systems.linear, unknowns) as f64,
+            increments: cut * increments.asked,
             iterations: OF_A_STEP + per_increment * cut * increments.asked,
             factored: if reuses { share } else { 1.0 },
             old: if reuses { old } else { 0.0 },
@@ -191,9 +195,9 @@ impl Course {
         let by_multigrid = systems.entries * (SET_UPS * rate(Work::SetUp) + self.cycles * rate(Work::Cycle));
         let Factors { entries, operations } = systems.factored(size.plane);
         let application = entries * rate(Work::Application) + systems.unknowns * rate(Work::Row);
-        let factored = entries * rate(Work::Entry) + operations * rate(Work::Operation) + application;
+        let factored = rate(Work::Factorization) + entries * rate(Work::Entry) + operations * rate(Work::Operation);
         let old = self.old * (application + systems.entries * rate(Work::Product));
-        let by_factors = self.factored * factored + (1.0 - self.factored) * old;
+        let by_factors = self.factored * (factored + application) + (1.0 - self.factored) * old;
         match self.solver {
             Linear::Iterative if self.hands_over => {
                 let first = UNTIL_FACTORS.min(self.iterations);

@@ -21,7 +21,8 @@ pub enum Work {
     Slave,
     /// A node or an unknown in what each iterate takes besides.
     Unknown,
-    /// An operation of a factorization.
+    /// A factorization, however small; an operation of it.
+    Factorization,
     Operation,
     /// An entry of the factors that are computed.
     Entry,
@@ -61,9 +62,10 @@ impl Work {
     }
 
     /// What is no element.
-    const OTHERS: [Self; 9] = [
+    const OTHERS: [Self; 10] = [
         Self::Slave,
         Self::Unknown,
+        Self::Factorization,
         Self::Operation,
         Self::Entry,
         Self::Application,
@@ -80,6 +82,7 @@ impl Work {
             Self::Element(Shape::Plane(element), material) => format!("{element} in plane strain, {material}"),
             Self::Slave => "slave node".into(),
             Self::Unknown => "unknown in an iteration".into(),
+            Self::Factorization => "factorization, however small".into(),
             Self::Operation => "operation of a factorization".into(),
             Self::Entry => "entry of factors".into(),
             Self::Application => "entry of factors that are applied".into(),
@@ -116,6 +119,7 @@ impl Work {
             }
             Self::Slave => 5000.0,
             Self::Unknown => 400.0,
+            Self::Factorization => 1.2e6,
             Self::Operation => 0.02,
             Self::Entry => 14.0,
             Self::Application => 0.8,
@@ -167,7 +171,7 @@ impl Rates {
         let ratio = measured as f64 / wanted as f64;
         for (work, seconds) in &mut self.0 {
             *seconds *= match work {
-                Work::Element(..) | Work::Slave => 1.0,
+                Work::Element(..) | Work::Slave | Work::Factorization => 1.0,
                 Work::Operation | Work::Entry | Work::Application | Work::Row => ratio.powf(OF_FACTORS),
                 Work::Unknown | Work::Product | Work::SetUp | Work::Cycle => ratio.powf(OF_PRODUCTS),
             };
