@@ -82,9 +82,10 @@ impl Bench<'_> {
 
     /// A block of so many elements, fixed below.
     fn block(&self, element: &str, material: &str, plane: bool, elements: [usize; 3]) -> Result<Block> {
+        let cells = format!("{{ box = {{ size = {elements:?} }}, elements = {elements:?} }}");
         let scene = parse(&format!(
-            "body.block = {{ material = \"m\", element = \"{element}\", plane_strain = {plane}, block = {{ box = {{ size = \
-             {elements:?} }}, elements = {elements:?} }} }}\n{}\nstep = [{{ increments = 1, fix = [{{ set = \"block.ymin\" }}] }}]",
+            "body.block = {{ material = \"m\", element = \"{element}\", plane_strain = {plane}, block = {cells} }}\n\
+             {}\nstep = [{{ increments = 1, fix = [{{ set = \"block.ymin\" }}] }}]",
             card(material)
         ))?;
         let model = Model::new(self.comm, &scene, &Phases::default())?;

@@ -249,7 +249,8 @@ mod tests {
             ..Prediction::default()
         };
         let text = foretold.describe(&machine, Some(3000.0));
-        assert!(text.starts_with("memory: about 4000 MB; 9000 MB where factors take over from multigrid\n  warning: this machine has 3000 MB\n"), "{text}");
+        let memory = "memory: about 4000 MB; 9000 MB where factors take over from multigrid\n";
+        assert!(text.starts_with(&format!("{memory}  warning: this machine has 3000 MB\n")), "{text}");
         assert!(text.contains("\ntime: about 100 s (50 s to 3 min), of which linear systems take 60 %\n"), "{text}");
         assert!(!foretold.describe(&machine, Some(5000.0)).contains("warning"));
         assert!(!foretold.describe(&machine, None).contains("warning"));
