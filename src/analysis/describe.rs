@@ -1,19 +1,26 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
+use super::cost::machine::Machine;
+use super::cost::predict::Prediction;
+use super::cost::size::{Increments, Size, Systems, machine_mb};
+use super::cost::work::Rates;
 use super::{Increment, Remedy, Retried, cost};
+use crate::Vec3;
 use crate::contact::{BodySurface, Master, Meets, Tool};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
-use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing};
+use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use petsc::Petsc;
 use std::fmt::Write;
 use std::path::Path;
+use std::time::Instant;
 
 /// The first lines of a log.
 pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> String {
@@ -151,7 +158,13 @@ pub fn impatience(step: &str, mean: usize) -> String {
 ///
 /// # Errors
 /// What [`preflight`](super::preflight) refuses.
-pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<String> {
+pub fn check(
+    comm: &SimpleCommunicator,
+    petsc: &Petsc,
+    scene: &Scene,
+    model: &mut Model,
+    begun: Instant,
+) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
     for body in &scene.bodies {
@@ -206,32 +219,65 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     for warning in &model.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }
-    let mut last = Conditions::none(model);
-    let still = vec![crate::Vec3::zeros(); model.part.points.len()];
+    let size = Size::new(comm, scene, model, begun.elapsed().as_secs_f64());
+    let mut steps: Vec<(Increments, Systems)> = Vec::new();
+    let (mut last, mut set_up) = (Conditions::none(model), None);
     for step in &scene.steps {
-        let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
-        let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
-        let Model { part, masters, pairs, .. } = &mut *model;
-        masters.follow(comm, pairs, |n| part.points[n as usize]);
-        let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
-        let mut entries = [pattern.columns.len() as f64];
-        sum(comm, &mut entries);
-        let symmetric = conditions.is_symmetric(model);
-        let (matrix, factors) =
-            if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
-        let (solver, memory) = match cost::solver(scene.solver.linear, dofs.total, model.is_plane()) {
-            Linear::Iterative => ("FGMRES with multigrid", cost::megabytes_of_multigrid(entries[0])),
-            _ => (factors, cost::megabytes(dofs.total, entries[0], symmetric)),
+        let (conditions, dofs, pattern, mut systems) = equations(comm, scene, model, (step, &last))?;
+        // Before analyses, which take more.
+        set_up.get_or_insert_with(|| memory(comm));
+        let known = steps.last().filter(|(_, known)| known.are_like(&systems));
+        systems.factors = match known {
+            Some((_, known)) => known.factors,
+            None => systems.analysed(petsc, model, (&dofs, &pattern))?,
         };
-        let _ = writeln!(
-            text,
-            "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",
-            step.name.value, dofs.total, dofs.total_multipliers, matrix, entries[0]
-        );
+        let _ = writeln!(text, "{}", equations_of(step, model, &dofs, &systems));
+        steps.push((Increments::of(step), systems));
         last = conditions;
     }
-    let _ = writeln!(text, "{}", memory(comm));
+    let _ = writeln!(text, "{}", set_up.unwrap_or_else(|| memory(comm)));
+    let (machine, damage) = Machine::find(comm);
+    damage.iter().for_each(|warning| {
+        let _ = writeln!(text, "  warning: {warning}");
+    });
+    let prediction = Prediction::new(&machine, &size, &steps);
+    let _ = writeln!(text, "{}", prediction.describe(&machine, machine_mb()));
     Ok(text)
+}
+
+/// What a step prescribes after the last one, its equations, their pattern, and systems. Collective.
+fn equations(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    model: &mut Model,
+    (step, last): (&Step, &Conditions),
+) -> Result<(Conditions, DofMap, Pattern, Systems)> {
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    let conditions = agree(comm, Conditions::new(comm, model, step, &still, last))?;
+    let begun = Instant::now();
+    let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
+    let Model { part, masters, pairs, .. } = &mut *model;
+    masters.follow(comm, pairs, |n| part.points[n as usize]);
+    let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
+    let (linear, is_symmetric) = (scene.solver.linear, conditions.is_symmetric(model));
+    let systems = Systems::new(comm, linear, (&dofs, &pattern), is_symmetric, begun.elapsed().as_secs_f64());
+    Ok((conditions, dofs, pattern, systems))
+}
+
+/// The equations of a step in words.
+fn equations_of(step: &Step, model: &Model, dofs: &DofMap, systems: &Systems) -> String {
+    let (matrix, factors) = match systems.is_symmetric {
+        true => ("symmetric indefinite", "MUMPS LDL^T"),
+        false => ("unsymmetric", "MUMPS LU"),
+    };
+    let solver = match cost::solver(systems.linear, dofs.total, model.is_plane()) {
+        Linear::Iterative => "FGMRES with multigrid",
+        _ => factors,
+    };
+    format!(
+        "step `{}`: {} dofs, {} multipliers among them, {matrix} matrix with {:.0} entries, {solver}",
+        step.name.value, dofs.total, dofs.total_multipliers, systems.entries
+    )
 }
 
 /// What all this has taken at its peak, on all ranks and on rank 0, which reads the meshes. Collective.
@@ -250,6 +296,19 @@ fn memory(comm: &SimpleCommunicator) -> String {
             )
         }
     }
+}
+
+/// What `nagata calibrate` prints: what each kind of work takes, and where that is kept, or why it is not.
+pub fn rates(rates: &Rates, kept: std::result::Result<&Path, &Error>) -> String {
+    let mut text = String::from("    ns  of\n");
+    for (work, seconds) in rates.iter() {
+        let _ = writeln!(text, "{:>10.4}  {}", 1e9 * seconds, work.name());
+    }
+    let _ = match kept {
+        Ok(path) => writeln!(text, "kept in {}", path.display()),
+        Err(error) => writeln!(text, "warning: not kept: {error}"),
+    };
+    text
 }
 
 /// What is done about an increment that failed.

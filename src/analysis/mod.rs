@@ -17,7 +17,7 @@
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
 //! - `runaway`: tools that nothing can hold
-//! - `cost`: what a solve costs
+//! - [`cost`]: what a run will cost
 //! - [`describe`]: what is said
 //!
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
@@ -25,7 +25,7 @@
 
 mod conditioning;
 mod conditions;
-mod cost;
+pub mod cost;
 pub mod describe;
 mod ending;
 mod estimates;
