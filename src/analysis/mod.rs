@@ -14,6 +14,7 @@
 //! - `results`: the history and the fields of what has converged
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
+//! - `suspects`: what of its contacts may be why it does not converge
 //! - `runaway`: tools that nothing can hold
 //! - `cost`: what a solve costs
 //! - [`describe`]: what is said
@@ -39,6 +40,7 @@ mod runaway;
 mod simulation;
 mod state;
 mod step;
+mod suspects;
 mod watch;
 
 pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried};
