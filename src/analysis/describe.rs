@@ -82,8 +82,13 @@ pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
 }
 
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
-/// ill-conditioned, and the worst equation in words.
-pub fn failure(f: &Failure, reason: &str, conditioning: Option<&str>, worst: Option<&str>) -> String {
+/// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for.
+pub fn failure(
+    f: &Failure,
+    reason: &str,
+    (conditioning, worst): (Option<&str>, Option<&str>),
+    remedies: &[String],
+) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {reason}", f.step, f.time);
     if let Some(reason) = conditioning {
         let _ = write!(text, "; the matrix is ill-conditioned: {reason}");
@@ -96,34 +101,48 @@ pub fn failure(f: &Failure, reason: &str, conditioning: Option<&str>, worst: Opt
             let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
         }
     }
-    text += match f.cause {
-        Cause::Watch => {
-            "\n  help: see that the normals of the master look at the slave, and that the node is free to give way; load in \
-             smaller increments, or allow a smaller `increment.min`"
+    if let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) {
+        let _ = write!(text, "\n  worst: {worst}, residual {:.1e} of the largest force", f.residual);
+        if f.changes > 0 {
+            let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
         }
-        Cause::Rounds => {
-            "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
-             or take `augmented-lagrangian`"
-        }
-        Cause::Contradiction => {
-            "\n  help: take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`"
-        }
-        Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
-        _ => "",
-    };
-    let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) else { return text };
-    let _ = write!(text, "\n  worst: {worst}, residual {:.1e} of the largest force", f.residual);
-    if f.changes > 0 {
-        let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
     }
-    text += match (f.cause == Cause::Singular, f.changes) {
-        (true, _) => "\n  help: `fix` what nothing holds, or `move` it into contact before a force drives it",
-        (_, 0) => {
-            "\n  help: load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
-        }
-        _ => "\n  help: load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
-    };
+    for remedy in remedies {
+        let _ = write!(text, "\n  help: {remedy}");
+    }
+    if let Some(help) = help(f, worst.is_some(), !remedies.is_empty()) {
+        let _ = write!(text, "\n  help: {help}");
+    }
     text
+}
+
+/// What to try, whatever the contacts are; less where `contacts` are to be changed first.
+fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> {
+    match f.cause {
+        Cause::Watch => Some(
+            "see that the normals of the master look at the slave, and that the node is free to give way; load in smaller \
+             increments, or allow a smaller `increment.min`",
+        ),
+        Cause::Rounds => Some(
+            "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, or take \
+             `augmented-lagrangian`",
+        ),
+        Cause::Contradiction => {
+            Some("take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`")
+        }
+        Cause::Loose => Some("`fix` it, or end the step before it comes loose"),
+        Cause::Singular if at_equation => {
+            Some("`fix` what nothing holds, or `move` it into contact before a force drives it")
+        }
+        Cause::Iteration | Cause::Degenerate if at_equation => Some(match (contacts, f.changes) {
+            (true, _) => "load in smaller increments, or allow a smaller `increment.min`",
+            (_, 0) => {
+                "load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
+            }
+            _ => "load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
+        }),
+        _ => None,
+    }
 }
 
 /// Warns of equations that MUMPS replaced: of what is `free`, if that is why.

@@ -16,6 +16,7 @@
 //! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
+//! - `suspects`: what of its contacts may be why it does not converge
 //! - `runaway`: tools that nothing can hold
 //! - [`cost`]: what a run will cost
 //! - [`describe`]: what is said
@@ -43,6 +44,7 @@ mod runaway;
 mod simulation;
 mod state;
 mod step;
+mod suspects;
 mod watch;
 
 pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried};

@@ -6,7 +6,9 @@ use super::increments::Increments;
 use super::ladder::{Ladder, Way, Yields};
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
-use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending};
+use super::{
+    Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending, suspects,
+};
 use crate::Vec3;
 use crate::contact::{Manner, Pair, Status};
 use crate::controls::Controls;
@@ -577,7 +579,9 @@ impl<'a> Simulation<'a> {
             changes: failed.changes.last().copied().unwrap_or(0),
             what: String::new(),
         };
-        let what = describe::failure(&failure, &failed.reason, conditioning.as_deref(), word.as_deref());
+        let body = failure.place.as_ref().map(|place| place.body.as_str());
+        let remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        let what = describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies);
         Failure { what, ..failure }
     }
 }
