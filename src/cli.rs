@@ -1,9 +1,11 @@
-//! The command line: `run`, `check`, `surface` and `trade`.
+//! The command line: `run`, `check`, `calibrate`, `surface` and `trade`.
 
 use crate::accuracy;
 use crate::accuracy::errors::Sampling;
 use crate::accuracy::sampling::Grid;
 use crate::accuracy::subject::{Loaded, Names};
+use crate::analysis::cost::calibrate::calibrate;
+use crate::analysis::cost::machine;
 use crate::analysis::{self, Options, describe};
 use crate::error::{Error, Result};
 use crate::interrupt;
@@ -21,6 +23,7 @@ use petsc::Petsc;
 use std::io::Write;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Implicit, parallel finite elements for frictional contact on Nagata-smoothed surfaces.
 ///
@@ -61,6 +64,13 @@ enum Command {
     Check {
         #[command(flatten)]
         scene: SceneArguments,
+    },
+    /// Measure how fast this machine works, by which `check` and `run` predict time and memory, and keep it in the user's
+    /// cache. Start it on as many ranks as runs will have, while nothing else computes.
+    Calibrate {
+        /// Repetitions of each kernel, of which the fastest counts.
+        #[arg(long, value_name = "N", default_value = "7")]
+        repeats: NonZeroUsize,
     },
     /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
     Surface(SurfaceArguments),
@@ -181,7 +191,7 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. } | Command::Surface(_) | Command::Trade(_) => &[],
+            Command::Check { .. } | Command::Calibrate { .. } | Command::Surface(_) | Command::Trade(_) => &[],
         }
     }
 
@@ -205,11 +215,20 @@ impl Cli {
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
+                let begun = Instant::now();
                 let mut model = Model::new(comm, &loaded, &Phases::default())?;
-                let text = describe::check(comm, &loaded, &mut model)?;
+                let text = describe::check(comm, &petsc, &loaded, &mut model, begun)?;
                 if comm.rank() == 0 {
                     // Whoever reads it may have stopped.
                     let _ = write!(std::io::stdout(), "{text}");
+                }
+                Ok(())
+            }
+            Command::Calibrate { repeats } => {
+                let rates = calibrate(comm, &petsc, repeats.get())?;
+                let kept = machine::keep(comm, &rates);
+                if comm.rank() == 0 {
+                    let _ = write!(std::io::stdout(), "{}", describe::rates(&rates, kept.as_deref()));
                 }
                 Ok(())
             }

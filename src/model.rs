@@ -166,8 +166,16 @@ impl Model {
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         model.warnings = found.lines().map(str::to_string).collect();
-        model.warnings.extend(guidance::warnings(comm, scene, &model.part, &model.set_index)?);
+        model.warnings.extend(model.wrong_way_round(comm, scene)?.iter().map(ToString::to_string));
         Ok(model)
+    }
+
+    /// Contacts whose slave should rather be the master. Collective.
+    ///
+    /// # Errors
+    /// A slave that is far too coarse, on all ranks.
+    pub fn wrong_way_round(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<Vec<guidance::WrongWayRound>> {
+        guidance::wrong_way_round(comm, scene, &self.part, &self.set_index)
     }
 
     /// The set that the scene calls so.

@@ -100,6 +100,104 @@ fn a_body_that_touches_is_held() {
     assert!((history.last("plate.fz") + 10.0).abs() < 1e-8 && (history.last("plate.fx") + 1.0).abs() < 1e-8);
 }
 
+/// A far stiffer block on a soft one, which a plate presses; nothing converges in one iteration.
+const STIFF_ON_SOFT: &str = r#"
+body.soft.block = { box = { size = [2.0, 2.0, 1.0] }, elements = [3, 3, 1] }
+body.soft.material = "rubber"
+body.stiff.block = { box = { origin = [0.5, 0.5, 1.0], size = [1.0, 1.0, 0.5] }, elements = [2, 2, 1] }
+body.stiff.material = "steel"
+material.rubber = { model = "neo-hookean", young = 5.0, poisson = 0.3 }
+material.steel = { model = "neo-hookean", young = 500.0, poisson = 0.3 }
+contact.between = { slave = "soft.zmax", master = "stiff.zmin", friction = 0.2 }
+solver.max_iterations = 1
+[[step]]
+increments = 1
+fix = [{ set = "soft.zmin" }]
+move = [{ target = "stiff.zmax", by = [0.1, 0.0, -0.1] }]
+"#;
+
+/// What is peculiar to a contact is named before what always helps, and nothing of a contact that is as it should be.
+#[test]
+fn contacts_that_may_be_why_are_named() {
+    let bench = Bench::new(STIFF_ON_SOFT);
+    let told = |settings: &[&str]| {
+        let settings: Vec<&str> = settings.iter().flat_map(|setting| ["--set", *setting]).collect();
+        failure(&bench.run(2, &settings))
+    };
+    let text = told(&[]);
+    assert!(!text.contains("help: contact") && !text.contains("help: exchange"), "{text}");
+    assert!(text.contains("lower the contact's `penalty`"), "{text}");
+    let wrong_way = ["contact.between.slave=\"stiff.zmin\"", "contact.between.master=\"soft.zmax\""];
+    let two_passes = "contact.between.discretization=\"two-pass\"";
+    let cases: [(&[&str], &str); 5] = [
+        (
+            &wrong_way,
+            "help: exchange slave and master of contact `between`: `stiff.zmin` is the stiffer (Young's modulus 5.0000e2 \
+             against 5.0000e0 of the master)\n",
+        ),
+        (
+            &[two_passes],
+            "help: contact `between` has two passes: take one, with the far softer `soft.zmax` as the slave\n",
+        ),
+        (
+            &["contact.between.method=\"lagrange\""],
+            "help: contact `between` has the method \"lagrange\": take \"augmented-lagrangian\"",
+        ),
+        (
+            &["contact.between.method=\"uzawa\""],
+            "help: contact `between` has the method \"uzawa\": take \"augmented-lagrangian\"",
+        ),
+        (
+            &["contact.between.tangent=\"fixed-frame\""],
+            "help: contact `between` has the tangent \"fixed-frame\", which converges slowly where contact slides: take \
+             \"exact\"\n",
+        ),
+    ];
+    for (settings, words) in cases {
+        let text = told(settings);
+        assert!(text.contains(words), "{words}\n{text}");
+        assert!(text.ends_with("help: load in smaller increments, or allow a smaller `increment.min`\n"), "{text}");
+    }
+}
+
+/// The normals of nodes do not turn with them, which is told of what converges to something else.
+#[test]
+fn nodes_on_nodes_that_turn_are_told_to_be_for_small_sliding() {
+    let turned = |tool: &str| {
+        format!(
+            "{{ target = \"{tool}\", rotate = {{ point = [0.0, 0.0, 1.0], axis = [1.0, 0.0, 0.0], angle = 40.0 }} }}"
+        )
+    };
+    let scene = format!(
+        r#"
+body.low.block = {{ box = {{ origin = [-1.0, -1.0, 0.0], size = [2.0, 2.0, 0.5] }}, elements = [2, 2, 1] }}
+body.low.material = "rubber"
+body.high.block = {{ box = {{ origin = [-1.0, -1.0, 0.5], size = [2.0, 2.0, 0.5] }}, elements = [2, 2, 1] }}
+body.high.material = "rubber"
+material.rubber = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+tool.lid.plane = {{ point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }}
+tool.table.plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
+contact.above = {{ slave = "high.zmax", master = "lid", friction = 1.0 }}
+contact.below = {{ slave = "low.zmin", master = "table", friction = 1.0 }}
+contact.between = {{ slave = "high.zmin", master = "low.zmax", friction = 0.2, discretization = "node-to-node" }}
+[[step]]
+increments = 3
+move = [{{ target = "lid", by = [0.0, 0.0, -0.05] }}]
+[[step]]
+increments = 8
+move = [{}, {}]
+"#,
+        turned("lid"),
+        turned("table")
+    );
+    let bench = Bench::new(&scene);
+    let text = failure(&bench.run(2, &[]));
+    assert!(text.contains(" deep in `low.zmax` (contact `between`)"), "{text}");
+    let help = "help: contact `between` is \"node-to-node\", for small sliding: take another `discretization`\n";
+    assert!(text.contains(help), "{text}");
+    bench.solve(2, &["--set", "contact.between.discretization=\"one-pass\""]);
+}
+
 /// Kills a rank once the history has `rows` rows; returns how many there are in the end.
 fn kill_one(victim: usize, rows: usize) -> usize {
     let bench = Bench::new(&scene());

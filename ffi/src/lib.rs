@@ -24,7 +24,9 @@ mod sys;
 mod vector;
 
 pub use error::Error;
-pub use linear::{Factorization, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE};
+pub use linear::{
+    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE,
+};
 pub use matrix::Matrix;
 pub use memory::address_space_left;
 pub use multigrid::{Multipliers, Node, Unknowns};

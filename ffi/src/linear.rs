@@ -195,6 +195,22 @@ impl LinearStatistics {
     }
 }
 
+/// What factors are, as MUMPS foresees it from the pattern of the matrix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Factors {
+    /// Entries, those of both factors of LU.
+    pub entries: f64,
+    /// Operations on numbers of the factorization.
+    pub operations: f64,
+}
+
+impl Factors {
+    /// What computing them costs, in applications of them.
+    pub fn worth(&self) -> usize {
+        (OVERHEAD + self.operations / self.entries / SPEED) as usize
+    }
+}
+
 /// Solves systems with MUMPS, or iteratively.
 pub struct LinearSolver<'p> {
     petsc: &'p Petsc<'p>,
@@ -283,6 +299,20 @@ impl<'p> LinearSolver<'p> {
         if let Some(multigrid) = &mut self.multigrid {
             multigrid.place(nodes());
         }
+    }
+
+    /// Analyses the pattern of a matrix, which the next factorization then need not; of its values only those of multipliers
+    /// count, for the ordering of a symmetric one. Collective.
+    pub fn analyse(&mut self, matrix: &Matrix) -> Result<Factors, LinearError> {
+        let factor = self.analysed(matrix)?;
+        let factors = factor.size()?;
+        self.factor = Some(factor);
+        Ok(factors)
+    }
+
+    /// What the factors are, if there has been a need for them.
+    pub fn factors(&self) -> Result<Option<Factors>, Error> {
+        self.factor.as_ref().map(Factor::size).transpose()
     }
 
     /// What it has done so far.
@@ -623,14 +653,24 @@ impl<'p> Factor<'p> {
 
     /// What computing the factors has cost, in applications of them.
     fn worth(&self) -> Result<usize, Error> {
-        let mut operations = 0.0;
+        Ok(self.sized(29, 3)?.worth())
+    }
+
+    /// What the analysis has foreseen.
+    fn size(&self) -> Result<Factors, Error> {
+        self.sized(20, 1)
+    }
+
+    /// Entries by an INFOG, operations by a RINFOG.
+    fn sized(&self, entries: i32, operations: i32) -> Result<Factors, Error> {
+        let mut found = 0.0;
         // SAFETY: a live MUMPS factor and a place for the answer.
-        check(unsafe { sys::MatMumpsGetRinfog(self.raw, 3, &mut operations) })?;
-        let entries = match self.infog(29)? {
+        check(unsafe { sys::MatMumpsGetRinfog(self.raw, operations, &mut found) })?;
+        let entries = match self.infog(entries)? {
             many @ ..0 => -1e6 * f64::from(many),
             entries => f64::from(entries),
         };
-        Ok((OVERHEAD + operations / entries / SPEED) as usize)
+        Ok(Factors { entries, operations: found })
     }
 
     fn workspace(&self) -> Result<i32, Error> {

@@ -14,7 +14,9 @@ use std::ptr::{null, null_mut};
 
 use crate::agree::agree_on_call;
 use crate::error::{Error, check, forget, owned};
-use crate::linear::{Factorization, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE};
+use crate::linear::{
+    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE,
+};
 use crate::matrix::Matrix;
 use crate::multigrid::{Node, Unknowns};
 use crate::runtime::Petsc;
@@ -195,6 +197,11 @@ impl<'p> Snes<'p> {
     /// What the linear solver has done so far.
     pub fn linear_statistics(&self) -> LinearStatistics {
         self.linear.statistics()
+    }
+
+    /// As [`LinearSolver::factors`].
+    pub fn factors(&self) -> Result<Option<Factors>, Error> {
+        self.linear.factors()
     }
 
     /// As [`LinearSolver::reuse_factors`]. Collective.

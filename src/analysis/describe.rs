@@ -1,19 +1,26 @@
 //! What a run says: what will be modelled, how it went, and why it failed.
 
 use super::conditions::Conditions;
+use super::cost::machine::Machine;
+use super::cost::predict::Prediction;
+use super::cost::size::{Increments, Size, Systems, machine_mb};
+use super::cost::work::Rates;
 use super::{Increment, Remedy, Retried, cost};
+use crate::Vec3;
 use crate::contact::{BodySurface, Master, Meets, Tool};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
-use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing};
+use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use petsc::Petsc;
 use std::fmt::Write;
 use std::path::Path;
+use std::time::Instant;
 
 /// The first lines of a log.
 pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> String {
@@ -75,8 +82,13 @@ pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
 }
 
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
-/// ill-conditioned, and the worst equation in words.
-pub fn failure(f: &Failure, reason: &str, conditioning: Option<&str>, worst: Option<&str>) -> String {
+/// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for.
+pub fn failure(
+    f: &Failure,
+    reason: &str,
+    (conditioning, worst): (Option<&str>, Option<&str>),
+    remedies: &[String],
+) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {reason}", f.step, f.time);
     if let Some(reason) = conditioning {
         let _ = write!(text, "; the matrix is ill-conditioned: {reason}");
@@ -89,34 +101,48 @@ pub fn failure(f: &Failure, reason: &str, conditioning: Option<&str>, worst: Opt
             let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
         }
     }
-    text += match f.cause {
-        Cause::Watch => {
-            "\n  help: see that the normals of the master look at the slave, and that the node is free to give way; load in \
-             smaller increments, or allow a smaller `increment.min`"
+    if let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) {
+        let _ = write!(text, "\n  worst: {worst}, residual {:.1e} of the largest force", f.residual);
+        if f.changes > 0 {
+            let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
         }
-        Cause::Rounds => {
-            "\n  help: raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, \
-             or take `augmented-lagrangian`"
-        }
-        Cause::Contradiction => {
-            "\n  help: take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`"
-        }
-        Cause::Loose => "\n  help: `fix` it, or end the step before it comes loose",
-        _ => "",
-    };
-    let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) else { return text };
-    let _ = write!(text, "\n  worst: {worst}, residual {:.1e} of the largest force", f.residual);
-    if f.changes > 0 {
-        let _ = write!(text, "\n  {} contact nodes still change their status", f.changes);
     }
-    text += match (f.cause == Cause::Singular, f.changes) {
-        (true, _) => "\n  help: `fix` what nothing holds, or `move` it into contact before a force drives it",
-        (_, 0) => {
-            "\n  help: load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
-        }
-        _ => "\n  help: load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
-    };
+    for remedy in remedies {
+        let _ = write!(text, "\n  help: {remedy}");
+    }
+    if let Some(help) = help(f, worst.is_some(), !remedies.is_empty()) {
+        let _ = write!(text, "\n  help: {help}");
+    }
     text
+}
+
+/// What to try, whatever the contacts are; less where `contacts` are to be changed first.
+fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> {
+    match f.cause {
+        Cause::Watch => Some(
+            "see that the normals of the master look at the slave, and that the node is free to give way; load in smaller \
+             increments, or allow a smaller `increment.min`",
+        ),
+        Cause::Rounds => Some(
+            "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, or take \
+             `augmented-lagrangian`",
+        ),
+        Cause::Contradiction => {
+            Some("take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`")
+        }
+        Cause::Loose => Some("`fix` it, or end the step before it comes loose"),
+        Cause::Singular if at_equation => {
+            Some("`fix` what nothing holds, or `move` it into contact before a force drives it")
+        }
+        Cause::Iteration | Cause::Degenerate if at_equation => Some(match (contacts, f.changes) {
+            (true, _) => "load in smaller increments, or allow a smaller `increment.min`",
+            (_, 0) => {
+                "load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
+            }
+            _ => "load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
+        }),
+        _ => None,
+    }
 }
 
 /// Warns of equations that MUMPS replaced: of what is `free`, if that is why.
@@ -151,7 +177,13 @@ pub fn impatience(step: &str, mean: usize) -> String {
 ///
 /// # Errors
 /// What [`preflight`](super::preflight) refuses.
-pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<String> {
+pub fn check(
+    comm: &SimpleCommunicator,
+    petsc: &Petsc,
+    scene: &Scene,
+    model: &mut Model,
+    begun: Instant,
+) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
     for body in &scene.bodies {
@@ -206,32 +238,65 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     for warning in &model.warnings {
         let _ = writeln!(text, "  warning: {warning}");
     }
-    let mut last = Conditions::none(model);
-    let still = vec![crate::Vec3::zeros(); model.part.points.len()];
+    let size = Size::new(comm, scene, model, begun.elapsed().as_secs_f64());
+    let mut steps: Vec<(Increments, Systems)> = Vec::new();
+    let (mut last, mut set_up) = (Conditions::none(model), None);
     for step in &scene.steps {
-        let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
-        let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
-        let Model { part, masters, pairs, .. } = &mut *model;
-        masters.follow(comm, pairs, |n| part.points[n as usize]);
-        let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
-        let mut entries = [pattern.columns.len() as f64];
-        sum(comm, &mut entries);
-        let symmetric = conditions.is_symmetric(model);
-        let (matrix, factors) =
-            if symmetric { ("symmetric indefinite", "MUMPS LDL^T") } else { ("unsymmetric", "MUMPS LU") };
-        let (solver, memory) = match cost::solver(scene.solver.linear, dofs.total, model.is_plane()) {
-            Linear::Iterative => ("FGMRES with multigrid", cost::megabytes_of_multigrid(entries[0])),
-            _ => (factors, cost::megabytes(dofs.total, entries[0], symmetric)),
+        let (conditions, dofs, pattern, mut systems) = equations(comm, scene, model, (step, &last))?;
+        // Before analyses, which take more.
+        set_up.get_or_insert_with(|| memory(comm));
+        let known = steps.last().filter(|(_, known)| known.are_like(&systems));
+        systems.factors = match known {
+            Some((_, known)) => known.factors,
+            None => systems.analysed(petsc, model, (&dofs, &pattern))?,
         };
-        let _ = writeln!(
-            text,
-            "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",
-            step.name.value, dofs.total, dofs.total_multipliers, matrix, entries[0]
-        );
+        let _ = writeln!(text, "{}", equations_of(step, model, &dofs, &systems));
+        steps.push((Increments::of(step), systems));
         last = conditions;
     }
-    let _ = writeln!(text, "{}", memory(comm));
+    let _ = writeln!(text, "{}", set_up.unwrap_or_else(|| memory(comm)));
+    let (machine, damage) = Machine::find(comm);
+    damage.iter().for_each(|warning| {
+        let _ = writeln!(text, "  warning: {warning}");
+    });
+    let prediction = Prediction::new(&machine, &size, &steps);
+    let _ = writeln!(text, "{}", prediction.describe(&machine, machine_mb()));
     Ok(text)
+}
+
+/// What a step prescribes after the last one, its equations, their pattern, and systems. Collective.
+fn equations(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    model: &mut Model,
+    (step, last): (&Step, &Conditions),
+) -> Result<(Conditions, DofMap, Pattern, Systems)> {
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    let conditions = agree(comm, Conditions::new(comm, model, step, &still, last))?;
+    let begun = Instant::now();
+    let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
+    let Model { part, masters, pairs, .. } = &mut *model;
+    masters.follow(comm, pairs, |n| part.points[n as usize]);
+    let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
+    let (linear, is_symmetric) = (scene.solver.linear, conditions.is_symmetric(model));
+    let systems = Systems::new(comm, linear, (&dofs, &pattern), is_symmetric, begun.elapsed().as_secs_f64());
+    Ok((conditions, dofs, pattern, systems))
+}
+
+/// The equations of a step in words.
+fn equations_of(step: &Step, model: &Model, dofs: &DofMap, systems: &Systems) -> String {
+    let (matrix, factors) = match systems.is_symmetric {
+        true => ("symmetric indefinite", "MUMPS LDL^T"),
+        false => ("unsymmetric", "MUMPS LU"),
+    };
+    let solver = match cost::solver(systems.linear, dofs.total, model.is_plane()) {
+        Linear::Iterative => "FGMRES with multigrid",
+        _ => factors,
+    };
+    format!(
+        "step `{}`: {} dofs, {} multipliers among them, {matrix} matrix with {:.0} entries, {solver}",
+        step.name.value, dofs.total, dofs.total_multipliers, systems.entries
+    )
 }
 
 /// What all this has taken at its peak, on all ranks and on rank 0, which reads the meshes. Collective.
@@ -250,6 +315,19 @@ fn memory(comm: &SimpleCommunicator) -> String {
             )
         }
     }
+}
+
+/// What `nagata calibrate` prints: what each kind of work takes, and where that is kept, or why it is not.
+pub fn rates(rates: &Rates, kept: std::result::Result<&Path, &Error>) -> String {
+    let mut text = String::from("    ns  of\n");
+    for (work, seconds) in rates.iter() {
+        let _ = writeln!(text, "{:>10.4}  {}", 1e9 * seconds, work.name());
+    }
+    let _ = match kept {
+        Ok(path) => writeln!(text, "kept in {}", path.display()),
+        Err(error) => writeln!(text, "warning: not kept: {error}"),
+    };
+    text
 }
 
 /// What is done about an increment that failed.

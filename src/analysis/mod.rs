@@ -16,8 +16,9 @@
 //! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
+//! - `suspects`: what of its contacts may be why it does not converge
 //! - `runaway`: tools that nothing can hold
-//! - `cost`: what a solve costs
+//! - [`cost`]: what a run will cost
 //! - [`describe`]: what is said
 //!
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
@@ -25,7 +26,7 @@
 
 mod conditioning;
 mod conditions;
-mod cost;
+pub mod cost;
 pub mod describe;
 mod ending;
 mod estimates;
@@ -43,6 +44,7 @@ mod runaway;
 mod simulation;
 mod state;
 mod step;
+mod suspects;
 mod watch;
 
 pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried};

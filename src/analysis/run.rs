@@ -1,5 +1,8 @@
 //! The run of a scene as the command line has it: its steps one after the other, with log, history, fields and summary.
 
+use super::cost::machine::Machine;
+use super::cost::predict::Prediction;
+use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
 use super::paths::{self, End};
 use super::results::Results;
@@ -9,8 +12,9 @@ use crate::estimate::energy::Energy;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
+use crate::output::summary::peak_memory_mb;
 use crate::output::{self, OutputFolder};
-use crate::parallel::{Sent, agree, sent};
+use crate::parallel::{Sent, agree, sent, sum};
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
 use petsc::{LinearStatistics, Petsc};
@@ -38,6 +42,8 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let begun = Instant::now();
     let mut simulation = Simulation::new(comm, petsc, scene)?;
     agree(comm, interrupt::heed())?;
+    let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
+    let (machine, damage) = Machine::find(comm);
     let folder = OutputFolder::create(options.out, &output::RUN, &[("scene file", options.source)], comm)?;
     folder.write(comm, "scene.toml", &scene.text)?;
     let mut log = Log::create(&folder, comm, options.quiet)?;
@@ -49,7 +55,11 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     log.line(&scene.solver.describe());
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
+    log.record(&machine.origin());
+    damage.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
+    let count = options.steps.unwrap_or(usize::MAX).min(scene.steps.len());
+    let seer = Seer { machine, size, steps: &scene.steps[..count], prediction: None };
     let mut recorder = Recorder {
         log,
         results,
@@ -57,13 +67,16 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
         since_written: 0,
         estimates: Estimates::default(),
         ends: Vec::new(),
+        seer,
     };
-    let outcome = recorder.steps(&mut simulation, options.steps.unwrap_or(usize::MAX));
+    let outcome = recorder.steps(&mut simulation);
     let mut summary = simulation.summary();
     summary.converged = outcome.is_ok();
     summary.estimates.clone_from(&recorder.estimates.steps);
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
+    let prediction = recorder.seer.prediction;
+    summary.predicted = prediction.map(|prediction| prediction.foretold());
     measure_solver(petsc, &summary.linear, simulation.phases());
     let (own, (messages, bytes)) = (sent(), petsc.sent());
     let sent = Sent { messages: own.messages + messages, bytes: own.bytes + bytes };
@@ -81,6 +94,11 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
         log.line(&words);
     }
     log.line(&describe::farewell(&summary, options.out));
+    let mut megabytes = [peak_memory_mb()];
+    sum(comm, &mut megabytes);
+    if let Some(prediction) = prediction.filter(|_| outcome.is_ok()) {
+        log.line(&prediction.told(summary.wall_s, megabytes[0]));
+    }
     // The terminal hears of it from the command line.
     if let Err(error) = &outcome {
         log.record(&format!("error: {error}"));
@@ -101,7 +119,7 @@ fn measure_solver(petsc: &Petsc, linear: &LinearStatistics, phases: &Phases) {
 }
 
 /// Writes what a simulation does.
-struct Recorder {
+struct Recorder<'s> {
     log: Log,
     results: Results,
     /// Increments from one writing of the fields to the next, and since the last.
@@ -110,14 +128,33 @@ struct Recorder {
     estimates: Estimates,
     /// The ends of steps.
     ends: Vec<End>,
+    seer: Seer<'s>,
 }
 
-impl Recorder {
-    /// Runs so many steps. Collective.
-    fn steps(&mut self, simulation: &mut Simulation, count: usize) -> Result<()> {
-        let scene = simulation.scene();
-        self.log.start(scene.steps.iter().take(count).map(|s| s.duration).sum());
-        for step in scene.steps.iter().take(count) {
+/// Foretells what the run will take, once it has its first systems.
+struct Seer<'s> {
+    machine: Machine,
+    size: Size,
+    steps: &'s [Step],
+    prediction: Option<Prediction>,
+}
+
+impl Seer<'_> {
+    /// Foretells by the systems of the step that is under way, as if all steps had these.
+    fn look(&mut self, simulation: &Simulation) -> Result<()> {
+        let Some(systems) = simulation.systems()? else { return Ok(()) };
+        let steps: Vec<_> = self.steps.iter().map(|step| (Increments::of(step), systems)).collect();
+        self.prediction = Some(Prediction::new(&self.machine, &self.size, &steps));
+        Ok(())
+    }
+}
+
+impl Recorder<'_> {
+    /// Runs the steps. Collective.
+    fn steps(&mut self, simulation: &mut Simulation) -> Result<()> {
+        let steps = self.seer.steps;
+        self.log.start(steps.iter().map(|s| s.duration).sum());
+        for step in steps {
             let outcome = self.step(simulation, step);
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
@@ -134,8 +171,15 @@ impl Recorder {
 
     fn step(&mut self, simulation: &mut Simulation, step: &Step) -> Result<()> {
         simulation.begin(step)?;
+        if self.seer.prediction.is_none() {
+            self.seer.look(simulation)?;
+        }
         while let Some(increment) = simulation.advance(&mut |event| self.hear(event))? {
             let begun = Instant::now();
+            // The first factorization has told what factors are.
+            if increment.number == 1 {
+                self.seer.look(simulation)?;
+            }
             self.results.add_row(simulation, &increment)?;
             self.estimates.learn(simulation);
             self.since_written += 1;

@@ -1,11 +1,14 @@
 //! One step: its equations, its increments, and what becomes of each.
 
 use super::conditions::Conditions;
+use super::cost::size::Systems;
 use super::increments::Increments;
 use super::ladder::{Ladder, Way, Yields};
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
-use super::{Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending};
+use super::{
+    Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending, suspects,
+};
 use crate::Vec3;
 use crate::contact::{Manner, Pair, Status};
 use crate::controls::Controls;
@@ -37,6 +40,7 @@ pub(super) struct Running<'a> {
     pub(super) frame: Frame,
     snes: Snes<'a>,
     x: Vector<'a>,
+    systems: Systems,
     /// What was done for linear systems before it.
     before: LinearStatistics,
     told: Told,
@@ -168,8 +172,10 @@ impl<'a> Simulation<'a> {
     /// Makes the equations of a step. Collective.
     pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
         let conditions = &progress.conditions;
+        let begun = Instant::now();
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
         let pattern = self.pattern(&dofs)?;
+        let set_up_s = begun.elapsed().as_secs_f64();
         self.summary.dofs = dofs.total;
         self.summary.multipliers = dofs.total_multipliers;
         let symmetric = conditions.is_symmetric(&self.model);
@@ -181,6 +187,7 @@ impl<'a> Simulation<'a> {
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let linear = self.scene.solver.linear;
+        let systems = Systems::new(self.comm, linear, (&dofs, &pattern), symmetric, set_up_s);
         match cost::solver(linear, dofs.total, self.model.is_plane()) {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
@@ -194,8 +201,14 @@ impl<'a> Simulation<'a> {
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        self.running = Some(Running { frame, snes, x, before: self.summary.linear, told: Told::default() });
+        self.running = Some(Running { frame, snes, x, systems, before: self.summary.linear, told: Told::default() });
         Ok(())
+    }
+
+    /// The systems of the step that is under way, with their factors if there has been a need for them.
+    pub fn systems(&self) -> Result<Option<Systems>> {
+        let Some(Running { systems, snes, .. }) = &self.running else { return Ok(None) };
+        Ok(Some(Systems { factors: snes.factors()?, ..*systems }))
     }
 
     /// Finds the next increment of the step that was begun, in as many attempts as it takes; `None` at the step's end. The
@@ -566,7 +579,9 @@ impl<'a> Simulation<'a> {
             changes: failed.changes.last().copied().unwrap_or(0),
             what: String::new(),
         };
-        let what = describe::failure(&failure, &failed.reason, conditioning.as_deref(), word.as_deref());
+        let body = failure.place.as_ref().map(|place| place.body.as_str());
+        let remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        let what = describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies);
         Failure { what, ..failure }
     }
 }

@@ -14,6 +14,7 @@ use crate::partition::{Part, PartFacet};
 use crate::scene::{self, Scene};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// Ratio from which stiffness or facet sizes are clearly unlike.
 const CLEARLY: f64 = 1.2;
@@ -37,28 +38,56 @@ struct Side {
     bulge: f64,
 }
 
-/// What to say about a slave and its master, if anything.
-fn advice(slave: &Side, master: &Side) -> Option<String> {
+/// A contact whose slave should rather be the master.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrongWayRound {
+    pub contact: String,
+    slave: String,
+    master: String,
+    pub reason: String,
+}
+
+impl fmt::Display for WrongWayRound {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { contact, slave, master, reason } = self;
+        write!(
+            f,
+            "contact `{contact}`: `{slave}` should rather be the master, and `{master}` the slave, whose nodes alone are \
+             kept out of the other: {reason}; exchange them, or use discretization = \"two-pass\""
+        )
+    }
+}
+
+/// Why a slave should rather be the master, if it should.
+fn reason(slave: &Side, master: &Side) -> Option<String> {
     let (s, m) = (&slave.name, &master.name);
-    let reason = if slave.young > CLEARLY * master.young {
-        format!("`{s}` is the stiffer (Young's modulus {:.4e} against {:.4e} of the master)", slave.young, master.young)
+    if slave.young > CLEARLY * master.young {
+        let (stiff, soft) = (slave.young, master.young);
+        Some(format!("`{s}` is the stiffer (Young's modulus {stiff:.4e} against {soft:.4e} of the master)"))
     } else if master.young > CLEARLY * slave.young {
-        return None;
+        None
     } else if slave.facet_size > CLEARLY * master.facet_size {
         let (coarse, fine) = (slave.facet_size, master.facet_size);
-        format!("`{s}` has the coarser mesh (facets of {coarse:.4} against {fine:.4} of the master)")
+        Some(format!("`{s}` has the coarser mesh (facets of {coarse:.4} against {fine:.4} of the master)"))
     } else if master.facet_size > CLEARLY * slave.facet_size {
-        return None;
+        None
     } else if slave.bulge < FLAT && master.bulge > ROUND {
         let shape = if slave.bulge > -FLAT { "flat" } else { "hollow" };
-        format!("`{s}` is {shape} and `{m}` bulges, with like meshes and stiffness")
+        Some(format!("`{s}` is {shape} and `{m}` bulges, with like meshes and stiffness"))
     } else {
-        return None;
-    };
-    Some(format!(
-        "`{s}` should rather be the master, and `{m}` the slave, whose nodes alone are kept out of the other: {reason}; \
-         exchange them, or use discretization = \"two-pass\""
-    ))
+        None
+    }
+}
+
+/// The side of a contact between bodies that is far softer than the other, if one is.
+pub fn far_softer<'a>(scene: &Scene, contact: &'a scene::Contact) -> Option<&'a str> {
+    let sides = [&contact.slave.value, &contact.master.value];
+    let [slave, master] = sides.map(|set| young(scene, set));
+    match (slave > RIGID * master, master > RIGID * slave) {
+        (true, _) => Some(sides[1]),
+        (_, true) => Some(sides[0]),
+        _ => None,
+    }
 }
 
 /// Whether so few nodes of the slave are on the master that nodes of the master go through between them.
@@ -66,18 +95,18 @@ fn is_hopeless(slave: &Side, master: &Side) -> bool {
     slave.facet_size > HOPELESS * master.facet_size && master.young < RIGID * slave.young
 }
 
-/// Warnings for the contacts of a scene with one pass between bodies. `sets` has the place of each set in the part's.
-/// Collective.
+/// The contacts of a scene, with one pass between bodies, that are the wrong way round. `sets` has the place of each set in
+/// the part's. Collective.
 ///
 /// # Errors
 /// A slave that is far too coarse, on all ranks.
-pub fn warnings(
+pub fn wrong_way_round(
     comm: &SimpleCommunicator,
     scene: &Scene,
     part: &Part,
     sets: &BTreeMap<String, usize>,
-) -> Result<Vec<String>> {
-    let mut warnings = Vec::new();
+) -> Result<Vec<WrongWayRound>> {
+    let mut wrong = Vec::new();
     let one_pass =
         |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
     for contact in scene.contacts.iter().filter(one_pass) {
@@ -100,9 +129,14 @@ pub fn warnings(
             let help = "exchange slave and master, use discretization = \"two-pass\", or refine the slave";
             return Err(Error::input(&contact.slave.at, what, help));
         }
-        warnings.extend(advice(&slave, &master).map(|told| format!("contact `{}`: {told}", contact.name.value)));
+        wrong.extend(reason(&slave, &master).map(|reason| WrongWayRound {
+            contact: contact.name.value.clone(),
+            slave: slave.name,
+            master: master.name,
+            reason,
+        }));
     }
-    Ok(warnings)
+    Ok(wrong)
 }
 
 /// Facet size and bulge of the facets whose centres meet the other side; of all, where none does. Collective.
@@ -147,7 +181,7 @@ fn young(scene: &Scene, set: &str) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::{Side, advice, is_hopeless};
+    use super::{Side, is_hopeless, reason};
 
     #[test]
     fn stiffness_counts_before_meshes_and_meshes_before_bulges() {
@@ -155,15 +189,15 @@ mod tests {
         let (stiff, coarse) = (Side { young: 121.0, ..even.clone() }, Side { facet_size: 1.21, ..even.clone() });
         let (round, hollow) = (Side { bulge: 0.3, ..even.clone() }, Side { bulge: -0.3, ..even.clone() });
         let stiff_and_fine = Side { facet_size: 0.5, ..stiff.clone() };
-        let told = |slave: &Side, master: &Side| advice(slave, master).unwrap_or_default();
-        assert_eq!(advice(&even, &Side { young: 119.0, facet_size: 0.9, ..even.clone() }), None);
+        let told = |slave: &Side, master: &Side| reason(slave, master).unwrap_or_default();
+        assert_eq!(reason(&even, &Side { young: 119.0, facet_size: 0.9, ..even.clone() }), None);
         assert!(told(&stiff, &even).contains("stiffer (Young's modulus 1.2100e2 against 1.0000e2"));
         assert!(told(&coarse, &even).contains("coarser mesh (facets of 1.2100 against 1.0000"));
         assert!(told(&even, &round).contains("`a.top` is flat") && told(&hollow, &round).contains("is hollow"));
         for (slave, master) in [(&even, &stiff), (&even, &coarse), (&round, &even), (&round, &hollow), (&even, &even)] {
-            assert_eq!(advice(slave, master), None);
+            assert_eq!(reason(slave, master), None);
         }
-        assert!(advice(&even, &stiff_and_fine).is_none() && told(&stiff_and_fine, &coarse).contains("stiffer"));
+        assert!(reason(&even, &stiff_and_fine).is_none() && told(&stiff_and_fine, &coarse).contains("stiffer"));
     }
 
     #[test]

@@ -144,7 +144,7 @@ fn partial(name: &str) -> String {
 }
 
 /// Replaces a file as a whole: whoever opens it sees the old text or the new one.
-fn replace(path: &Path, text: &str) -> Result<()> {
+pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let part = path.with_file_name(partial(&name));
     fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(|error| cannot_write(path, error))

@@ -52,6 +52,32 @@ pub struct Summary {
     pub accuracy: &'static str,
     /// The controls that differ from their defaults.
     pub controls: BTreeMap<&'static str, f64>,
+    /// What it was to cost, as foretold when it began.
+    pub predicted: Option<Foretold>,
+}
+
+/// Wall time, s, and peak memory of all ranks, MB, as foretold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foretold {
+    pub wall_s: f64,
+    pub memory_mb: f64,
+}
+
+impl Foretold {
+    /// With what was measured over what was foretold.
+    fn against(&self, wall_s: f64, memory_mb: f64) -> Value {
+        json!({
+            "wall_s": milli(self.wall_s),
+            "memory_mb": milli(self.memory_mb),
+            "wall_ratio": milli(wall_s / self.wall_s),
+            "memory_ratio": milli(memory_mb / self.memory_mb),
+        })
+    }
+}
+
+/// With three decimals.
+fn milli(value: f64) -> f64 {
+    (value * 1e3).round() / 1e3
 }
 
 impl Summary {
@@ -79,7 +105,6 @@ impl Summary {
     /// With the slowest rank's seconds in each phase, and of each rank its peak memory, its messages, the MB in them, and its
     /// processor time.
     fn render(&self, seconds: &[f64], ranks: &[[f64; 4]]) -> String {
-        let milli = |value: f64| (value * 1e3).round() / 1e3;
         let phases: Map<String, Value> =
             PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
         let of_ranks = |k: usize| ranks.iter().map(|of| milli(of[k])).collect::<Vec<_>>();
@@ -120,6 +145,7 @@ impl Summary {
             "warnings": self.warnings,
             "accuracy": self.accuracy,
             "controls": self.controls,
+            "predicted": self.predicted.map(|foretold| foretold.against(self.wall_s, memory)),
         });
         format!("{value:#}\n")
     }
@@ -157,8 +183,14 @@ mod tests {
 
     #[test]
     fn the_file_has_exactly_the_promised_keys() {
-        let summary =
-            Summary { converged: true, scene: "a \"b\"".into(), dofs: 12, wall_s: 1.25, ..Summary::default() };
+        let summary = Summary {
+            converged: true,
+            scene: "a \"b\"".into(),
+            dofs: 12,
+            wall_s: 1.25,
+            predicted: Some(Foretold { wall_s: 2.5, memory_mb: 100.0 }),
+            ..Summary::default()
+        };
         let ranks = [[100.0, 7.0, 0.5, 1.5], [20.4567, 8.0, 0.25, 1.25], [3.0, 9.0, 0.0, 0.01]];
         let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &ranks);
         let value: Value = serde_json::from_str(&text).unwrap();
@@ -166,7 +198,8 @@ mod tests {
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls"
+             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls \
+             predicted"
                 .split_whitespace()
                 .collect();
         promised.sort();
@@ -180,6 +213,8 @@ mod tests {
         assert_eq!((&value["scene"], &value["ranks"], &value["dofs"]), (&json!("a \"b\""), &json!(3), &json!(12)));
         assert_eq!((&value["wall_s"], &value["peak_memory_mb"]), (&json!(1.25), &json!(123.457)));
         assert_eq!(value["cpu_s"], 2.76);
+        let predicted = json!({ "wall_s": 2.5, "memory_mb": 100.0, "wall_ratio": 0.5, "memory_ratio": 1.235 });
+        assert_eq!(value["predicted"], predicted);
         let by_rank =
             json!({ "peak_memory_mb": [100.0, 20.457, 3.0], "messages": [7, 8, 9], "sent_mb": [0.5, 0.25, 0.0] });
         assert_eq!(value["by_rank"], by_rank);

@@ -6,6 +6,7 @@
 //! - `facing`: masters whose normals look away from the slave
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
+//! - `opposite`: contacts that are another one the other way round
 //! - `support`: what holds every body and every force-driven tool, in each step
 //! - `pressed`: bodies that nothing presses against what touches them
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
@@ -16,6 +17,7 @@
 mod facing;
 mod gaps;
 mod locking;
+mod opposite;
 mod pressed;
 pub mod rigid;
 mod sight;
@@ -41,6 +43,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
     locking::check(comm, scene, model)?;
+    opposite::check(comm, scene, model)?;
     turns(scene, model);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();

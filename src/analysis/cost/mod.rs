@@ -1,23 +1,17 @@
 //! What a solve costs, before it is made.
+//!
+//! - this module: which solver systems of a size ask for
+//! - `work`: what is counted, and how long each takes; [`machine`]: the same as measured, and kept
+//! - [`calibrate`]: measures it
+//! - [`size`]: how large a scene is; [`predict`]: what it will take
+
+pub mod calibrate;
+pub mod machine;
+pub mod predict;
+pub mod size;
+pub mod work;
 
 use crate::scene::Linear;
-
-/// Bytes of a factor entry with its share of indices and workspace.
-const BYTES_PER_ENTRY: f64 = 16.0;
-
-/// Memory of a factorization by MUMPS, MB, of a matrix with so many entries: factors of meshes in space grow with n^(4/3); the
-/// constant is measured on hexahedra with SCOTCH.
-pub fn megabytes(unknowns: u64, entries: f64, symmetric: bool) -> f64 {
-    let factor = 18.0 * (unknowns as f64).powf(4.0 / 3.0) * if symmetric { 1.0 } else { 2.0 };
-    (BYTES_PER_ENTRY * (factor + 2.0 * entries) / 1e6).ceil()
-}
-
-/// Memory of FGMRES with multigrid, MB: the matrix, that without multipliers, its coarser ones and 100 vectors, as measured on
-/// hexahedra.
-pub fn megabytes_of_multigrid(entries: f64) -> f64 {
-    const BYTES: f64 = 130.0;
-    (BYTES * entries / 1e6).ceil()
-}
 
 /// How systems of so many unknowns are solved, which `Auto` leaves open. Factors take the square of their number in work, in
 /// plane strain its power 3/2. On two cores, under a ball, multigrid takes a third of the time of factors at 14,500 unknowns,

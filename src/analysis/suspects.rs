@@ -1,0 +1,62 @@
+//! What of its contacts may be why an increment has no solution: roles, discretizations, methods and tangents that fail
+//! where others do not.
+
+use crate::contact::{Discretization, Tangent, guidance};
+use crate::failure::Cause;
+use crate::model::Model;
+use crate::scene::{Contact, Enforcement, Scene};
+use mpi::topology::SimpleCommunicator;
+
+/// What to change in the contacts of the `body` where an increment failed, of all bodies where that is not known. Collective.
+pub fn remedies(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    model: &Model,
+    (cause, body): (Cause, Option<&str>),
+) -> Vec<String> {
+    if !(cause.is_of_iteration() || matches!(cause, Cause::Rounds | Cause::Watch)) {
+        return Vec::new();
+    }
+    // A slave that is far too coarse was refused.
+    let wrong = model.wrong_way_round(comm, scene).unwrap_or_default();
+    let concerns = |set: &str| body.is_none_or(|body| set.split('.').next() == Some(body));
+    let concerned = scene.contacts.iter().filter(|c| concerns(&c.slave.value) || concerns(&c.master.value));
+    concerned
+        .flat_map(|contact| {
+            let reason = wrong.iter().find(|w| w.contact == contact.name.value).map(|w| w.reason.as_str());
+            of_contact(scene, contact, reason, cause)
+        })
+        .collect()
+}
+
+/// What to change in a contact, with the reason why it is the wrong way round, if it is.
+fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cause) -> Vec<String> {
+    let name = &contact.name.value;
+    let mut remedies = Vec::new();
+    if contact.discretization == Discretization::NodeToNode {
+        remedies
+            .push(format!("contact `{name}` is \"node-to-node\", for small sliding: take another `discretization`"));
+    }
+    if cause == Cause::Watch {
+        return remedies;
+    }
+    let two_passes = contact.discretization == Discretization::TwoPass;
+    if let Some(reason) = reason {
+        remedies.push(format!("exchange slave and master of contact `{name}`: {reason}"));
+    }
+    if let Some(softer) = guidance::far_softer(scene, contact).filter(|_| two_passes) {
+        remedies
+            .push(format!("contact `{name}` has two passes: take one, with the far softer `{softer}` as the slave"));
+    }
+    if matches!(contact.method, Enforcement::Lagrange | Enforcement::Uzawa) && cause != Cause::Rounds {
+        let (method, best) = (contact.method.key(), Enforcement::AugmentedLagrangian.key());
+        remedies
+            .push(format!("contact `{name}` has the method \"{method}\": take \"{best}\", which finds more solutions"));
+    }
+    if contact.tangent == Tangent::FixedFrame && contact.discretization != Discretization::NodeToNode {
+        remedies.push(format!(
+            "contact `{name}` has the tangent \"fixed-frame\", which converges slowly where contact slides: take \"exact\""
+        ));
+    }
+    remedies
+}
