@@ -133,6 +133,15 @@ def cylinder(case):
                    f"{found**2 / error:.2f}", "", "", ""]
 
 
+def force_of(problem, approach):
+    """The force at an approach, up to that at which the contact has a tenth of the width of the block."""
+    low, high = 0.0, 4 / 3 * problem.modulus * (0.2 * problem.side) ** 3 / problem.radius
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if problem.approach(middle) < approach else (low, middle)
+    return low
+
+
 def rigid_ball(case):
     """As Hertz on a layer; the ball is so large that strains are small."""
     problem = hertz.Sphere(2000.0, 5000.0, 10.0, 10.0)  # two such bodies are as soft as one of half the modulus
@@ -145,7 +154,7 @@ def rigid_ball(case):
             run, out = case.run(text + steps(approach, down))
             force, pressure = [], []
             for k, (points, found, areas) in zip(DEPTHS, contacts(out, "spot")):
-                exact = problem.force_at(k * approach)
+                exact = force_of(problem, k * approach)
                 step = run.summary["estimate"][DEPTHS.index(k)]["step"]
                 force.append(-4 * run.last("ball.fz", step) / exact - 1)
                 a, p0 = problem.size(exact)
