@@ -1,13 +1,15 @@
 #!/usr/bin/python3 -B
-"""Prints, as a Markdown table, what runs estimate of their errors, and the errors themselves: of a thick cylinder (Lame), a
-rigid ball on a block, an elastic ball and roller on a block (Hertz, on layers), a disk in a bore (scripts/studies/disk-theory.py),
-and a sphere on a block of rubber (against a finer mesh). Errors of forces and pressures depend on where the next node lies:
-of some scenes they are root mean squares over the ends of several steps."""
+"""Prints, as a Markdown table, what runs estimate of their errors, and the errors themselves: of a thick cylinder
+(Lame), a rigid ball on a block, an elastic ball and roller on a block (Hertz, on layers), a disk in a bore
+(scripts/studies/disk-theory.py), and a sphere on a block of rubber (against a finer mesh). Errors of forces and
+pressures depend on where the next node lies: of some scenes they are root mean squares over the ends of several
+steps."""
 
 import math
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -86,7 +88,8 @@ class Case:
 def steps(whole, how):
     """Steps to the parts DEPTHS of a motion; `how` gives the conditions of a part of it."""
     parts = [to - before for to, before in zip(DEPTHS, [0.0, *DEPTHS])]
-    return "".join(f"\n[[step]]\nincrements = {4 if k == 0 else 1}{how(part * whole)}\n" for k, part in enumerate(parts))
+    counts = [4, *[1] * (len(parts) - 1)]
+    return "".join(f"\n[[step]]\nincrements = {n}{how(part * whole)}\n" for n, part in zip(counts, parts))
 
 
 def contacts(out, name):
@@ -133,6 +136,15 @@ def cylinder(case):
                    f"{found**2 / error:.2f}", "", "", ""]
 
 
+def force_of(problem, approach):
+    """The force at an approach, up to that at which the contact has a tenth of the width of the block."""
+    low, high = 0.0, 4 / 3 * problem.modulus * (0.2 * problem.side) ** 3 / problem.radius
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if problem.approach(middle) < approach else (low, middle)
+    return low
+
+
 def rigid_ball(case):
     """As Hertz on a layer; the ball is so large that strains are small."""
     problem = hertz.Sphere(2000.0, 5000.0, 10.0, 10.0)  # two such bodies are as soft as one of half the modulus
@@ -140,17 +152,23 @@ def rigid_ball(case):
     for element in ("hex8", "hex8-fbar"):
         for n, grading in ((10, 12.0), (14, 16.0), (20, 20.0)):
             down = lambda by: f'{SIDES}\nmove = [{{ target = "ball", by = [0.0, 0.0, {-by}] }}]'
-            text = HEXAHEDRA.format(-10.0, 10.0, element=element, n=n, grading=grading, inverse=1 / grading, model="hooke",
-                                    young=1000.0, radius=5000.0)
+            text = HEXAHEDRA.format(-10.0, 10.0, element=element, n=n, grading=grading, inverse=1 / grading,
+                                    model="hooke", young=1000.0, radius=5000.0)
             run, out = case.run(text + steps(approach, down))
             force, pressure = [], []
             for k, (points, found, areas) in zip(DEPTHS, contacts(out, "spot")):
-                exact = problem.force_at(k * approach)
+                exact = force_of(problem, k * approach)
                 step = run.summary["estimate"][DEPTHS.index(k)]["step"]
                 force.append(-4 * run.last("ball.fz", step) / exact - 1)
                 a, p0 = problem.size(exact)
                 pressure.append(off(found, hertz.arch(np.hypot(points[:, 0], points[:, 1]), a, p0), areas))
             yield row(f"rigid ball, {element}", f"{n}³", run, "spot", force, pressure)
+
+
+def pushed(fix, target, axis, by):
+    """Conditions that move a set down an axis."""
+    way = str([-by if a == axis else 0.0 for a in "xyz"])
+    return f'\n{fix}move = [{{ target = "{target}", by = {way}, directions = "{axis}" }}]'
 
 
 def elastic(case):
@@ -161,12 +179,12 @@ def elastic(case):
         text = (INPUTS / f"{scene}.toml").read_text()
         head, step = text.split("[[step]]")
         fix = step[step.index("fix"):step.index("move")]
-        place = lambda by: str([-by if a == axis else 0.0 for a in "xyz"])
-        down = lambda by: f'\n{fix}move = [{{ target = "{upper}.back", by = {place(by)}, directions = "{axis}" }}]'
+        down = partial(pushed, fix, f"{upper}.back", axis)
         for factor in factors:
             make = ROOT / "scripts" / "meshes" / "hertz.py"
             subprocess.run([make, "--out", case.folder, "--refine", str(factor)], check=True)
-            run, out = case.run(head + steps(whole, down) + '[output]\nhistory = ["block.base", "' + upper + '.back"]\n')
+            watched = f'[output]\nhistory = ["block.base", "{upper}.back"]\n'
+            run, out = case.run(head + steps(whole, down) + watched)
             force, pressure = [], []
             for k, (points, found, areas) in enumerate(contacts(out, problem.contact)):
                 name = run.summary["estimate"][k]["step"]

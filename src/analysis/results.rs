@@ -140,7 +140,8 @@ impl Results {
         self.history.row(comm, step, *number, *time, *iterations, &row)
     }
 
-    /// Writes the fields of the last converged increment, with displacements `u` and the energy of their error. Collective.
+    /// Writes the fields of the last converged increment, with displacements `u` and, where it is known, the energy of their
+    /// error. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
@@ -149,7 +150,7 @@ impl Results {
         comm: &SimpleCommunicator,
         model: &Model,
         (time, u): (f64, &[Vec3]),
-        energy: &Energy,
+        energy: Option<&Energy>,
     ) -> Result<()> {
         let stresses = agree(comm, states::stresses(model, u))?;
         let mut grids = Vec::new();
@@ -157,8 +158,8 @@ impl Results {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
             let of_body: Vec<_> = mine.filter(|(s, _)| s.body == b as u32).map(|(_, stress)| *stress).collect();
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
+            let error = energy.map_or_else(|| vec![f64::NAN; of_body.len()], |energy| energy.shares(model, b));
             let stress = of_body.into_iter().flatten().collect();
-            let error = energy.shares(model, b);
             let mut cell = vec![("stress", 6, stress), ("von_mises", 1, von_mises), ("error", 1, error)];
             if model.bodies[b].material.remembers() {
                 cell.push(("equivalent_plastic_strain", 1, agree(comm, states::plastic_strains(model, u, b))?));

@@ -158,7 +158,7 @@ impl Recorder<'_> {
             let outcome = self.step(simulation, step);
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
-                let _ = self.write_fields(simulation);
+                let _ = self.write_fields(simulation, None);
             }
             outcome?;
         }
@@ -184,11 +184,8 @@ impl Recorder<'_> {
             self.estimates.learn(simulation);
             self.since_written += 1;
             if self.since_written >= self.every || increment.ends_step {
-                let energy = self.write_fields(simulation)?;
-                if increment.ends_step {
-                    self.estimates.end_step(simulation, &increment.step, &energy);
-                    self.ends.push(End::of(simulation, &increment.step));
-                }
+                let energy = if increment.ends_step { Some(self.estimate(simulation, &increment.step)?) } else { None };
+                self.write_fields(simulation, energy.as_ref())?;
             }
             simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
@@ -209,13 +206,19 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    /// Writes the fields, and gives the error in energy that is among them. Collective.
-    fn write_fields(&mut self, simulation: &Simulation) -> Result<Energy> {
-        self.since_written = 0;
-        let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
-        let energy = Energy::new(comm, model, &state.u)?;
-        self.results.write_fields(comm, model, (state.time, &state.u), &energy)?;
+    /// Estimates the end of a step, and gives the error in energy. Collective.
+    fn estimate(&mut self, simulation: &Simulation, step: &str) -> Result<Energy> {
+        let energy = Energy::new(simulation.comm(), simulation.model(), &simulation.state().u)?;
+        self.estimates.end_step(simulation, step, &energy);
+        self.ends.push(End::of(simulation, step));
         Ok(energy)
+    }
+
+    /// Collective.
+    fn write_fields(&mut self, simulation: &Simulation, energy: Option<&Energy>) -> Result<()> {
+        self.since_written = 0;
+        let state = simulation.state();
+        self.results.write_fields(simulation.comm(), simulation.model(), (state.time, &state.u), energy)
     }
 
     fn hear(&mut self, event: &Event) -> Result<()> {
