@@ -1,4 +1,4 @@
-//! The command line: `run`, `check`, `calibrate` and `surface`.
+//! The command line: `run`, `check`, `calibrate`, `surface` and `trade`.
 
 use crate::accuracy;
 use crate::accuracy::errors::Sampling;
@@ -14,6 +14,8 @@ use crate::output::phases::Phases;
 use crate::parallel::agree;
 use crate::scene::{self, Scene};
 use crate::surface::EXTENSION;
+use crate::trade;
+use crate::trade::plan::Wishes;
 use clap::{Args, ColorChoice, Parser, Subcommand, value_parser};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -69,6 +71,48 @@ enum Command {
     },
     /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
     Surface(SurfaceArguments),
+    /// Run a scene in many settings and show what speed costs in accuracy. Not under mpirun; see docs/trade.md.
+    Trade(TradeArguments),
+}
+
+#[derive(Args, Debug)]
+struct TradeArguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Vary an entry, as in `solver.pace=2,0.5`, in the place of what the scene says or suggests; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE,VALUE")]
+    vary: Vec<String>,
+    /// Override an entry of the reference, as in `solver.pace=0.25`, in the place of what the scene says or suggests; may
+    /// be repeated.
+    #[arg(long, value_name = "KEY=VALUE")]
+    reference: Vec<String>,
+    /// Override an entry of the run that tells the error of the reference: all that it has, but a little less.
+    #[arg(long, value_name = "KEY=VALUE", requires = "reference")]
+    next: Vec<String>,
+    /// Run only the first N steps of the scene.
+    #[arg(long, value_name = "N")]
+    steps: Option<NonZeroUsize>,
+    /// Ranks of each run.
+    #[arg(long, value_name = "N", default_value = "1")]
+    ranks: NonZeroUsize,
+    /// What all runs that the scene suggests may take, roughly, times the scene as it is.
+    #[arg(long, value_name = "N", default_value_t = 20.0, allow_negative_numbers = true, value_parser = positive)]
+    budget: f64,
+    /// Stop a run after so many seconds [default: five times what it should take]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = positive)]
+    limit: Option<f64>,
+    /// Make finished runs anew, too.
+    #[arg(long)]
+    fresh: bool,
+    /// Leave out the runs that combine the best settings.
+    #[arg(long)]
+    no_combined: bool,
+    /// Print what would be run.
+    #[arg(long)]
+    list: bool,
+    /// Folder for the results, and for the runs, which are not made again [default: out/<name of the scene file>-trade]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
@@ -144,7 +188,7 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. } | Command::Calibrate { .. } | Command::Surface(_) => &[],
+            Command::Check { .. } | Command::Calibrate { .. } | Command::Surface(_) | Command::Trade(_) => &[],
         }
     }
 
@@ -185,7 +229,35 @@ impl Cli {
                 Ok(())
             }
             Command::Surface(arguments) => arguments.measure(comm),
+            // In a process without MPI, see `run`.
+            Command::Trade(_) => Err(Error::System("`trade` must be the first argument".into())),
         }
+    }
+}
+
+impl TradeArguments {
+    /// In a process in which MPI is not initialized.
+    fn trade(&self) -> Result<()> {
+        let stem = self.scene.scene.file_stem().unwrap_or_default().to_string_lossy();
+        let default = Path::new("out").join(format!("{stem}-trade"));
+        let wishes = Wishes {
+            overrides: &self.scene.overrides,
+            vary: &self.vary,
+            reference: &self.reference,
+            next: &self.next,
+            steps: self.steps.map(NonZeroUsize::get),
+            budget: self.budget,
+        };
+        trade::run(&trade::Options {
+            scene: &self.scene.scene,
+            wishes,
+            out: self.out.as_deref().unwrap_or(&default),
+            ranks: self.ranks.get(),
+            limit: self.limit,
+            fresh: self.fresh,
+            combine: !self.no_combined,
+            list: self.list,
+        })
     }
 }
 
@@ -255,6 +327,9 @@ pub fn run() -> i32 {
     petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
     petsc::environment::leave_hdf5_at_exit();
     petsc::environment::return_freed_memory();
+    if std::env::args_os().nth(1).is_some_and(|command| command == "trade") {
+        return run_alone();
+    }
     let Some(universe) = mpi::initialize() else {
         eprintln!("error: MPI cannot be initialized");
         return 3;
@@ -276,6 +351,31 @@ pub fn run() -> i32 {
         Ok(()) => 0,
         Err(error) => {
             if root {
+                eprintln!("error: {error}");
+            }
+            error.exit_code()
+        }
+    }
+}
+
+/// Runs a command that starts others: MPI is not initialized, for it hands its state down in the environment.
+fn run_alone() -> i32 {
+    let rank = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok());
+    let outcome = match (&rank, Cli::try_parse()) {
+        (Some(_), _) => {
+            Err(Error::input_anywhere("`trade` starts its runs itself, not under mpirun", "give it --ranks N instead"))
+        }
+        (None, Ok(Cli { command: Command::Trade(arguments) })) => arguments.trade(),
+        (None, Ok(_)) => Err(Error::System("only `trade` runs alone".into())),
+        (None, Err(error)) => {
+            let _ = error.print();
+            return error.exit_code();
+        }
+    };
+    match outcome {
+        Ok(()) => 0,
+        Err(error) => {
+            if rank.is_none_or(|rank| rank == "0") {
                 eprintln!("error: {error}");
             }
             error.exit_code()

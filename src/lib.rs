@@ -13,14 +13,17 @@
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
+//! - [`refine`]: meshes split by midpoints, curved boundaries kept
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
 //! - [`contact`]: masters (placed tools, surfaces of bodies), contact pairs, the laws of contact, and the contact element
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
+//! - [`estimate`]: how far a converged state may be from the solution, without a reference
 //! - [`system`]: equation numbers, sparsity pattern, assembly
 //! - [`analysis`]: what is checked before a run, steps, increments, the nonlinear problem for SNES, commit and rollback
+//! - [`trade`]: runs of a scene in many settings, errors against costs
 //! - [`cli`]: the commands
 
 pub mod accuracy;
@@ -30,6 +33,7 @@ pub mod cli;
 pub mod contact;
 pub mod controls;
 pub mod error;
+pub mod estimate;
 pub mod failure;
 pub mod interrupt;
 pub mod mesh;
@@ -37,11 +41,13 @@ pub mod model;
 pub mod output;
 pub mod parallel;
 pub mod partition;
+pub mod refine;
 pub mod scene;
 pub mod solid;
 pub mod surface;
 pub mod system;
 pub mod tool;
+pub mod trade;
 
 /// A vector in a plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

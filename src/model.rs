@@ -1,6 +1,7 @@
 //! From the scene and its meshes to what is modelled: parts, bodies, tools, contact pairs, each only as far as the scene
 //! asks for it.
 
+mod bodies;
 pub mod elements;
 mod shared;
 pub mod states;
@@ -10,7 +11,7 @@ use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
-use crate::mesh::{self, Facet, Mesh, Purpose, SolidShape, join};
+use crate::mesh::{Facet, Mesh, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
@@ -20,6 +21,7 @@ use crate::solid::element::{hex8, plane4, tet4};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::MovingPatch;
+use bodies::Meshed;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::BTreeMap;
@@ -438,13 +440,11 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
 /// Meshes that cannot be read, or have not what the scene names.
 pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
     let mut global = GlobalMesh { sets: vec![GlobalSet::default(); names.len()], ..GlobalMesh::default() };
-    for (index, body) in scene.bodies.iter().enumerate() {
-        let mut mesh = mesh::load(&body.mesh, Purpose::Body)?;
+    for (index, (body, Meshed { mut mesh, mut ties, last })) in
+        scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
+    {
         let offset = global.points.len() as u32;
-        let mut ties = match &body.plane_strain {
-            Some(asked) if asked.value => mesh::tie_layer(&mut mesh, &asked.at)?,
-            _ => (0..mesh.points.len() as u32).collect(),
-        };
+        global.last_id.push(last);
         for (set, name) in global.sets.iter_mut().zip(names) {
             if let Some(found) = resolve(&body.name.value, &mesh, name)? {
                 *set = shifted(found, offset);

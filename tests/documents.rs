@@ -145,6 +145,9 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.body_force", "step.s.body_force.0", &[]),
     ("output", "output", &["output={}"]),
     ("solver", "solver", &["solver={}"]),
+    ("trade", "trade", &["trade={}"]),
+    ("trade.vary", "trade.vary.0", &["trade.vary=[{}]"]),
+    ("trade.exact", "trade.exact.0", &["trade.exact=[{}]"]),
 ];
 
 const SECTOR: &str = "body.b.block={ sector = { radii = [1, 2], angles = [0, 90], length = 1 }, elements = [1, 1, 1] }";
@@ -303,6 +306,7 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.force", "step.s.force.0", "target = 't', total = [0, 0, 0], directions = 'x'"),
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
+        ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
     ];
     // Keys in the place of others.
     let instead = BTreeMap::from([("block", "mesh"), ("sector", "box"), ("increment", "increments")]);

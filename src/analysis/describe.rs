@@ -166,7 +166,7 @@ pub fn check(
     begun: Instant,
 ) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
-    let mut text = format!("{}\n", heading(comm, scene, model));
+    let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
     for body in &scene.bodies {
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
             MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
@@ -181,7 +181,15 @@ pub fn check(
         let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
         let mirrored =
             if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
-        let _ = writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}", body.name.value, kind.unwrap_or("?"));
+        let parts = match &body.refine {
+            Some(times) => {
+                let directions = if strain.is_empty() { 3 } else { 2 };
+                format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
+            }
+            None => String::new(),
+        };
+        let _ =
+            writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}{parts}", body.name.value, kind.unwrap_or("?"));
     }
     for tool in &model.masters.tools {
         let _ = writeln!(text, "{}", self::tool(tool));

@@ -12,6 +12,7 @@
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged
+//! - `estimates`: how far what has converged may be from the solution
 //! - `ending`: what ends a run at once
 //! - `conditioning`: what makes a matrix ill-conditioned
 //! - `runaway`: tools that nothing can hold
@@ -26,6 +27,7 @@ mod conditions;
 pub mod cost;
 pub mod describe;
 mod ending;
+mod estimates;
 mod event;
 mod hold;
 mod increments;

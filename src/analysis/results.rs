@@ -4,6 +4,7 @@ use super::{Increment, SetReading, Simulation, Way};
 use crate::Vec3;
 use crate::contact::Status;
 use crate::error::Result;
+use crate::estimate::energy::Energy;
 use crate::mesh::SolidShape;
 use crate::model::{Body, Model, elements, states};
 use crate::output::OutputFolder;
@@ -139,18 +140,26 @@ impl Results {
         self.history.row(comm, step, *number, *time, *iterations, &row)
     }
 
-    /// Writes the fields of the last converged increment, with displacements `u`. Collective.
+    /// Writes the fields of the last converged increment, with displacements `u` and the energy of their error. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
-    pub fn write_fields(&mut self, comm: &SimpleCommunicator, model: &Model, time: f64, u: &[Vec3]) -> Result<()> {
+    pub fn write_fields(
+        &mut self,
+        comm: &SimpleCommunicator,
+        model: &Model,
+        (time, u): (f64, &[Vec3]),
+        energy: &Energy,
+    ) -> Result<()> {
         let stresses = agree(comm, states::stresses(model, u))?;
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
             let of_body: Vec<_> = mine.filter(|(s, _)| s.body == b as u32).map(|(_, stress)| *stress).collect();
             let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
-            let mut cell = vec![("stress", 6, of_body.into_iter().flatten().collect()), ("von_mises", 1, von_mises)];
+            let stress = of_body.into_iter().flatten().collect();
+            let error = energy.shares(model, b);
+            let mut cell = vec![("stress", 6, stress), ("von_mises", 1, von_mises), ("error", 1, error)];
             if model.bodies[b].material.remembers() {
                 cell.push(("equivalent_plastic_strain", 1, agree(comm, states::plastic_strains(model, u, b))?));
             }

@@ -3,9 +3,11 @@
 use super::cost::machine::Machine;
 use super::cost::predict::Prediction;
 use super::cost::size::{Increments, Size};
+use super::estimates::Estimates;
 use super::results::Results;
 use super::{Event, Increment, Simulation, describe};
 use crate::error::{Error, Result};
+use crate::estimate::energy::Energy;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
@@ -47,6 +49,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
+    log.line(&scene.solver.describe());
     log.record(&scene.controls.describe());
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     log.record(&machine.origin());
@@ -54,10 +57,12 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
     let count = options.steps.unwrap_or(usize::MAX).min(scene.steps.len());
     let seer = Seer { machine, size, steps: &scene.steps[..count], prediction: None };
-    let mut recorder = Recorder { log, results, every: scene.output.every, since_written: 0, seer };
+    let estimates = Estimates::default();
+    let mut recorder = Recorder { log, results, every: scene.output.every, since_written: 0, seer, estimates };
     let outcome = recorder.steps(&mut simulation);
     let mut summary = simulation.summary();
     summary.converged = outcome.is_ok();
+    summary.estimates.clone_from(&recorder.estimates.steps);
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
     let prediction = recorder.seer.prediction;
@@ -68,6 +73,9 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let written = summary.write(&folder, comm, simulation.phases(), sent);
     let log = &mut recorder.log;
     log.finish();
+    if let Some(words) = recorder.estimates.words() {
+        log.line(words);
+    }
     log.line(&describe::farewell(&summary, options.out));
     let mut megabytes = [peak_memory_mb()];
     sum(comm, &mut megabytes);
@@ -101,6 +109,7 @@ struct Recorder<'s> {
     every: usize,
     since_written: usize,
     seer: Seer<'s>,
+    estimates: Estimates,
 }
 
 /// Foretells what the run will take, once it has its first systems.
@@ -153,9 +162,13 @@ impl Recorder<'_> {
                 self.seer.look(simulation)?;
             }
             self.results.add_row(simulation, &increment)?;
+            self.estimates.learn(simulation);
             self.since_written += 1;
             if self.since_written >= self.every || increment.ends_step {
-                self.write_fields(simulation)?;
+                let energy = self.write_fields(simulation)?;
+                if increment.ends_step {
+                    self.estimates.end_step(simulation, &increment.step, &energy);
+                }
             }
             simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
@@ -163,10 +176,13 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    fn write_fields(&mut self, simulation: &Simulation) -> Result<()> {
+    /// Writes the fields, and gives the error in energy that is among them. Collective.
+    fn write_fields(&mut self, simulation: &Simulation) -> Result<Energy> {
         self.since_written = 0;
-        let state = simulation.state();
-        self.results.write_fields(simulation.comm(), simulation.model(), state.time, &state.u)
+        let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
+        let energy = Energy::new(comm, model, &state.u)?;
+        self.results.write_fields(comm, model, (state.time, &state.u), &energy)?;
+        Ok(energy)
     }
 
     fn hear(&mut self, event: &Event) -> Result<()> {

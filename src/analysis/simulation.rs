@@ -76,6 +76,7 @@ impl<'a> Simulation<'a> {
             scene: scene.name.clone(),
             elements: model.part.total_solids,
             warnings: model.warnings.clone(),
+            accuracy: scene.solver.accuracy.key(),
             controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
             ..Summary::default()
         };

@@ -27,7 +27,9 @@ fn ids_of(mesh: &Mesh, nodes: impl Iterator<Item = usize>) -> Vec<u64> {
 }
 
 /// An error when `ids` holds any: "nodes 3, 4, 5 and 7 more are `what`".
-fn refuse(mesh: &Mesh, kind: &str, ids: Vec<u64>, what: &str, help: &str) -> Result<()> {
+fn refuse(mesh: &Mesh, kind: &str, mut ids: Vec<u64>, what: &str, help: &str) -> Result<()> {
+    // Parts of an element have its number.
+    ids.dedup();
     match ids.is_empty() {
         true => Ok(()),
         false => Err(fail(mesh, format!("{} {what}", message::several(kind, &ids)), help)),

@@ -75,7 +75,7 @@ impl Scratch {
 }
 
 /// What fills element `e` of the part.
-pub(super) fn medium(model: &Model, e: usize) -> Medium<'_> {
+pub fn medium(model: &Model, e: usize) -> Medium<'_> {
     let material = &model.bodies[model.part.solids[e].body as usize].material;
     Medium { material, states: model.history.of(e), amplitudes: model.history.amplitudes(e) }
 }
@@ -88,7 +88,7 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
 
 /// The integration points of one element, eight at most.
 #[derive(Clone, Copy)]
-pub(super) struct Samples {
+pub struct Samples {
     points: [Sample; hex8::POINTS],
     count: usize,
 }
@@ -108,7 +108,7 @@ impl Deref for Samples {
 }
 
 /// The integration points of element `e` of the part at displacements `u`.
-pub(super) fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted> {
+pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted> {
     let solid = &model.part.solids[e];
     let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
     let medium = medium(model, e);
@@ -194,7 +194,7 @@ pub fn largest_strain(model: &Model, before: &[Vec3], after: &[Vec3]) -> f64 {
 }
 
 /// The elements that this rank counts.
-pub(super) fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
+pub fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
     model.part.solids.iter().enumerate().filter(|(_, solid)| solid.mine).map(|(e, _)| e)
 }
 
@@ -246,19 +246,28 @@ pub fn facet_pressure(
 /// Adds to each local node its share of the areas of the facets, with nodes at reference position plus `u`.
 pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add: impl FnMut(u32, f64)) {
     for facet in facets {
-        let at = |a: usize| -> [f64; 3] {
-            let n = facet.nodes[a] as usize;
-            (model.part.points[n] + u[n]).into()
-        };
-        let mut each = |shares: &[f64]| facet.nodes.iter().zip(shares).for_each(|(&n, share)| add(n, *share));
-        match facet.count {
-            3 => each(&load::tri3_nodal_areas(&std::array::from_fn(at))),
-            _ => each(&load::quad4_nodal_areas(&std::array::from_fn(at))),
-        }
+        let shares = nodal_areas(model, facet, u);
+        facet.nodes.iter().zip(shares).take(facet.count as usize).for_each(|(&n, share)| add(n, share));
     }
 }
+
+/// The parts of the area of a facet that belong to its nodes, at reference position plus `u`.
+pub fn nodal_areas(model: &Model, facet: &PartFacet, u: &[Vec3]) -> [f64; 4] {
+    let at = |a: usize| -> [f64; 3] {
+        let n = facet.nodes[a] as usize;
+        (model.part.points[n] + u[n]).into()
+    };
+    match facet.count {
+        3 => {
+            let [a, b, c] = load::tri3_nodal_areas(&std::array::from_fn(at));
+            [a, b, c, 0.0]
+        }
+        _ => load::quad4_nodal_areas(&std::array::from_fn(at)),
+    }
+}
+
 /// What is said of an element that has no stress in a state that has converged.
-pub(super) fn lost(model: &Model, e: usize) -> Error {
+pub fn lost(model: &Model, e: usize) -> Error {
     let name = element_name(model, &model.part.solids[e]);
     Error::diverged(Cause::Element, format!("{name} has turned inside out in the converged state"))
 }

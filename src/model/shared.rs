@@ -25,8 +25,9 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
         let [own, theirs] = [a, b].map(|k| solids_of(global, k));
         let twin = |solid: &&Solid| twins(solid, &pairs);
         let known: BTreeSet<Vec<u32>> = theirs.iter().map(|s| sorted(s.nodes())).collect();
-        let doubled: Vec<u64> =
+        let mut doubled: Vec<u64> =
             own.iter().filter(|s| twin(s).is_some_and(|twin| known.contains(&twin))).map(|s| s.id).collect();
+        doubled.dedup();
         if !doubled.is_empty() {
             let what = format!(
                 "{} in body `{}` and in body `{}`, at one place",
@@ -54,8 +55,15 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
         if bare.is_empty() {
             continue;
         }
+        // Nodes of refined meshes that are new have the numbers of their own body.
+        let of_file = |n: u32| global.id[n as usize] <= global.last_id[global.body[n as usize] as usize];
+        let is_shared = |n: u32| match [n, pairs[&n]] {
+            both if both.map(of_file) == [true; 2] => global.id[both[0] as usize] == global.id[both[1] as usize],
+            both => both.map(of_file) == [false; 2],
+        };
         let shared = is_one_file(&one.mesh, &other.mesh)
-            && bare.iter().all(|face| face.iter().all(|&n| global.id[n as usize] == global.id[pairs[&n] as usize]));
+            && bare.iter().all(|face| face.iter().all(|&n| is_shared(n)))
+            && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
         let x = global.points[bare[0][0] as usize];
         let what = format!(
             "bodies `{}` and `{}` lie on each other with {} faces, such as near ({:.6}, {:.6}, {:.6}), where no contact is \

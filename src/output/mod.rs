@@ -45,6 +45,22 @@ impl OutputFolder {
         Ok(Self { path: path.to_path_buf(), _lock: agree(comm, prepared)? })
     }
 
+    /// The folder of one process alone, from which nothing is cleared.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when the folder cannot be made or written, or when another run writes into it.
+    pub fn of_this_process(path: &Path) -> Result<Self> {
+        Ok(Self { path: path.to_path_buf(), _lock: prepare(path, &[], &[])? })
+    }
+
+    /// Writes a file as a whole, in a folder [of this process](Self::of_this_process).
+    ///
+    /// # Errors
+    /// [`Error::System`] when the file cannot be written.
+    pub fn replace(&self, name: &str, text: &str) -> Result<()> {
+        replace(&self.file(name), text)
+    }
+
     /// The folder itself.
     pub fn path(&self) -> &Path {
         &self.path

@@ -44,8 +44,12 @@ pub struct Summary {
     pub matrix: String,
     /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
     pub linear_solver: String,
+    /// What is estimated of the errors at the ends of steps.
+    pub estimates: Vec<Value>,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
+    /// The preset of accuracy, as in "balanced".
+    pub accuracy: &'static str,
     /// The controls that differ from their defaults.
     pub controls: BTreeMap<&'static str, f64>,
     /// What it was to cost, as foretold when it began.
@@ -77,17 +81,18 @@ fn milli(value: f64) -> f64 {
 }
 
 impl Summary {
-    /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), and the peak
-    /// memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each rank added. Collective.
+    /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), the processor
+    /// time of all ranks, and the peak memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each
+    /// rank added. Collective.
     ///
     /// # Errors
     /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
     pub fn write(&self, folder: &OutputFolder, comm: &impl Communicator, phases: &Phases, sent: Sent) -> Result<()> {
         let seconds = phases.slowest(comm);
-        let own = [peak_memory_mb(), sent.messages as f64, sent.bytes as f64 * 1e-6];
+        let own = [peak_memory_mb(), sent.messages as f64, sent.bytes as f64 * 1e-6, cpu_s()];
         let root = comm.process_at_rank(0);
         let written = if comm.rank() == 0 {
-            let mut ranks = vec![[0.0; 3]; comm.size() as usize];
+            let mut ranks = vec![[0.0; 4]; comm.size() as usize];
             root.gather_into_root(&own[..], ranks.as_flattened_mut());
             replace(&folder.file("summary.json"), &self.render(&seconds, &ranks))
         } else {
@@ -97,8 +102,9 @@ impl Summary {
         agree(comm, written)
     }
 
-    /// With the slowest rank's seconds in each phase, and of each rank its peak memory, its messages, and the MB in them.
-    fn render(&self, seconds: &[f64], ranks: &[[f64; 3]]) -> String {
+    /// With the slowest rank's seconds in each phase, and of each rank its peak memory, its messages, the MB in them, and its
+    /// processor time.
+    fn render(&self, seconds: &[f64], ranks: &[[f64; 4]]) -> String {
         let phases: Map<String, Value> =
             PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
         let of_ranks = |k: usize| ranks.iter().map(|of| milli(of[k])).collect::<Vec<_>>();
@@ -125,6 +131,7 @@ impl Summary {
             "linear_unsolved": self.linear.unsolved,
             "search_fetches": self.search_fetches,
             "wall_s": milli(self.wall_s),
+            "cpu_s": milli(ranks.iter().map(|of| of[3]).sum()),
             "phases_s": phases,
             "peak_memory_mb": milli(memory),
             "by_rank": {
@@ -134,7 +141,9 @@ impl Summary {
             },
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
+            "estimate": self.estimates,
             "warnings": self.warnings,
+            "accuracy": self.accuracy,
             "controls": self.controls,
             "predicted": self.predicted.map(|foretold| foretold.against(self.wall_s, memory)),
         });
@@ -146,6 +155,21 @@ impl Summary {
 pub fn peak_memory_mb() -> f64 {
     std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_kib(&status)).unwrap_or(0.0)
         * 1.024e-3
+}
+
+/// The processor time that this process has taken so far, in user and kernel mode, s; 0 where the system does not say.
+pub fn cpu_s() -> f64 {
+    std::fs::read_to_string("/proc/self/stat").ok().and_then(|stat| ticks(&stat)).unwrap_or(0.0) / TICKS
+}
+
+/// Ticks a second in `/proc`, the same on all machines that Linux runs on today.
+const TICKS: f64 = 100.0;
+
+/// Fields 14 and 15 of proc(5); the second, the name of the program, stands in brackets and may hold anything.
+fn ticks(stat: &str) -> Option<f64> {
+    let (_, fields) = stat.rsplit_once(')')?;
+    let mut times = fields.split_whitespace().skip(11).map(str::parse::<f64>);
+    Some(times.next()?.ok()? + times.next()?.ok()?)
 }
 
 fn high_water_kib(status: &str) -> Option<f64> {
@@ -167,14 +191,14 @@ mod tests {
             predicted: Some(Foretold { wall_s: 2.5, memory_mb: 100.0 }),
             ..Summary::default()
         };
-        let text = summary
-            .render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &[[100.0, 7.0, 0.5], [20.4567, 8.0, 0.25], [3.0, 9.0, 0.0]]);
+        let ranks = [[100.0, 7.0, 0.5, 1.5], [20.4567, 8.0, 0.25, 1.25], [3.0, 9.0, 0.0, 0.01]];
+        let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &ranks);
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls predicted"
+             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls predicted"
                 .split_whitespace()
                 .collect();
         promised.sort();
@@ -189,6 +213,7 @@ mod tests {
         assert_eq!((&value["wall_s"], &value["peak_memory_mb"]), (&json!(1.25), &json!(123.457)));
         let predicted = json!({ "wall_s": 2.5, "memory_mb": 100.0, "wall_ratio": 0.5, "memory_ratio": 1.235 });
         assert_eq!(value["predicted"], predicted);
+        assert_eq!(value["cpu_s"], 2.76);
         let by_rank =
             json!({ "peak_memory_mb": [100.0, 20.457, 3.0], "messages": [7, 8, 9], "sent_mb": [0.5, 0.25, 0.0] });
         assert_eq!(value["by_rank"], by_rank);
@@ -199,5 +224,18 @@ mod tests {
         assert_eq!(high_water_kib("Name:\tx\nVmPeak:\t 9 kB\nVmHWM:\t    2048 kB\n"), Some(2048.0));
         assert_eq!(high_water_kib("Name:\tx\n"), None);
         assert!(peak_memory_mb() > 1.0);
+    }
+
+    #[test]
+    fn processor_time_is_that_of_user_and_kernel() {
+        let stat = "7 (a) b) R 1 7 7 0 -1 4194304 100 0 0 0 250 31 5 5 20 0 1 0 12345";
+        assert_eq!(ticks(stat), Some(281.0));
+        assert_eq!(ticks("7 (nagata) R 1"), None);
+        let (before, begun) = (cpu_s(), std::time::Instant::now());
+        let mut sum = 0u64;
+        while begun.elapsed().as_millis() < 200 {
+            sum = std::hint::black_box(sum + 1);
+        }
+        assert!(cpu_s() > before, "{before}");
     }
 }

@@ -28,6 +28,8 @@ pub struct GlobalMesh {
     pub sets: Vec<GlobalSet>,
     /// Extra work that a node brings to its elements, for the balance: slave nodes have some.
     pub node_work: Vec<i32>,
+    /// The highest number that each body's file gives to a node of it; new nodes of refined meshes follow.
+    pub last_id: Vec<u64>,
     /// Groups of elements that each body has in its mesh file.
     pub parts: Vec<usize>,
     /// What the user should know of the meshes.

@@ -43,6 +43,8 @@ pub struct ToolMesh {
     /// Groups whose edges stay sharp.
     pub sharp: Vec<Located<String>>,
     pub symmetry: Vec<SymmetryPlane>,
+    /// How many times each facet is split by the midpoints of its edges, from 1 on.
+    pub refine: Option<Located<u32>>,
 }
 
 /// Where the nodal normals of a mesh come from.

@@ -14,16 +14,19 @@ mod overrides;
 mod parse;
 mod reader;
 mod references;
+mod solver;
 mod steps;
 #[cfg(test)]
 mod tests;
 mod tools;
+mod trade;
 mod tree;
 
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub(crate) use references::body_of;
+pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
 pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
@@ -65,6 +68,7 @@ pub struct Scene {
     pub output: Output,
     pub solver: Solver,
     pub controls: Controls,
+    pub trade: Trade,
 }
 
 /// A deformable body.
@@ -81,6 +85,8 @@ pub struct Body {
     pub plane_strain: Option<Located<bool>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
     pub symmetry: Vec<Located<String>>,
+    /// How many times each element of the mesh is split by the midpoints of its edges, from 1 on.
+    pub refine: Option<Located<u32>>,
 }
 
 /// Where a mesh comes from.
@@ -331,6 +337,10 @@ pub struct Output {
 /// Controls of the nonlinear solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Solver {
+    /// What the settings that a scene does not give are those of.
+    pub accuracy: Accuracy,
+    /// Increments of the steps are so many times as long as these say; it has been applied to them.
+    pub pace: f64,
     /// Largest residual over the largest force of the scene.
     pub tolerance: f64,
     /// Newton iterations before an increment is cut.
@@ -338,6 +348,18 @@ pub struct Solver {
     /// Force that stands for "the forces of the scene" while there is none; `None` derives it from the stiffness.
     pub force_floor: Option<f64>,
     pub linear: Linear,
+}
+
+/// Presets that trade speed for accuracy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Accuracy {
+    /// Fast: the answer in large.
+    Draft,
+    /// As the scene says.
+    #[default]
+    Balanced,
+    /// To measure others by.
+    Reference,
 }
 
 /// How linear systems are solved.

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Linear, Located, MeshSource, Output, Scene, Solver, Tool,
-    contacts, materials, overrides, steps, tools,
+    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, materials,
+    overrides, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -13,7 +13,8 @@ use crate::error::{Error, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
-const KEYS: [&str; 9] = ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls"];
+const KEYS: [&str; 10] =
+    ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls", "trade"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -95,6 +96,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let materials = materials.into_iter().map(|(name, item)| materials::read(name, &item));
     let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
     let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
+    let (steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
     let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
     Ok(Scene {
         name,
@@ -104,15 +106,16 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         tools: tools.collect::<Result<_>>()?,
         bodies: bodies.collect::<Result<_>>()?,
         contacts: contacts::read(contacts, &names)?,
-        steps: steps::read(&root, &names)?,
+        steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output(&root, &names)?,
-        solver: solver(&root)?,
+        solver,
         controls: controls(&root)?,
+        trade: trade::read(&root)?,
     })
 }
 
 fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> Result<Body> {
-    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain", "symmetry"])?;
+    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain", "symmetry", "refine"])?;
     let mesh = match (table.get("mesh"), table.get("block")) {
         (Some(_), Some(block)) => return Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
         (Some(file), None) => mesh_file(&table, &file, directory)?,
@@ -128,7 +131,8 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
     let symmetry = table.each("symmetry", group)?;
-    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain, symmetry };
+    let refine = table.optional("refine", Item::splits)?.flatten();
+    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain, symmetry, refine };
     check_block_use(&body)?;
     Ok(body)
 }
@@ -249,27 +253,6 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
         output.history.push(set);
     }
     Ok(output)
-}
-
-fn solver(root: &Table) -> Result<Solver> {
-    let mut solver = Solver { tolerance: 1e-10, max_iterations: 15, force_floor: None, linear: Linear::Auto };
-    let keys = ["tolerance", "max_iterations", "force_floor", "linear"];
-    let Some(table) = root.optional("solver", |item| item.table(&keys))? else { return Ok(solver) };
-    let tolerance = |item: &Item| {
-        let help = "it is the largest residual over the largest force";
-        item.number_that_is("above 0 and below 0.01", |value| value > 0.0 && value < 1e-2, help)
-    };
-    solver.tolerance = table.optional("tolerance", tolerance)?.unwrap_or(solver.tolerance);
-    solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
-    solver.force_floor = table.optional("force_floor", Item::positive)?;
-    let kinds = [
-        ("auto", Linear::Auto),
-        ("direct", Linear::Direct),
-        ("reuse", Linear::Reuse),
-        ("iterative", Linear::Iterative),
-    ];
-    solver.linear = table.optional("linear", |item| item.choice(&kinds))?.unwrap_or_default();
-    Ok(solver)
 }
 
 fn controls(root: &Table) -> Result<Controls> {

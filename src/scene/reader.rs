@@ -2,7 +2,7 @@
 
 use super::Located;
 use super::names::{did_you_mean, is_name};
-use super::tree::{Node, Value};
+use super::tree::{self, Node, Value};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
 use std::path::{Path, PathBuf};
@@ -93,6 +93,14 @@ impl<'a> Item<'a> {
         count.ok_or_else(|| self.error(format!("must be 1 or more, not {value}"), ""))
     }
 
+    /// How many times each element of a mesh is split; `None` for 0.
+    pub fn splits(&self) -> Result<Option<Located<u32>>> {
+        const MOST: f64 = 6.0;
+        let whole = |value: f64| value.fract() == 0.0 && (0.0..=MOST).contains(&value);
+        let times = self.number_that_is("a whole number from 0 to 6", whole, "each time splits every edge in two")?;
+        Ok((times > 0.0).then(|| self.located(times as u32)))
+    }
+
     pub fn boolean(&self) -> Result<bool> {
         match &self.node.value {
             Value::Leaf(toml::Value::Boolean(value)) => Ok(*value),
@@ -114,6 +122,16 @@ impl<'a> Item<'a> {
     /// A value read from here, with this place.
     pub fn located<T>(&self, value: T) -> Located<T> {
         Located { value, at: self.at().clone() }
+    }
+
+    /// A number, string or boolean, or a list of them, as TOML.
+    pub fn plain_toml(&self) -> Result<String> {
+        let is_plain = |node: &Node| matches!(node.value, Value::Leaf(_));
+        match &self.node.value {
+            Value::Leaf(_) => Ok(tree::inline(self.node)),
+            Value::List(items) if items.iter().all(is_plain) => Ok(tree::inline(self.node)),
+            _ => Err(self.wrong_type("a number, a string, a boolean, or a list of them", "1.0")),
+        }
     }
 
     /// One of some words.

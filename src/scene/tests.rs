@@ -94,7 +94,7 @@ fn defaults_fill_what_is_not_given() {
     assert_eq!(path.value, Path::new("in/slab.msh"));
     assert_eq!(scene.materials[1].model, MaterialModel::Hooke { young: 210000.0, poisson: 0.3 });
     let [indenter, floor] = &scene.tools[..] else { panic!("{:?}", scene.tools) };
-    let Some(ToolMesh { source: MeshSource::File { path, .. }, normals, sharp, symmetry }) = &indenter.mesh else {
+    let Some(ToolMesh { source: MeshSource::File { path, .. }, normals, sharp, symmetry, .. }) = &indenter.mesh else {
         panic!("{indenter:?}")
     };
     assert_eq!(path.value, Path::new("in/sub/indenter.msh"));
@@ -131,6 +131,42 @@ fn increment_sizes_follow_from_those_given() {
     let limits = |given: &str| read(&SCENE.replace("{ max = 0.05 }", given), &[]).unwrap().steps[1].increment.limits;
     assert_eq!(limits("{ max = 0.05 }"), Limits { strain: None, contacts: None });
     assert_eq!(limits("{ strain = 0.02, contacts = 0.1 }"), Limits { strain: Some(0.02), contacts: Some(0.1) });
+}
+
+#[test]
+fn the_pace_stretches_increments() {
+    let sizes = |pace: &str, given: &str| {
+        let text = SCENE.replace("{ max = 0.05 }", given);
+        let scene = read(&text, &[&format!("solver.pace={pace}"), "step.1.duration=2"]).unwrap();
+        let of = |k: usize| [scene.steps[k].increment.initial, scene.steps[k].increment.max];
+        (of(0), of(1), scene.steps[1].increment.min, scene.steps[1].increment.limits)
+    };
+    let given = "{ initial = 0.1, max = 0.4, strain = 0.02, contacts = 0.4 }";
+    let (press, slide, min, limits) = sizes("4", given);
+    assert_eq!((press, slide, min), ([0.2; 2], [0.4, 1.6], 0.1 / 1024.0));
+    assert_eq!(limits, Limits { strain: Some(0.08), contacts: Some(1.0) });
+    let (press, slide, min, limits) = sizes("0.5", given);
+    assert_eq!((press, slide, min), ([0.025; 2], [0.05, 0.2], 0.05 / 1024.0));
+    assert_eq!(limits, Limits { strain: Some(0.01), contacts: Some(0.2) });
+    // Of 20 even increments 7 are left, none longer than the step.
+    assert_eq!(sizes("3", given).0, [1.0 / 7.0; 2]);
+    let (press, slide, ..) = sizes("100", given);
+    assert_eq!((press, slide), ([1.0; 2], [2.0; 2]));
+}
+
+#[test]
+fn a_preset_sets_what_the_scene_does_not() {
+    let solver = |overrides: &[&str]| scene(overrides).solver;
+    let values = |overrides: &[&str]| (solver(overrides).pace, solver(overrides).tolerance);
+    assert_eq!(values(&[]), (1.0, 1e-10));
+    assert_eq!(values(&["solver.accuracy=draft"]), (4.0, 1e-6));
+    assert_eq!(values(&["solver.accuracy=draft", "solver.pace=2"]), (2.0, 1e-6));
+    assert_eq!(values(&["solver.accuracy=reference", "solver.tolerance=1e-8"]), (0.25, 1e-8));
+    let scene = scene(&["solver.accuracy=draft", "solver.tolerance=1e-8"]);
+    assert_eq!(scene.steps[0].increment.max, 0.2);
+    assert_eq!(scene.solver.describe(), "accuracy `draft`: pace 4, tolerance 1e-8");
+    assert!(message_set("solver.accuracy=drft").contains("did you mean `draft`?"));
+    assert!(message_set("solver.pace=0").contains("must be at least 0.001 and at most 1000, not 0"));
 }
 
 #[test]
@@ -235,7 +271,7 @@ force_floor = 1e-3
 
 fn tools_are_read(tools: &[Tool]) {
     let [t, c, s, e, l, r] = tools else { panic!("{tools:?}") };
-    let Some(ToolMesh { source, normals, sharp, symmetry }) = &t.mesh else { panic!("{t:?}") };
+    let Some(ToolMesh { source, normals, sharp, symmetry, .. }) = &t.mesh else { panic!("{t:?}") };
     assert!(matches!(source, MeshSource::File { group: Some(group), .. } if group.value == "die"));
     assert!(matches!(normals, NormalSource::Description(other) if other.value == Description::Nurbs));
     assert_eq!((sharp[0].value.as_str(), symmetry[0].normal), ("rim", Vec3::y()));

@@ -13,7 +13,7 @@ use std::path::Path;
 /// Keys of the closed forms.
 const SHAPES: [&str; 6] = ["plane", "cylinder", "cone", "sphere", "torus", "profile"];
 /// Keys that mean something for a mesh only, for CAD files only.
-const OF_MESH: [&str; 4] = ["group", "normals", "sharp", "symmetry"];
+const OF_MESH: [&str; 5] = ["group", "normals", "sharp", "symmetry", "refine"];
 const OF_CAD: [&str; 2] = ["incomplete", "tolerance"];
 
 /// The cosine of two directions that count as orthogonal.
@@ -127,6 +127,7 @@ fn mesh(table: &Table, file: &Item, directory: &Path) -> Result<ToolMesh> {
         normals: table.optional("normals", normals)?.unwrap_or(NormalSource::Facets(Weight::default())),
         sharp: table.each("sharp", Item::located_string)?,
         symmetry: table.each("symmetry", plane)?,
+        refine: table.optional("refine", Item::splits)?.flatten(),
     })
 }
 

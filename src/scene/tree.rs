@@ -181,7 +181,8 @@ fn write_table(out: &mut String, path: &str, node: &Node) {
     }
 }
 
-fn inline(node: &Node) -> String {
+/// A value in one line.
+pub(super) fn inline(node: &Node) -> String {
     match &node.value {
         Value::Leaf(toml::Value::Float(value)) if value.is_finite() => format!("{value:?}"),
         Value::Leaf(leaf) => leaf.to_string(),

@@ -3,6 +3,7 @@
 //! Stresses hold the tensor's components. Strains that a 6x6 tangent multiplies have engineering shear, 2 d_xy, so that
 //! the tangent's entries are the components c_ijkl themselves.
 
+use super::eigen::symmetric_eigen;
 use crate::Mat3;
 
 /// Six components: xx, yy, zz, xy, yz, zx.
@@ -49,6 +50,12 @@ pub fn compose(values: &[f64; 3], directions: &[[f64; 3]; 3]) -> Voigt {
         (0..6).for_each(|i| sum[i] += value * product[i]);
     }
     sum
+}
+
+/// The logarithm of a positive definite tensor.
+pub fn logarithm(t: &Voigt) -> Voigt {
+    let (values, directions) = symmetric_eigen(t);
+    compose(&values.map(f64::ln), &directions)
 }
 
 /// Adds `factor` t x t to the upper triangle.

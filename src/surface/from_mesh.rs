@@ -1,4 +1,14 @@
 //! From a mesh to its patches.
+//!
+//! An edge of length L whose nodal normals turn by b along it stands for an arc of radius R = L / (2 sin(b/2)). From the
+//! middle of the arc a facet and a Nagata patch are
+//!
+//! ```text
+//! R (1 - cos(b/2)),     R (1 - cos(b/2))^2 / (2 cos(b/2))
+//! ```
+//!
+//! away: L b / 8 and L b^3 / 128, but for higher orders. A quadrilateral adds those of its two directions; a triangle of three
+//! equal edges is 4/3 as far from a sphere, with its middle, as with that of an edge.
 
 use super::facets::{Facets, angle};
 use super::nagata::{crease_coefficient, edge_coefficient};
@@ -22,10 +32,12 @@ pub fn patches_from_mesh(mesh: &Mesh, smoothing: Smoothing, options: &NormalOpti
 pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: bool) -> Result<(Vec<Patch>, usize)> {
     let facets = Facets::new(mesh, flip)?;
     let on_boundary = boundary_nodes(&facets);
+    let (whole, normals) = Normals::of_mesh(mesh, &facets, options)?;
+    let deviations: Vec<f64> =
+        (0..facets.nodes.len()).map(|f| deviation(&facets, f, &normals.corners[f], smoothing)).collect();
     let (edges, coefficients, inflected) = match smoothing {
         Smoothing::Facet => (facet_edges(&facets), vec![[Vec3::zeros(); 4]; facets.nodes.len()], 0),
         Smoothing::Nagata => {
-            let (whole, normals) = Normals::of_mesh(mesh, &facets, options)?;
             let (coefficients, inflected) = (coefficients(&whole, &normals), normals.inflected(&facets));
             (normals.edges, coefficients, inflected)
         }
@@ -37,8 +49,35 @@ pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: 
         coefficients: coefficients[f],
         edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
         on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
+        deviation: deviations[f],
     };
     Ok(((0..facets.nodes.len()).map(patch).collect(), inflected))
+}
+
+/// How far the arcs over its edges are from a facet, or from the patch in its place, at most.
+fn deviation(facets: &Facets, f: usize, normals: &[Vec3; 4], smoothing: Smoothing) -> f64 {
+    let count = facets.count(f);
+    let of_edge = |k: usize| {
+        let d = facets.edge(f, k);
+        let length = d.norm();
+        // Half of the turn along the edge, not around it.
+        let sine = (0.5 * (normals[(k + 1) % count] - normals[k]).dot(&d).abs() / length).min(1.0);
+        let cosine = (1.0 - sine * sine).sqrt();
+        if sine == 0.0 {
+            return 0.0;
+        }
+        // 1 - cos(b/2) without its rounding.
+        let sagitta = 0.5 * length * sine / (1.0 + cosine);
+        match smoothing {
+            Smoothing::Facet => sagitta,
+            Smoothing::Nagata => sagitta * sine * sine / (2.0 * cosine.max(0.1) * (1.0 + cosine)),
+        }
+    };
+    let edges: [f64; 4] = std::array::from_fn(|k| if k < count { of_edge(k) } else { 0.0 });
+    match count {
+        3 => 4.0 / 3.0 * edges[0].max(edges[1]).max(edges[2]),
+        _ => edges[0].max(edges[2]) + edges[1].max(edges[3]),
+    }
 }
 
 /// Nodes where the surface ends.
@@ -122,9 +161,12 @@ mod tests {
             let [shape, normal] = errors(&patch, true);
             let sagitta = 1.0 - half.cos();
             assert!((shape - sagitta * sagitta / (2.0 * half.cos())).abs() < 1e-15);
+            assert!(patch.iter().all(|p| (p.deviation - shape).abs() < 1e-15));
             assert!(normal < 0.19245 * half.powi(3) * 1.1 && normal > 0.19245 * half.powi(3) * 0.9);
-            let [shape, normal] = errors(&arc(n, false, Smoothing::Facet), true);
+            let facets = arc(n, false, Smoothing::Facet);
+            let [shape, normal] = errors(&facets, true);
             assert!((shape - sagitta).abs() < 1e-14 && (normal - half).abs() < 1e-14);
+            assert!(facets.iter().all(|p| (p.deviation - sagitta).abs() < 1e-14));
         }
         assert!((errors(&arc(4, false, Smoothing::Nagata), true)[0] - 1.8822e-4).abs() < 1e-8);
         for triangles in [false, true] {
@@ -148,6 +190,25 @@ mod tests {
                 let ((h, coarse), (half, fine)) = (at(16), at(32));
                 let order = orders(coarse, fine).map(|order| order / (h / half).log2());
                 assert!((order[0] - expected[0]).abs() < 0.1 && (order[1] - expected[1]).abs() < 0.1, "{order:?}");
+            }
+        }
+    }
+
+    /// The largest deviation over the largest error.
+    #[test]
+    fn spheres_deviate_as_their_patches_know() {
+        for (triangles, smoothing, most) in [
+            (false, Smoothing::Nagata, 1.6),
+            (true, Smoothing::Nagata, 1.6),
+            (false, Smoothing::Facet, 1.6),
+            (true, Smoothing::Facet, 1.6),
+        ] {
+            for n in [8, 16] {
+                let patches = sphere_patches(n, triangles, 1, smoothing);
+                let known = patches.iter().map(|p| p.deviation).fold(0.0, f64::max);
+                let ratio = known / errors(&patches, false)[0];
+                println!("{triangles} {smoothing:?} {n} {ratio}");
+                assert!((0.9..most).contains(&ratio), "{triangles} {smoothing:?} {n}: {ratio}");
             }
         }
     }

@@ -37,11 +37,13 @@ pub struct Patch {
     pub edges: [Edge; 4],
     /// Nodes where the surface ends, though perhaps in an edge of another patch.
     pub on_boundary: [bool; 4],
+    /// How far the smooth surface that its nodes stand for is from it, at most: see [`super::from_mesh`].
+    pub deviation: f64,
 }
 
 impl Patch {
     /// Length of [`Self::to_array`].
-    pub const LEN: usize = 27;
+    pub const LEN: usize = 28;
 
     /// The patch at parameters `xi`, which may lie outside the domain.
     pub fn local(&self, [e, z]: [f64; 2]) -> Local {
@@ -122,6 +124,7 @@ impl Patch {
         array[24] = self.id as f64;
         array[25] = self.count as f64;
         array[26] = flags(&self.edges, &self.on_boundary);
+        array[27] = self.deviation;
         array
     }
 
@@ -136,6 +139,7 @@ impl Patch {
             coefficients: std::array::from_fn(|k| vector(4 + k)),
             edges,
             on_boundary,
+            deviation: array[27],
         }
     }
 }

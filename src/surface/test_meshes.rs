@@ -135,6 +135,7 @@ pub fn patch(nodes: &[Vec3], normals: &[Vec3]) -> Patch {
         coefficients: [Vec3::zeros(); 4],
         edges: [Edge::Boundary; 4],
         on_boundary: [true; 4],
+        deviation: 0.0,
     };
     for k in 0..count {
         let j = (k + 1) % count;

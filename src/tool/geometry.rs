@@ -5,8 +5,9 @@ use super::shape::Shape;
 use crate::cad::{self, Cad};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
-use crate::mesh;
-use crate::scene::{self, CadFile, Description, NormalSource, Smoothing, ToolMesh};
+use crate::mesh::{self, Group, Mesh};
+use crate::refine;
+use crate::scene::{self, CadFile, Description, Located, NormalSource, Smoothing, ToolMesh};
 use crate::surface::analytic::{Axis, Chain, Cone, Cylinder, Misfit, Plane, Profile, Sphere, Sweep, Torus};
 use crate::surface::faces::{FaceSet, SewnFace, sew, usual_tolerance};
 use crate::surface::{Analytic, Edge, NormalOptions, Patch, PatchSet, patches_from_mesh, smooth};
@@ -64,11 +65,12 @@ pub fn describe(tool: &scene::Tool, description: Description, controls: &Control
 }
 
 fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing, controls: &Controls) -> Result<Described> {
-    let mesh = mesh::load(&of.source, mesh::Purpose::Tool)?;
-    if smoothing == Smoothing::Facet {
+    let mut mesh = mesh::load(&of.source, mesh::Purpose::Tool)?;
+    let mut warnings = std::mem::take(&mut mesh.warnings);
+    if smoothing == Smoothing::Facet && of.refine.is_none() {
         let patches = patches_from_mesh(&mesh, smoothing, &NormalOptions::default(), tool.flip)?;
         let summary = format!("{} flat facets", patches.len());
-        return Ok(Described { warnings: mesh.warnings, ..Described::plain(Geometry::Patches(patches), summary) });
+        return Ok(Described { warnings, ..Described::plain(Geometry::Patches(patches), summary) });
     }
     let mut options = NormalOptions {
         controls: *controls,
@@ -77,23 +79,57 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing, controls: &C
         symmetry: of.symmetry.iter().map(|plane| (plane.point, plane.normal)).collect(),
         ..NormalOptions::default()
     };
-    let mut warnings = mesh.warnings.clone();
-    let source = match &of.normals {
+    let other = match &of.normals {
         NormalSource::Facets(weight) => {
             options.weight = *weight;
-            format!("normals weighted by {}", weight.key())
+            None
         }
         NormalSource::Description(other) => {
             let described = describe(tool, other.value, controls)?;
             warnings.extend(described.warnings);
-            let (given, distance) = from_surface(&mesh, &described.geometry.whole(), other.value.key(), &other.at)?;
-            options.given = Some(given);
-            format!("normals from `{}`, at most {distance:.1e} away", other.value.key())
+            Some((described.geometry.whole(), other))
         }
     };
+    // The nodes' normals, and where they come from in words.
+    let give = |mesh: &Mesh, options: &mut NormalOptions| -> Result<String> {
+        let Some((surface, other)) = &other else { return Ok(format!("normals weighted by {}", options.weight.key())) };
+        let (given, distance) = from_surface(mesh, surface, other.value.key(), &other.at)?;
+        options.given = Some(given);
+        Ok(format!("normals from `{}`, at most {distance:.1e} away", other.value.key()))
+    };
+    let mut source = give(&mesh, &mut options)?;
+    let mut parts = String::new();
+    if let Some(times) = &of.refine {
+        parts = format!(", {} for each facet of the mesh", 1u64 << (2 * times.value));
+        mesh = refined(mesh, times, &mut options, tool.flip)?;
+        source = give(&mesh, &mut options)?;
+    }
     let (patches, inflected) = smooth(&mesh, smoothing, &options, tool.flip)?;
-    let summary = format!("{} Nagata patches, {source}, {}", patches.len(), some(inflected, "inflected edge"));
+    if smoothing == Smoothing::Facet {
+        let summary = format!("{} flat facets{parts}", patches.len());
+        return Ok(Described { warnings, ..Described::plain(Geometry::Patches(patches), summary) });
+    }
+    let summary = format!("{} Nagata patches{parts}, {source}, {}", patches.len(), some(inflected, "inflected edge"));
     Ok(Described { inflected: Some(inflected), warnings, ..Described::plain(Geometry::Patches(patches), summary) })
+}
+
+/// A mesh whose facets are split on the Nagata patches of its normals; `options` become those of the parts. What was sharp stays
+/// so, though the parts may meet there at less than the feature angle.
+fn refined(mesh: Mesh, times: &Located<u32>, options: &mut NormalOptions, flip: bool) -> Result<Mesh> {
+    let curves = refine::of_surface(&mesh, options, flip)?;
+    let mut lines: Vec<[u32; 2]> = curves.sharp.iter().copied().collect();
+    lines.sort_unstable();
+    let mut mesh = mesh;
+    if !lines.is_empty() {
+        let mut name = "sharp edges".to_string();
+        while mesh.groups.contains_key(&name) {
+            name.push('+');
+        }
+        mesh.groups.insert(name.clone(), Group { lines, ..Group::default() });
+        options.sharp.push(name);
+    }
+    options.given = None;
+    refine::split(mesh, times, &curves, |_, _| false)
 }
 
 fn of_cad(tool: &scene::Tool, file: &CadFile, noun: &str) -> Result<Described> {

@@ -34,7 +34,7 @@ const RULE: [([f64; 8], Gradients<8>); 8] = {
 };
 
 /// Shape functions at the Gauss points.
-const VALUES: [[f64; 8]; 8] = {
+pub const VALUES: [[f64; 8]; 8] = {
     let mut values = [[0.0; 8]; 8];
     let mut q = 0;
     while q < 8 {

@@ -135,6 +135,7 @@ impl MovingPatch {
             coefficients: [Vec3::zeros(); 4],
             edges: self.edges,
             on_boundary: self.on_boundary,
+            deviation: 0.0,
         }
     }
 

@@ -1,0 +1,224 @@
+//! Recovered fields: continuous stress and strain, better than those of the elements.
+//!
+//! The superconvergent patch recovery of Zienkiewicz and Zhu (IJNME 33, 1992, 1331-1364): around every node a linear
+//! polynomial is fitted to the values in the middles of its elements, by least squares; its value at the node is the
+//! recovered one, and between nodes shape functions interpolate. Where the middles lie in a plane, a line or a point, as at
+//! the nodes of a face, an edge or a corner, the polynomial knows nothing of some directions; the value is then the mean of
+//! those of the polynomials of the nodes next to it that know more.
+
+use crate::model::Model;
+use crate::model::elements::{carrying, medium, samples};
+use crate::solid::element::{Inverted, Sample};
+use crate::solid::voigt::{Voigt, left_cauchy_green, logarithm};
+use crate::{Mat3, Vec3};
+use mpi::topology::SimpleCommunicator;
+
+/// Kirchhoff stress, then spatial logarithmic strain 1/2 ln b: what is recovered.
+pub const WIDTH: usize = 12;
+pub type Values = [f64; WIDTH];
+
+/// Variance of the middles of elements along a direction over that of their nodes, below which they lie on top of each other;
+/// in regular meshes it is a half inside, and zero across a face.
+const FLAT: f64 = 0.1;
+
+/// Numbers of a [`Fit`] that travel between ranks.
+const PACKED: usize = 1 + 4 * WIDTH;
+
+/// The recovered values.
+pub struct Recovered {
+    /// Of each local node.
+    pub values: Vec<f64>,
+    /// Directions that the polynomial of each local node knows of.
+    known: Vec<f64>,
+}
+
+/// Sums over the elements around a node, places from the node.
+#[derive(Clone, Default)]
+struct Sums {
+    elements: f64,
+    middle: Vec3,
+    middles: Mat3,
+    corners: f64,
+    corner: Vec3,
+    corner_squares: Mat3,
+    value: Values,
+    moments: [Vec3; WIDTH],
+}
+
+/// A linear polynomial around a node.
+struct Fit {
+    known: f64,
+    value: Values,
+    slopes: [Vec3; WIDTH],
+}
+
+impl Sums {
+    fn add(&mut self, corners: impl Iterator<Item = Vec3> + Clone, values: &Values) {
+        let count = corners.clone().count() as f64;
+        let middle = corners.clone().sum::<Vec3>() / count;
+        self.elements += 1.0;
+        self.middle += middle;
+        self.middles += middle * middle.transpose();
+        self.corners += count;
+        for y in corners {
+            self.corner += y;
+            self.corner_squares += y * y.transpose();
+        }
+        for ((sum, moment), value) in self.value.iter_mut().zip(&mut self.moments).zip(values) {
+            *sum += value;
+            *moment += middle * *value;
+        }
+    }
+
+    /// The polynomial; in a plane nothing varies along z.
+    fn fit(&self, plane: bool) -> Fit {
+        let mean = self.middle / self.elements;
+        let corner = self.corner / self.corners;
+        let mut spread = self.middles / self.elements - mean * mean.transpose();
+        let mut size = self.corner_squares / self.corners - corner * corner.transpose();
+        if plane {
+            for k in 0..3 {
+                (spread[(2, k)], spread[(k, 2)]) = (0.0, 0.0);
+                (size[(2, k)], size[(k, 2)]) = (0.0, 0.0);
+            }
+            size[(2, 2)] = 1.0;
+        }
+        // In coordinates in which the corners spread by one in all directions, so that long elements count as cubes do.
+        let unit = size.cholesky().and_then(|c| c.l().try_inverse()).unwrap_or_else(Mat3::zeros);
+        let eigen = (unit * spread * unit.transpose()).symmetric_eigen();
+        let (mut inverse, mut known) = (Mat3::zeros(), 0.0);
+        for (value, direction) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value > FLAT {
+                let direction = unit.transpose() * direction;
+                inverse += direction * direction.transpose() / *value;
+                known += 1.0;
+            }
+        }
+        let value: Values = self.value.map(|sum| sum / self.elements);
+        let slopes = std::array::from_fn(|k| inverse * (self.moments[k] / self.elements - mean * value[k]));
+        Fit { known, value: std::array::from_fn(|k| value[k] - slopes[k].dot(&mean)), slopes }
+    }
+}
+
+impl Fit {
+    fn pack(&self, into: &mut [f64]) {
+        into[0] = self.known;
+        into[1..=WIDTH].copy_from_slice(&self.value);
+        for (k, slope) in self.slopes.iter().enumerate() {
+            into[1 + WIDTH + 3 * k..][..3].copy_from_slice(slope.as_slice());
+        }
+    }
+
+    /// The values of a packed polynomial so far from its node.
+    fn at(packed: &[f64], y: &Vec3) -> Values {
+        std::array::from_fn(|k| {
+            let slope = &packed[1 + WIDTH + 3 * k..][..3];
+            packed[1 + k] + slope[0] * y.x + slope[1] * y.y + slope[2] * y.z
+        })
+    }
+}
+
+/// Nodes that carry an element, those that others share their displacement with in place of these.
+fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = usize> + Clone + 'a {
+    carrying(model, &model.part.solids[e]).iter().map(|&n| model.part.tie[n as usize] as usize)
+}
+
+fn is_plane(model: &Model, e: usize) -> bool {
+    model.bodies[model.part.solids[e].body as usize].plane_strain
+}
+
+/// Stress and strain at an integration point of element `e`.
+pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> Result<Values, Inverted> {
+    let medium = medium(model, e);
+    let lost = Inverted { det_f: sample.det_f };
+    let stress = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
+    let strain: Voigt = logarithm(&left_cauchy_green(&sample.f)).map(|s| 0.5 * s);
+    Ok(std::array::from_fn(|k| if k < 6 { stress[k] } else { strain[k - 6] }))
+}
+
+/// Their mean over an element: the values in its middle, but for terms of second order.
+fn middle(model: &Model, e: usize, u: &[Vec3]) -> Result<Values, Inverted> {
+    let samples = samples(model, e, u)?;
+    let (mut mean, mut weight) = ([0.0; WIDTH], 0.0);
+    for (q, sample) in samples.iter().enumerate() {
+        let values = values_at(model, e, q, sample)?;
+        mean.iter_mut().zip(values).for_each(|(sum, value)| *sum += sample.weight * value);
+        weight += sample.weight;
+    }
+    Ok(mean.map(|sum| sum / weight))
+}
+
+impl Recovered {
+    /// Of a state that has converged, with displacements `u` of all local nodes. Collective; the outcome is of this rank.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self, (usize, Inverted)> {
+        let (part, count) = (&model.part, model.part.points.len());
+        let mut sums = vec![Sums::default(); part.owned];
+        let mut plane = vec![false; part.owned];
+        let mut outcome = Ok(());
+        for e in 0..part.solids.len() {
+            let values = middle(model, e, u).unwrap_or_else(|error| {
+                outcome = Err((e, error));
+                [0.0; WIDTH]
+            });
+            for n in nodes_of(model, e).filter(|n| *n < part.owned) {
+                sums[n].add(nodes_of(model, e).map(|m| part.points[m] - part.points[n]), &values);
+                plane[n] = is_plane(model, e);
+            }
+        }
+        let mut fits = vec![0.0; count * PACKED];
+        for (n, sums) in sums.iter().enumerate().filter(|(_, sums)| sums.elements > 0.0) {
+            sums.fit(plane[n]).pack(&mut fits[n * PACKED..][..PACKED]);
+        }
+        drop(sums);
+        part.halo.update(comm, PACKED, &mut fits);
+        let known: Vec<f64> = (0..count).map(|n| fits[n * PACKED]).collect();
+        let mut values = Self::spread(model, &fits, &known);
+        part.halo.update(comm, WIDTH, &mut values);
+        outcome.map(|()| Self { values, known })
+    }
+
+    /// The values at owned nodes, those that know less than others from these.
+    fn spread(model: &Model, fits: &[f64], known: &[f64]) -> Vec<f64> {
+        let part = &model.part;
+        let mut best = known.to_vec();
+        for e in 0..part.solids.len() {
+            let most = nodes_of(model, e).map(|n| known[n]).fold(0.0, f64::max);
+            nodes_of(model, e).for_each(|n| best[n] = best[n].max(most));
+        }
+        let mut values = vec![0.0; known.len() * WIDTH];
+        let mut shares = vec![0.0; part.owned];
+        for e in 0..part.solids.len() {
+            for n in nodes_of(model, e).filter(|n| *n < part.owned && known[*n] < best[*n]) {
+                for m in nodes_of(model, e).filter(|m| known[*m] == best[n]) {
+                    let from = Fit::at(&fits[m * PACKED..][..PACKED], &(part.points[n] - part.points[m]));
+                    values[n * WIDTH..][..WIDTH].iter_mut().zip(from).for_each(|(sum, value)| *sum += value);
+                    shares[n] += 1.0;
+                }
+            }
+        }
+        for n in 0..part.owned {
+            let own = &mut values[n * WIDTH..][..WIDTH];
+            match shares[n] {
+                0.0 => own.copy_from_slice(&fits[n * PACKED + 1..][..WIDTH]),
+                shares => own.iter_mut().for_each(|value| *value /= shares),
+            }
+        }
+        values
+    }
+
+    /// Values of the nodes of element `e`, weighted by shape functions.
+    pub fn at(&self, model: &Model, e: usize, shape: &[f64]) -> Values {
+        let mut sum = [0.0; WIDTH];
+        for (n, share) in nodes_of(model, e).zip(shape) {
+            let own = &self.values[n * WIDTH..][..WIDTH];
+            sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
+        }
+        sum
+    }
+
+    /// Whether element `e` is one of a single layer: no node of it has a polynomial that knows all directions.
+    pub fn is_thin(&self, model: &Model, e: usize) -> bool {
+        let all = if is_plane(model, e) { 2.0 } else { 3.0 };
+        nodes_of(model, e).all(|n| self.known[n] < all)
+    }
+}

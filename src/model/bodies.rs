@@ -1,0 +1,138 @@
+//! The meshes of the bodies, split as the scene asks.
+
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::mesh::{self, Mesh, Purpose, SolidShape};
+use crate::refine::{self, Curves};
+use crate::scene::{Body, Located, MeshSource, Scene};
+use std::collections::HashMap;
+use std::path::PathBuf;
+
+/// The mesh of a body.
+pub struct Meshed {
+    pub mesh: Mesh,
+    /// For each node the one whose displacement it shares.
+    pub ties: Vec<u32>,
+    /// The highest number of a node of its file; higher ones are of nodes that splitting has made.
+    pub last: u64,
+}
+
+/// Reads and splits the meshes of all bodies.
+///
+/// # Errors
+/// Meshes that cannot be read, are not fit for plane strain, or cannot be split.
+pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
+    let mut read: Vec<Meshed> = scene.bodies.iter().map(read).collect::<Result<_>>()?;
+    let mut curves = Vec::new();
+    for (body, meshed) in scene.bodies.iter().zip(&read) {
+        curves.push(curves_of(scene, body, meshed)?);
+    }
+    agree(scene, &read, &mut curves);
+    for ((body, meshed), curves) in scene.bodies.iter().zip(&mut read).zip(curves) {
+        let (Some(times), Some(curves)) = (&body.refine, curves) else { continue };
+        let ties = std::mem::take(&mut meshed.ties);
+        let is_tied = |a: u32, b: u32| a != b && ties[a as usize] == ties[b as usize];
+        meshed.mesh = refine::split(std::mem::take(&mut meshed.mesh), times, &curves, is_tied)?;
+        meshed.ties = tie(body, &mut meshed.mesh)?;
+    }
+    Ok(read)
+}
+
+/// The mesh of a body as its file has it; a block with its numbers of elements doubled as often as it is to be split.
+fn read(body: &Body) -> Result<Meshed> {
+    let mut source = body.mesh.clone();
+    if let (MeshSource::Block(block), Some(times)) = (&mut source, &body.refine) {
+        let split = if is_plane(body) { 2 } else { 3 };
+        block.value.elements[..split].iter_mut().for_each(|n| *n = n.saturating_mul(1 << times.value));
+    }
+    let mut mesh = mesh::load(&source, Purpose::Body)?;
+    let last = mesh.point_ids.iter().copied().max().unwrap_or(0);
+    let ties = tie(body, &mut mesh)?;
+    Ok(Meshed { mesh, ties, last })
+}
+
+fn is_plane(body: &Body) -> bool {
+    body.plane_strain.as_ref().is_some_and(|asked| asked.value)
+}
+
+fn tie(body: &Body, mesh: &mut Mesh) -> Result<Vec<u32>> {
+    match &body.plane_strain {
+        Some(asked) if asked.value => mesh::tie_layer(mesh, &asked.at),
+        _ => Ok((0..mesh.points.len() as u32).collect()),
+    }
+}
+
+/// The curved edges of a body from a file that is to be split.
+fn curves_of(scene: &Scene, body: &Body, meshed: &Meshed) -> Result<Option<Curves>> {
+    let (Some(times), MeshSource::File { .. }) = (&body.refine, &body.mesh) else { return Ok(None) };
+    let groups = body.symmetry.iter().filter_map(|set| set.value.split_once('.').map(|(_, group)| group));
+    let groups: Vec<&str> = groups.collect();
+    let mut curves = refine::of_body(&meshed.mesh, &groups, &scene.controls).map_err(|error| match error {
+        Error::Input { at: None, what, help } => {
+            let what = format!("the boundary of body `{}` cannot be split: {what}", body.name.value);
+            Error::input(&times.at, what, help)
+        }
+        other => other,
+    })?;
+    if is_plane(body) {
+        flatten(&meshed.mesh, &mut curves);
+    }
+    Ok(Some(curves))
+}
+
+/// In one layer of upright elements both ends of each have the same curves, within their planes.
+fn flatten(mesh: &Mesh, curves: &mut Curves) {
+    let mut flat = Curves { edges: std::mem::take(&mut curves.edges), ..Curves::default() };
+    for solid in mesh.solids.iter().filter(|solid| solid.shape == SolidShape::Hex8) {
+        for k in 0..4 {
+            let ends = [0, 4].map(|layer| [solid.nodes[layer + k], solid.nodes[layer + (k + 1) % 4]]);
+            let sum: Vec3 = ends.iter().filter_map(|[a, b]| curves.at(*a, *b)).sum();
+            let c = Vec3::new(0.5 * sum.x, 0.5 * sum.y, 0.0);
+            if c != Vec3::zeros() {
+                flat.of.extend(ends.map(|[a, b]| ([a.min(b), a.max(b)], c)));
+            }
+        }
+    }
+    *curves = flat;
+}
+
+/// Bodies of one file that share nodes get the same curves for the edges that both end in, the mean of theirs.
+fn agree(scene: &Scene, read: &[Meshed], curves: &mut [Option<Curves>]) {
+    let file = |body: &Body| match &body.mesh {
+        MeshSource::File { path: Located { value, .. }, .. } => value.canonicalize().ok(),
+        MeshSource::Block(_) => None,
+    };
+    let files: Vec<Option<PathBuf>> = scene.bodies.iter().map(file).collect();
+    let of_body = |k: usize| curves[k].as_ref().filter(|_| files[k].is_some());
+    if (0..files.len()).filter(|k| of_body(*k).is_some()).count() < 2 {
+        return;
+    }
+    let number = |k: usize, edge: &[u32; 2]| {
+        let [a, b] = edge.map(|n| read[k].mesh.point_ids[n as usize]);
+        (&files[k], a.min(b), a.max(b))
+    };
+    // The sum over the bodies whose boundary an edge is on, and how many these are.
+    let mut shared: HashMap<_, (Vec3, f64)> = HashMap::new();
+    for k in 0..files.len() {
+        let Some(curves) = of_body(k) else { continue };
+        for edge in &curves.edges {
+            let entry = shared.entry(number(k, edge)).or_default();
+            entry.0 += curves.of.get(edge).copied().unwrap_or_default();
+            entry.1 += 1.0;
+        }
+    }
+    let mut means: Vec<Vec<([u32; 2], Vec3)>> = vec![Vec::new(); files.len()];
+    for k in 0..files.len() {
+        let Some(curves) = of_body(k) else { continue };
+        for edge in &curves.edges {
+            if let Some((sum, count)) = shared.get(&number(k, edge)).filter(|(_, count)| *count > 1.0) {
+                means[k].push((*edge, sum / *count));
+            }
+        }
+    }
+    for (curves, means) in curves.iter_mut().zip(means) {
+        if let Some(curves) = curves {
+            curves.of.extend(means);
+        }
+    }
+}
