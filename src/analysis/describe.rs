@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
 use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing};
-use crate::system::{DofMap, Pattern};
+use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::fmt::Write;
@@ -202,7 +202,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let still = vec![crate::Vec3::zeros(); model.part.points.len()];
     for step in &scene.steps {
         let conditions = agree(comm, Conditions::new(comm, model, step, &still, &last))?;
-        let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
+        let dofs =
+            DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms(), near::everywhere(&model.pairs));
         let Model { part, masters, pairs, .. } = &mut *model;
         masters.follow(comm, pairs, |n| part.points[n as usize]);
         let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;

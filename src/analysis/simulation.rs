@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::output::summary::Summary;
-use crate::parallel::sum;
+use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
@@ -136,6 +136,7 @@ impl<'a> Simulation<'a> {
         Checkpoint {
             state: self.state.clone(),
             progress: self.running.as_ref().map(|running| running.frame.progress.clone()),
+            near: self.running.as_ref().map(|running| running.frame.dofs.near.clone()),
             memory: Memory::of(&self.model),
         }
     }
@@ -149,12 +150,17 @@ impl<'a> Simulation<'a> {
         to.memory.give(&mut self.model);
         let same =
             |running: &&mut Running| to.progress.as_ref().is_some_and(|p| p.serial == running.frame.progress.serial);
-        if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress) {
+        let near = self.running.as_ref().map(|running| &running.frame.dofs.near);
+        let same_equations = !any(self.comm, near != to.near.as_ref());
+        if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress)
+            && same_equations
+        {
             running.frame.progress.clone_from(progress);
             return Ok(());
         }
         self.running = None;
-        to.progress.clone().map_or(Ok(()), |progress| self.set_up(progress))
+        let Some((progress, near)) = to.progress.clone().zip(to.near.clone()) else { return Ok(()) };
+        self.set_up(progress, near)
     }
 
     /// Where a tool is, and what it bears; `None` where there is none of the name.

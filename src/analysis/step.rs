@@ -17,14 +17,15 @@ use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
+use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
-use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Reason, Snes, Vector};
+use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
 pub(super) struct Frame {
     pub(super) progress: Progress,
-    dofs: DofMap,
+    pub(super) dofs: DofMap,
     pattern: Pattern,
     /// Supports alone do not hold every body and force-driven tool.
     pub(super) hangs: bool,
@@ -162,20 +163,17 @@ impl<'a> Simulation<'a> {
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
         };
-        self.set_up(progress)
+        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))
     }
 
-    /// Makes the equations of a step. Collective.
-    pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
+    /// Makes the equations of a step, in which these slave nodes have some of contact. Collective.
+    pub(super) fn set_up(&mut self, progress: Progress, near: Near) -> Result<()> {
         let conditions = &progress.conditions;
-        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
+        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
-        self.summary.dofs = dofs.total;
-        self.summary.multipliers = dofs.total_multipliers;
+        self.summary.count(dofs.total, dofs.total_multipliers);
         let symmetric = conditions.is_symmetric(&self.model);
-        let values = vec![0.0; pattern.columns.len()];
-        let mut matrix = Matrix::from_csr(self.petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
-        matrix.set_symmetric(symmetric)?;
+        let matrix = matrix(self.petsc, &dofs, &pattern, symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
@@ -332,7 +330,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn attempt(
         &mut self,
         frame: &mut Frame,
-        (snes, x): (&mut Snes, &mut Vector),
+        (snes, x): (&mut Snes<'a>, &mut Vector<'a>),
         (end, share): (f64, Share),
         drag: f64,
         observer: &mut Observer,
@@ -373,7 +371,7 @@ impl<'a> Simulation<'a> {
         let system = System {
             comm: self.comm,
             model: &mut self.model,
-            dofs: &frame.dofs,
+            dofs: &mut frame.dofs,
             pattern: &mut frame.pattern,
             conditions: &frame.progress.conditions,
             phases: &self.phases,
@@ -390,6 +388,17 @@ impl<'a> Simulation<'a> {
         let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
+            if newton.grows() {
+                let (old, unknowns) = newton.grow()?;
+                let System { model, dofs, pattern, conditions, .. } = &newton.system;
+                self.summary.count(dofs.total, dofs.total_multipliers);
+                let matrix = matrix(self.petsc, dofs, pattern, conditions.is_symmetric(model))?;
+                let place = |n: u32| model.part.points[n as usize] + self.state.u[n as usize];
+                snes.renew(matrix, || dofs.unknowns(model, place))?;
+                *x = Vector::from_slice(self.petsc, &unknowns)?;
+                frame.progress.past.iter_mut().for_each(|(_, past)| *past = dofs.carry(&old, past));
+                continue;
+            }
             let at = (name.as_str(), self.state.time);
             let stopped = newton.course.stopped.take();
             if let Some(error) = stopped.or_else(|| {
@@ -402,6 +411,7 @@ impl<'a> Simulation<'a> {
                 break Ok(Some((cause, told(&outcome.reason, max_iterations))));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
+            newton.course.iterated = 0;
             if newton.widen_search() {
                 continue;
             }
@@ -418,6 +428,7 @@ impl<'a> Simulation<'a> {
         };
         self.summary.outer_iterations += newton.course.rounds.count;
         self.summary.pattern_rebuilds += newton.course.rebuilds;
+        self.summary.growths += newton.course.growths;
         let attempt = match ended {
             Err(error) => Err(error),
             Ok(None) => Ok(Attempt::Converged(Box::new(converged(newton, &x.array()?)))),
@@ -569,6 +580,14 @@ impl<'a> Simulation<'a> {
         let what = describe::failure(&failure, &failed.reason, conditioning.as_deref(), word.as_deref());
         Failure { what, ..failure }
     }
+}
+
+/// The matrix of a step, with zeros. Collective.
+fn matrix<'a>(petsc: &'a Petsc<'a>, dofs: &DofMap, pattern: &Pattern, symmetric: bool) -> Result<Matrix<'a>> {
+    let values = vec![0.0; pattern.columns.len()];
+    let mut matrix = Matrix::from_csr(petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
+    matrix.set_symmetric(symmetric)?;
+    Ok(matrix)
 }
 
 /// What is kept of a converged iterate.

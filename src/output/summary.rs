@@ -17,9 +17,9 @@ pub struct Summary {
     pub interrupted: bool,
     /// Name of the scene.
     pub scene: String,
-    /// Unknowns in the system, multipliers and free tool directions included.
+    /// Unknowns in the largest system, multipliers and free tool directions included.
     pub dofs: u64,
-    /// Multiplier unknowns among them.
+    /// Multiplier unknowns at most.
     pub multipliers: u64,
     pub elements: u64,
     /// Converged increments.
@@ -34,6 +34,8 @@ pub struct Summary {
     pub outer_iterations: usize,
     /// Times that the sparsity pattern was built anew for contact with deformable masters.
     pub pattern_rebuilds: usize,
+    /// Times that slave nodes came to touch without having equations, and got them.
+    pub growths: usize,
     /// What was done for linear systems.
     pub linear: LinearStatistics,
     /// Times that patches of deformable masters were fetched.
@@ -51,6 +53,12 @@ pub struct Summary {
 }
 
 impl Summary {
+    /// Takes note of the size of a system.
+    pub fn count(&mut self, unknowns: u64, multipliers: u64) {
+        self.dofs = self.dofs.max(unknowns);
+        self.multipliers = self.multipliers.max(multipliers);
+    }
+
     /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), and the peak
     /// memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each rank added. Collective.
     ///
@@ -93,6 +101,7 @@ impl Summary {
             "iterations": self.iterations,
             "outer_iterations": self.outer_iterations,
             "pattern_rebuilds": self.pattern_rebuilds,
+            "growths": self.growths,
             "analyses": self.linear.analyses,
             "factorizations": self.linear.factorizations,
             "linear_iterations": self.linear.krylov_iterations,
@@ -141,7 +150,7 @@ mod tests {
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
-             pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
+             pattern_rebuilds growths analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
              wall_s phases_s peak_memory_mb by_rank matrix linear_solver warnings controls"
                 .split_whitespace()
                 .collect();

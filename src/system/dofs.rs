@@ -1,8 +1,9 @@
 //! Equation numbers.
 //!
-//! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
+//! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column exists. A node's displacements are
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
+use super::near::Near;
 use crate::Vec3;
 use crate::failure::Place;
 use crate::model::Model;
@@ -24,6 +25,8 @@ pub struct DofMap {
     pub node: Vec<[i64; 3]>,
     /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
+    /// The slave nodes that have equations of contact.
+    pub near: Near,
     /// For each tool the equations of its free translations.
     pub tool: Vec<[i64; 3]>,
     /// Global number of this rank's first equation.
@@ -48,17 +51,26 @@ pub struct ToolFreedom {
 
 impl DofMap {
     /// Numbers what is free. `prescribed` has three entries an owned node. Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, prescribed: &[Prescribed], tools: &[ToolFreedom]) -> Self {
+    pub fn new(
+        comm: &SimpleCommunicator,
+        model: &Model,
+        prescribed: &[Prescribed],
+        tools: &[ToolFreedom],
+        near: Near,
+    ) -> Self {
         let part = &model.part;
         let mut by_node: Vec<Vec<(usize, usize)>> = vec![Vec::new(); part.owned];
         for (p, pair) in model.pairs.iter().enumerate() {
             for (s, slave) in pair.slaves.iter().enumerate() {
-                by_node[slave.node as usize].push((p, s));
+                if near[p][s] {
+                    by_node[slave.node as usize].push((p, s));
+                }
             }
         }
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
+            near,
             tool: vec![[NONE; 3]; tools.len()],
             first: 0,
             count: 0,
@@ -134,6 +146,24 @@ impl DofMap {
     pub fn local(&self, equation: i64) -> Option<usize> {
         let k = equation - self.first;
         (equation != NONE && (0..self.count as i64).contains(&k)).then_some(k as usize)
+    }
+
+    /// The `values` of the local unknowns that another numbering of the same step has, as this one has them: zero where it has
+    /// none.
+    pub fn carry(&self, from: &Self, values: &[f64]) -> Vec<f64> {
+        let mut carried = vec![0.0; self.count];
+        for (to, from_equation) in self.equations().zip(from.equations()) {
+            if let (Some(k), Some(l)) = (self.local(to), from.local(from_equation)) {
+                carried[k] = values[l];
+            }
+        }
+        carried
+    }
+
+    /// All equations that this rank sees, in an order that does not depend on their numbers.
+    fn equations(&self) -> impl Iterator<Item = i64> {
+        let multipliers = self.multiplier.iter().flatten();
+        self.node.iter().chain(multipliers).chain(&self.tool).flatten().copied()
     }
 
     /// Of each local equation whether its unknown is a force, not a displacement.
