@@ -218,7 +218,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         };
         let _ = writeln!(
             text,
-            "step `{}`: {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",
+            "step `{}`: at most {} dofs, {} multipliers among them, {} matrix with {:.0} entries, {solver}, about {memory:.0} MB",
             step.name.value, dofs.total, dofs.total_multipliers, matrix, entries[0]
         );
         last = conditions;

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
+use crate::output::summary::Summary;
 use crate::output::{self, OutputFolder};
 use crate::parallel::{Sent, agree, sent};
 use crate::scene::{Scene, Step};
@@ -46,7 +47,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
     let mut recorder = Recorder { log, results, every: scene.output.every, since_written: 0 };
     let outcome = recorder.steps(&mut simulation, options.steps.unwrap_or(usize::MAX));
-    let mut summary = simulation.summary();
+    let mut summary = Summary { carried: simulation.carried(), ..simulation.summary() };
     summary.converged = outcome.is_ok();
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
@@ -70,10 +71,10 @@ fn measure_solver(petsc: &Petsc, linear: &LinearStatistics, phases: &Phases) {
         let total: f64 = events.iter().map(|e| petsc.log_seconds(e).unwrap_or(0.0)).sum();
         Duration::from_secs_f64(total)
     };
-    phases.add(Phase::Factor, seconds(&["MatLUFactorSym", "MatLUFactorNum", "MatCholFctrSym", "MatCholFctrNum"]));
-    phases.add(Phase::Solve, seconds(&["MatSolve"]));
-    phases.add(Phase::Factor, Duration::from_secs_f64(linear.set_up_s));
-    phases.add(Phase::Solve, Duration::from_secs_f64(linear.iterate_s));
+    let factor = seconds(&["MatLUFactorSym", "MatLUFactorNum", "MatCholFctrSym", "MatCholFctrNum"]);
+    let [set_up, iterate] = [linear.set_up_s, linear.iterate_s].map(Duration::from_secs_f64);
+    phases.add_calls(Phase::Factor, factor + set_up, linear.factorizations);
+    phases.add_calls(Phase::Solve, seconds(&["MatSolve"]) + iterate, linear.solves);
 }
 
 /// Writes what a simulation does.
@@ -120,8 +121,9 @@ impl Recorder {
         Ok(())
     }
 
-    fn write_fields(&mut self, simulation: &Simulation) -> Result<()> {
+    fn write_fields(&mut self, simulation: &mut Simulation) -> Result<()> {
         self.since_written = 0;
+        simulation.count_stresses();
         let state = simulation.state();
         self.results.write_fields(simulation.comm(), simulation.model(), state.time, &state.u)
     }

@@ -5,11 +5,11 @@ use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, State, preflight};
 use crate::Vec3;
-use crate::contact::Status;
+use crate::contact::{Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
-use crate::output::summary::Summary;
+use crate::output::summary::{Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
 use mpi::topology::SimpleCommunicator;
@@ -118,6 +118,22 @@ impl<'a> Simulation<'a> {
     pub fn summary(&self) -> Summary {
         let search_fetches = self.model.masters.surfaces.iter().map(|s| s.fetches).sum();
         Summary { search_fetches, ..self.summary.clone() }
+    }
+
+    /// What it carries from one increment to the next. Collective.
+    pub fn carried(&self) -> Carried {
+        let slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
+        let history = &self.model.history;
+        let own = [slaves.clone().count(), slaves.map(Slave::bytes).sum(), history.states().len(), history.bytes()];
+        let mut all = own.map(|count| count as f64);
+        sum(self.comm, &mut all);
+        let [slave_nodes, contact_bytes, points, history_bytes] = all.map(|count| count as u64);
+        Carried { slave_nodes, contact_bytes, points, history_bytes, ..self.summary.carried }
+    }
+
+    /// Counts an evaluation of stresses.
+    pub fn count_stresses(&mut self) {
+        self.summary.carried.stress_fields += 1;
     }
 
     /// Adds a warning to the summary.

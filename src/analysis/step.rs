@@ -19,6 +19,7 @@ use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
+use mpi::topology::SimpleCommunicator;
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
 use std::time::Instant;
 
@@ -171,7 +172,7 @@ impl<'a> Simulation<'a> {
         let conditions = &progress.conditions;
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
-        self.summary.count(dofs.total, dofs.total_multipliers);
+        self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, &pattern));
         let symmetric = conditions.is_symmetric(&self.model);
         let matrix = matrix(self.petsc, &dofs, &pattern, symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
@@ -391,7 +392,6 @@ impl<'a> Simulation<'a> {
             if newton.grows() {
                 let (old, unknowns) = newton.grow()?;
                 let System { model, dofs, pattern, conditions, .. } = &newton.system;
-                self.summary.count(dofs.total, dofs.total_multipliers);
                 let matrix = matrix(self.petsc, dofs, pattern, conditions.is_symmetric(model))?;
                 let place = |n: u32| model.part.points[n as usize] + self.state.u[n as usize];
                 snes.renew(matrix, || dofs.unknowns(model, place))?;
@@ -429,6 +429,10 @@ impl<'a> Simulation<'a> {
         self.summary.outer_iterations += newton.course.rounds.count;
         self.summary.pattern_rebuilds += newton.course.rebuilds;
         self.summary.growths += newton.course.growths;
+        if newton.course.rebuilds + newton.course.growths > 0 {
+            let System { dofs, pattern, .. } = &newton.system;
+            self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, pattern));
+        }
         let attempt = match ended {
             Err(error) => Err(error),
             Ok(None) => Ok(Attempt::Converged(Box::new(converged(newton, &x.array()?)))),
@@ -445,6 +449,9 @@ impl<'a> Simulation<'a> {
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
+        if self.model.is_alone() {
+            return;
+        }
         let begun = Instant::now();
         let Model { part, masters, pairs, .. } = &mut self.model;
         let Progress { conditions, poses, offsets, .. } = &frame.progress;
@@ -580,6 +587,13 @@ impl<'a> Simulation<'a> {
         let what = describe::failure(&failure, &failed.reason, conditioning.as_deref(), word.as_deref());
         Failure { what, ..failure }
     }
+}
+
+/// Entries on all ranks. Collective.
+fn entries(comm: &SimpleCommunicator, pattern: &Pattern) -> u64 {
+    let mut entries = [pattern.columns.len() as f64];
+    sum(comm, &mut entries);
+    entries[0] as u64
 }
 
 /// The matrix of a step, with zeros. Collective.

@@ -1,16 +1,14 @@
 //! Which slave nodes have equations of contact: those near their master.
 //!
-//! A slave node far from its master has no force. It needs neither multipliers nor entries in the matrix, until it comes
-//! near. So only nodes that touch, or are within a few facets of the master, have them. Contact elements look at all
-//! slave nodes at every iterate all the same: one that touches without having equations gets them before the iteration goes
-//! on, and with it all that are near then. No multiplier is lost or gained that was not zero, so that iterates are those
-//! that they would be if all nodes had equations.
+//! A slave node far from its master has no force, and needs neither multipliers nor entries in the matrix. So only nodes that
+//! touch, or have the master within the reach of the search, have them. Contact elements look at all slave nodes at every
+//! iterate all the same: where one touches that has no equations, it gets them before the iteration goes on, and with it
+//! all that are near then. No multiplier is gained or lost that was not zero, so that iterates are those with equations for all.
+//!
+//! The reach is two facets where the scene does not say: under an indenter that slides by an eighth of a facet an increment
+//! every 36th increment then asks for new equations, with a reach of one facet or a half every 18th.
 
 use crate::contact::{Pair, Slave, Status, Trial};
-
-/// Distance within which a node is near, over the longest edge of the slave facets. Under an indenter that slides by an eighth
-/// of a facet an increment, half of it asks for new equations every 17 increments, one for every 18, two for every 36.
-const NEAR: f64 = 2.0;
 
 /// For each pair and slave node of this rank whether it has equations of contact.
 pub type Near = Vec<Vec<bool>>;
@@ -20,15 +18,13 @@ pub fn everywhere(pairs: &[Pair]) -> Near {
     pairs.iter().map(|pair| vec![true; pair.slaves.len()]).collect()
 }
 
-/// The slave nodes that touch, did so at the last converged increment, or are near, with the iterate `of` each; and those
+/// The slave nodes that touch, did so at the last converged increment, or are near, in the iterate `of` each; and those
 /// that are to `stay`. Without multipliers there is nothing to spare.
 pub fn around(pairs: &[Pair], of: impl Fn(&Slave) -> &Trial, stay: Option<&Near>) -> Near {
     let is_near = |pair: &Pair, slave: &Slave| {
         let trial = of(slave);
-        let distance = NEAR * pair.facet_size;
-        pair.width() == 0
-            || [trial.status, slave.committed.status].iter().any(|status| *status != Status::Gap)
-            || trial.projection.is_some_and(|p| p.gap <= distance)
+        let touches = [trial.status, slave.committed.status].iter().any(|status| *status != Status::Gap);
+        pair.width() == 0 || touches || trial.projection.is_some()
     };
     let of_pair = |(p, pair): (usize, &Pair)| {
         let stays = |s: usize| stay.is_some_and(|stay| stay[p][s]);

@@ -327,9 +327,11 @@ impl<'a> Newton<'a> {
         self.found.forces = forces;
         self.system.phases.add(Phase::Assembly, begun.elapsed());
         r.fill(0.0);
-        let begun = Instant::now();
-        self.add_contact(x, ahead.as_deref(), r);
-        self.system.phases.add(Phase::Search, begun.elapsed());
+        if !self.system.model.is_alone() {
+            let begun = Instant::now();
+            self.add_contact(x, ahead.as_deref(), r);
+            self.system.phases.add(Phase::Search, begun.elapsed());
+        }
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
@@ -403,7 +405,9 @@ impl Newton<'_> {
                 &mut self.values,
             );
         }
-        self.add_contact_tangent();
+        if !self.system.model.is_alone() {
+            self.add_contact_tangent();
+        }
         self.add_drag_tangent();
     }
 }
