@@ -180,10 +180,12 @@ impl<'a> Simulation<'a> {
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let linear = self.scene.solver.linear;
-        match cost::solver(linear, dofs.total, self.model.is_plane()) {
+        // Whatever is near now: the same in all steps.
+        let most = dofs.total + dofs.spared;
+        match cost::solver(linear, most, self.model.is_plane()) {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
-                snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, dofs.total))?;
+                snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, most))?;
                 snes.reuse_factors(cost::least_worth(linear))?;
                 self.summary.linear_solver = "FGMRES, multigrid".into();
             }

@@ -38,6 +38,8 @@ pub struct DofMap {
     /// Equations, and multipliers among them, of all ranks.
     pub total: u64,
     pub total_multipliers: u64,
+    /// Multipliers that slave nodes which are not near do without, on all ranks.
+    pub spared: u64,
 }
 
 /// What a step says about the motion of a tool.
@@ -62,9 +64,7 @@ impl DofMap {
         let mut by_node: Vec<Vec<(usize, usize)>> = vec![Vec::new(); part.owned];
         for (p, pair) in model.pairs.iter().enumerate() {
             for (s, slave) in pair.slaves.iter().enumerate() {
-                if near[p][s] {
-                    by_node[slave.node as usize].push((p, s));
-                }
+                by_node[slave.node as usize].push((p, s));
             }
         }
         let mut map = Self {
@@ -77,8 +77,9 @@ impl DofMap {
             starts: Vec::new(),
             total: 0,
             total_multipliers: 0,
+            spared: 0,
         };
-        let mut multipliers = 0;
+        let (mut multipliers, mut spared) = (0, 0);
         let mut next = 0i64;
         let mut number = || {
             next += 1;
@@ -100,8 +101,12 @@ impl DofMap {
                 };
                 let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
                 for d in (0..3).filter(|&d| carried[d] && wanted[d]) {
-                    map.multiplier[p][s][d] = number();
-                    multipliers += 1;
+                    if map.near[p][s] {
+                        map.multiplier[p][s][d] = number();
+                        multipliers += 1;
+                    } else {
+                        spared += 1;
+                    }
                 }
             }
         }
@@ -112,6 +117,7 @@ impl DofMap {
                 }
             }
         }
+        map.spared = self::number(comm, spared).1;
         map.finish(comm, model, next as usize, multipliers);
         map
     }
