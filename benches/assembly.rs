@@ -30,7 +30,7 @@ fn assemble(criterion: &mut Criterion) {
     let model = parsed.and_then(|s| Model::new(&world, &s, &Phases::default()));
     let mut model = model.unwrap_or_else(|e| panic!("{e}"));
     let held: Vec<_> = model.part.points.iter().flat_map(|x| [(x.z == 0.0).then_some((0.0, 0.0)); 3]).collect();
-    let dofs = DofMap::new(&world, &model, &held, &[]);
+    let dofs = DofMap::new(&world, &model, &held, &[], Vec::new());
     let points = model.part.points.clone();
     let place = |n: u32| points[n as usize];
     let pattern = Pattern::new(&world, &model, &dofs, place).unwrap();

@@ -400,6 +400,11 @@ impl Model {
         sums[0] / sums[1]
     }
 
+    /// Whether there is nothing to meet, neither contact nor tool; the same on all ranks.
+    pub fn is_alone(&self) -> bool {
+        self.pairs.is_empty() && self.masters.tools.is_empty()
+    }
+
     /// Whether some body is elastic-plastic; the same on all ranks.
     pub fn can_flow(&self) -> bool {
         self.bodies.iter().any(|body| body.material.remembers())

@@ -283,6 +283,18 @@ impl<'p> LinearSolver<'p> {
         Ok(())
     }
 
+    /// Goes on with systems of other unknowns: factors and multigrid are of no more use, all else stays. Collective.
+    pub(crate) fn renew(&mut self, unknowns: impl FnOnce() -> Unknowns) -> Result<(), Error> {
+        self.factor = None;
+        if let Some(reuse) = &mut self.reuse {
+            reuse.krylov = Krylov::new(self.petsc)?;
+        }
+        if let Some(multigrid) = &mut self.multigrid {
+            *multigrid = Multigrid::new(self.petsc, unknowns())?;
+        }
+        Ok(())
+    }
+
     /// The iterations of multigrid a system, if they were too many.
     pub fn impatience(&self) -> Option<usize> {
         let [iterations, systems] = self.taken;

@@ -146,16 +146,30 @@ impl<'p> Snes<'p> {
     /// Newton's method with J stored in `matrix`, factored so. PETSc's options apply. Collective.
     pub fn new(petsc: &'p Petsc<'p>, matrix: Matrix<'p>, factorization: Factorization) -> Result<Self, Error> {
         let residual = Vector::zeros(petsc, matrix.local_rows())?;
-        let mut raw = null_mut();
-        // SAFETY: a live communicator and a place for the handle.
-        check(unsafe { sys::SNESCreate(petsc.raw_comm(), &mut raw) })?;
+        let raw = create(petsc)?;
         let linear = LinearSolver::new(petsc, factorization);
         let snes = Self { petsc, raw, residual, matrix, linear };
-        snes.set_callbacks()?;
-        snes.set_defaults()?;
-        // SAFETY: a live solver.
-        check(unsafe { sys::SNESSetFromOptions(raw) })?;
+        snes.configure()?;
         Ok(snes)
+    }
+
+    /// Goes on with a system of other unknowns, J of which is stored in `matrix`, in place of the last one. What was
+    /// learnt of how such systems are best solved stays, and so do the statistics. Collective.
+    pub fn renew(&mut self, matrix: Matrix<'p>, unknowns: impl FnOnce() -> Unknowns) -> Result<(), Error> {
+        self.linear.renew(unknowns)?;
+        self.residual = Vector::zeros(self.petsc, matrix.local_rows())?;
+        let mut old = std::mem::replace(&mut self.raw, create(self.petsc)?);
+        // SAFETY: a live solver that nobody else holds.
+        check(unsafe { sys::SNESDestroy(&mut old) })?;
+        self.matrix = matrix;
+        self.configure()
+    }
+
+    fn configure(&self) -> Result<(), Error> {
+        self.set_callbacks()?;
+        self.set_defaults()?;
+        // SAFETY: a live solver.
+        check(unsafe { sys::SNESSetFromOptions(self.raw) })
     }
 
     fn set_callbacks(&self) -> Result<(), Error> {
@@ -305,6 +319,14 @@ impl<'p> Snes<'p> {
         // SAFETY: a live solver.
         unsafe { linear_solver(self.raw) }
     }
+}
+
+/// Collective.
+fn create(petsc: &Petsc) -> Result<sys::SNES, Error> {
+    let mut raw = null_mut();
+    // SAFETY: a live communicator and a place for the handle.
+    check(unsafe { sys::SNESCreate(petsc.raw_comm(), &mut raw) })?;
+    Ok(raw)
 }
 
 impl Drop for Snes<'_> {

@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
 use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
-use crate::system::{DofMap, Pattern};
+use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::Petsc;
@@ -274,7 +274,8 @@ fn equations(
     let still = vec![Vec3::zeros(); model.part.points.len()];
     let conditions = agree(comm, Conditions::new(comm, model, step, &still, last))?;
     let begun = Instant::now();
-    let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms());
+    let near = near::everywhere(&model.pairs);
+    let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms(), near);
     let Model { part, masters, pairs, .. } = &mut *model;
     masters.follow(comm, pairs, |n| part.points[n as usize]);
     let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;
@@ -294,7 +295,7 @@ fn equations_of(step: &Step, model: &Model, dofs: &DofMap, systems: &Systems) ->
         _ => factors,
     };
     format!(
-        "step `{}`: {} dofs, {} multipliers among them, {matrix} matrix with {:.0} entries, {solver}",
+        "step `{}`: at most {} dofs, {} multipliers among them, {matrix} matrix with {:.0} entries, {solver}",
         step.name.value, dofs.total, dofs.total_multipliers, systems.entries
     )
 }

@@ -17,12 +17,12 @@ use crate::error::Result;
 use petsc::{Snes, Vector};
 use std::fmt::Write;
 
-impl Simulation<'_> {
+impl<'a> Simulation<'a> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
     pub(super) fn jump(
         &mut self,
         frame: &mut Frame,
-        (snes, x): (&mut Snes, &mut Vector),
+        (snes, x): (&mut Snes<'a>, &mut Vector<'a>),
         end: f64,
         observer: &mut Observer,
     ) -> Result<Attempt> {
@@ -40,7 +40,7 @@ impl Simulation<'_> {
     fn drag_along(
         &mut self,
         frame: &mut Frame,
-        (snes, x): (&mut Snes, &mut Vector),
+        (snes, x): (&mut Snes<'a>, &mut Vector<'a>),
         end: f64,
         observer: &mut Observer,
     ) -> Result<Attempt> {

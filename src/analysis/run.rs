@@ -12,7 +12,7 @@ use crate::estimate::energy::Energy;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
-use crate::output::summary::peak_memory_mb;
+use crate::output::summary::{Summary, peak_memory_mb};
 use crate::output::{self, OutputFolder};
 use crate::parallel::{Sent, agree, sent, sum};
 use crate::scene::{Scene, Step};
@@ -70,7 +70,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
         seer,
     };
     let outcome = recorder.steps(&mut simulation);
-    let mut summary = simulation.summary();
+    let mut summary = Summary { carried: simulation.carried(), ..simulation.summary() };
     summary.converged = outcome.is_ok();
     summary.estimates.clone_from(&recorder.estimates.steps);
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
@@ -112,10 +112,10 @@ fn measure_solver(petsc: &Petsc, linear: &LinearStatistics, phases: &Phases) {
         let total: f64 = events.iter().map(|e| petsc.log_seconds(e).unwrap_or(0.0)).sum();
         Duration::from_secs_f64(total)
     };
-    phases.add(Phase::Factor, seconds(&["MatLUFactorSym", "MatLUFactorNum", "MatCholFctrSym", "MatCholFctrNum"]));
-    phases.add(Phase::Solve, seconds(&["MatSolve"]));
-    phases.add(Phase::Factor, Duration::from_secs_f64(linear.set_up_s));
-    phases.add(Phase::Solve, Duration::from_secs_f64(linear.iterate_s));
+    let factor = seconds(&["MatLUFactorSym", "MatLUFactorNum", "MatCholFctrSym", "MatCholFctrNum"]);
+    let [set_up, iterate] = [linear.set_up_s, linear.iterate_s].map(Duration::from_secs_f64);
+    phases.add_calls(Phase::Factor, factor + set_up, linear.factorizations);
+    phases.add_calls(Phase::Solve, seconds(&["MatSolve"]) + iterate, linear.solves);
 }
 
 /// Writes what a simulation does.
@@ -215,8 +215,9 @@ impl Recorder<'_> {
     }
 
     /// Collective.
-    fn write_fields(&mut self, simulation: &Simulation, energy: Option<&Energy>) -> Result<()> {
+    fn write_fields(&mut self, simulation: &mut Simulation, energy: Option<&Energy>) -> Result<()> {
         self.since_written = 0;
+        simulation.count_stresses();
         let state = simulation.state();
         self.results.write_fields(simulation.comm(), simulation.model(), (state.time, &state.u), energy)
     }

@@ -5,12 +5,12 @@ use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, State, preflight};
 use crate::Vec3;
-use crate::contact::Status;
+use crate::contact::{Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
-use crate::output::summary::Summary;
-use crate::parallel::sum;
+use crate::output::summary::{Carried, Summary};
+use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
@@ -121,6 +121,22 @@ impl<'a> Simulation<'a> {
         Summary { search_fetches, ..self.summary.clone() }
     }
 
+    /// What it carries from one increment to the next. Collective.
+    pub fn carried(&self) -> Carried {
+        let slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
+        let history = &self.model.history;
+        let own = [slaves.clone().count(), slaves.map(Slave::bytes).sum(), history.states().len(), history.bytes()];
+        let mut all = own.map(|count| count as f64);
+        sum(self.comm, &mut all);
+        let [slave_nodes, contact_bytes, points, history_bytes] = all.map(|count| count as u64);
+        Carried { slave_nodes, contact_bytes, points, history_bytes, ..self.summary.carried }
+    }
+
+    /// Counts an evaluation of stresses.
+    pub fn count_stresses(&mut self) {
+        self.summary.carried.stress_fields += 1;
+    }
+
     /// Adds a warning to the summary.
     pub fn warned(&mut self, warning: String) {
         self.summary.warnings.push(warning);
@@ -137,6 +153,7 @@ impl<'a> Simulation<'a> {
         Checkpoint {
             state: self.state.clone(),
             progress: self.running.as_ref().map(|running| running.frame.progress.clone()),
+            near: self.running.as_ref().map(|running| running.frame.dofs.near.clone()),
             memory: Memory::of(&self.model),
         }
     }
@@ -150,12 +167,17 @@ impl<'a> Simulation<'a> {
         to.memory.give(&mut self.model);
         let same =
             |running: &&mut Running| to.progress.as_ref().is_some_and(|p| p.serial == running.frame.progress.serial);
-        if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress) {
+        let near = self.running.as_ref().map(|running| &running.frame.dofs.near);
+        let same_equations = !any(self.comm, near != to.near.as_ref());
+        if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress)
+            && same_equations
+        {
             running.frame.progress.clone_from(progress);
             return Ok(());
         }
         self.running = None;
-        to.progress.clone().map_or(Ok(()), |progress| self.set_up(progress))
+        let Some((progress, near)) = to.progress.clone().zip(to.near.clone()) else { return Ok(()) };
+        self.set_up(progress, near)
     }
 
     /// Where a tool is, and what it bears; `None` where there is none of the name.

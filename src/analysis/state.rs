@@ -10,6 +10,7 @@ use crate::contact::{Avoided, Committed, Pair, Pose, Sight, Trial};
 use crate::model::Model;
 use crate::scene::Step;
 use crate::solid;
+use crate::system::near::Near;
 
 /// The state at the last converged increment, on this rank.
 #[derive(Clone, Debug)]
@@ -52,6 +53,8 @@ impl State {
 pub struct Checkpoint {
     pub state: State,
     pub(super) progress: Option<Progress>,
+    /// The slave nodes with equations: what the numbers of the unknowns follow from.
+    pub(super) near: Option<Near>,
     pub(super) memory: Memory,
 }
 

@@ -20,14 +20,16 @@ use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
+use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
-use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Reason, Snes, Vector};
+use mpi::topology::SimpleCommunicator;
+use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
 pub(super) struct Frame {
     pub(super) progress: Progress,
-    dofs: DofMap,
+    pub(super) dofs: DofMap,
     pattern: Pattern,
     /// Supports alone do not hold every body and force-driven tool.
     pub(super) hangs: bool,
@@ -166,32 +168,31 @@ impl<'a> Simulation<'a> {
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
         };
-        self.set_up(progress)
+        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))
     }
 
-    /// Makes the equations of a step. Collective.
-    pub(super) fn set_up(&mut self, progress: Progress) -> Result<()> {
+    /// Makes the equations of a step, in which these slave nodes have some of contact. Collective.
+    pub(super) fn set_up(&mut self, progress: Progress, near: Near) -> Result<()> {
         let conditions = &progress.conditions;
         let begun = Instant::now();
-        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms());
+        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
         let set_up_s = begun.elapsed().as_secs_f64();
-        self.summary.dofs = dofs.total;
-        self.summary.multipliers = dofs.total_multipliers;
+        self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, &pattern));
         let symmetric = conditions.is_symmetric(&self.model);
-        let values = vec![0.0; pattern.columns.len()];
-        let mut matrix = Matrix::from_csr(self.petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
-        matrix.set_symmetric(symmetric)?;
+        let matrix = matrix(self.petsc, &dofs, &pattern, symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
         self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let linear = self.scene.solver.linear;
         let systems = Systems::new(self.comm, linear, (&dofs, &pattern), symmetric, set_up_s);
-        match cost::solver(linear, dofs.total, self.model.is_plane()) {
+        // Whatever is near now: the same in all steps.
+        let most = dofs.total + dofs.spared;
+        match cost::solver(linear, most, self.model.is_plane()) {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
-                snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, dofs.total))?;
+                snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, most))?;
                 snes.reuse_factors(cost::least_worth(linear))?;
                 self.summary.linear_solver = "FGMRES, multigrid".into();
             }
@@ -345,7 +346,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn attempt(
         &mut self,
         frame: &mut Frame,
-        (snes, x): (&mut Snes, &mut Vector),
+        (snes, x): (&mut Snes<'a>, &mut Vector<'a>),
         (end, share): (f64, Share),
         drag: f64,
         observer: &mut Observer,
@@ -386,7 +387,7 @@ impl<'a> Simulation<'a> {
         let system = System {
             comm: self.comm,
             model: &mut self.model,
-            dofs: &frame.dofs,
+            dofs: &mut frame.dofs,
             pattern: &mut frame.pattern,
             conditions: &frame.progress.conditions,
             phases: &self.phases,
@@ -403,6 +404,16 @@ impl<'a> Simulation<'a> {
         let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
+            if newton.grows() {
+                let (old, unknowns) = newton.grow()?;
+                let System { model, dofs, pattern, conditions, .. } = &newton.system;
+                let matrix = matrix(self.petsc, dofs, pattern, conditions.is_symmetric(model))?;
+                let place = |n: u32| model.part.points[n as usize] + self.state.u[n as usize];
+                snes.renew(matrix, || dofs.unknowns(model, place))?;
+                *x = Vector::from_slice(self.petsc, &unknowns)?;
+                frame.progress.past.iter_mut().for_each(|(_, past)| *past = dofs.carry(&old, past));
+                continue;
+            }
             let at = (name.as_str(), self.state.time);
             let stopped = newton.course.stopped.take();
             if let Some(error) = stopped.or_else(|| {
@@ -415,6 +426,7 @@ impl<'a> Simulation<'a> {
                 break Ok(Some((cause, told(&outcome.reason, max_iterations))));
             }
             // Where some node went farther than the search had looked, the iteration goes on.
+            newton.course.iterated = 0;
             if newton.widen_search() {
                 continue;
             }
@@ -431,6 +443,11 @@ impl<'a> Simulation<'a> {
         };
         self.summary.outer_iterations += newton.course.rounds.count;
         self.summary.pattern_rebuilds += newton.course.rebuilds;
+        self.summary.growths += newton.course.growths;
+        if newton.course.rebuilds + newton.course.growths > 0 {
+            let System { dofs, pattern, .. } = &newton.system;
+            self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, pattern));
+        }
         let attempt = match ended {
             Err(error) => Err(error),
             Ok(None) => Ok(Attempt::Converged(Box::new(converged(newton, &x.array()?)))),
@@ -447,6 +464,9 @@ impl<'a> Simulation<'a> {
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
     fn watch_ahead(&mut self, frame: &Frame, end: f64) {
+        if self.model.is_alone() {
+            return;
+        }
         let begun = Instant::now();
         let Model { part, masters, pairs, .. } = &mut self.model;
         let Progress { conditions, poses, offsets, .. } = &frame.progress;
@@ -584,6 +604,21 @@ impl<'a> Simulation<'a> {
         let what = describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies);
         Failure { what, ..failure }
     }
+}
+
+/// Entries on all ranks. Collective.
+fn entries(comm: &SimpleCommunicator, pattern: &Pattern) -> u64 {
+    let mut entries = [pattern.columns.len() as f64];
+    sum(comm, &mut entries);
+    entries[0] as u64
+}
+
+/// The matrix of a step, with zeros. Collective.
+fn matrix<'a>(petsc: &'a Petsc<'a>, dofs: &DofMap, pattern: &Pattern, symmetric: bool) -> Result<Matrix<'a>> {
+    let values = vec![0.0; pattern.columns.len()];
+    let mut matrix = Matrix::from_csr(petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
+    matrix.set_symmetric(symmetric)?;
+    Ok(matrix)
 }
 
 /// What is kept of a converged iterate.

@@ -61,6 +61,9 @@ impl Simulation<'_> {
     /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
     pub(super) fn watched(&mut self, attempt: Attempt) -> Attempt {
         let Attempt::Converged(converged) = attempt else { return attempt };
+        if self.model.is_alone() {
+            return Attempt::Converged(converged);
+        }
         let begun = Instant::now();
         let reason = self.finding(&converged);
         self.phases.add(Phase::Search, begun.elapsed());

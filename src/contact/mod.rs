@@ -338,6 +338,12 @@ impl Slave {
         }
     }
 
+    /// Bytes that it takes, with what it was last evaluated with.
+    pub fn bytes(&self) -> usize {
+        let local = self.local.by.capacity() * size_of::<(Option<u64>, Mat3, Vec3)>();
+        size_of::<Self>() + local + size_of::<Option<meeting::Meeting>>()
+    }
+
     /// The penalty by which gaps count, where the multiplier is an unknown: none that is given makes them large.
     pub fn measure(&self) -> f64 {
         self.law.normal.min(self.automatic)

@@ -1,4 +1,4 @@
-//! Where the wall time goes: seconds in each phase of a run.
+//! Where the wall time goes: seconds in each phase of a run, and how often it was entered.
 
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
@@ -32,6 +32,7 @@ pub const PHASES: [(Phase, &str); 7] = [
 #[derive(Debug, Default)]
 pub struct Phases {
     seconds: [Cell<f64>; PHASES.len()],
+    calls: [Cell<usize>; PHASES.len()],
 }
 
 impl Phases {
@@ -43,9 +44,20 @@ impl Phases {
         done
     }
 
-    /// Counts time measured elsewhere.
+    /// Counts time measured elsewhere, of one call.
     pub fn add(&self, phase: Phase, time: Duration) {
+        self.add_calls(phase, time, 1);
+    }
+
+    /// The same of so many calls.
+    pub fn add_calls(&self, phase: Phase, time: Duration, calls: usize) {
         self.seconds[phase as usize].update(|seconds| seconds + time.as_secs_f64());
+        self.calls[phase as usize].update(|before| before + calls);
+    }
+
+    /// Calls of this rank in each phase of [`PHASES`].
+    pub fn calls(&self) -> [usize; PHASES.len()] {
+        self.calls.each_ref().map(Cell::get)
     }
 
     /// Seconds of this rank in a phase.
@@ -72,7 +84,9 @@ mod tests {
         assert_eq!(phases.time(Phase::Solve, || 7), 7);
         phases.add(Phase::Solve, Duration::from_millis(500));
         phases.add(Phase::Solve, Duration::from_millis(250));
+        phases.add_calls(Phase::Factor, Duration::ZERO, 4);
         assert!((0.75..0.76).contains(&phases.seconds(Phase::Solve)));
+        assert_eq!(phases.calls(), [0, 0, 0, 0, 4, 3, 0]);
         assert_eq!(phases.seconds(Phase::Read), 0.0);
     }
 

@@ -9,6 +9,19 @@ use petsc::LinearStatistics;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
+/// What a run carries from one increment to the next, over all ranks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Carried {
+    /// Slave nodes of all contacts, and bytes for them.
+    pub slave_nodes: u64,
+    pub contact_bytes: u64,
+    /// Integration points with a state, and bytes of these states and of enhanced strain.
+    pub points: u64,
+    pub history_bytes: u64,
+    /// Times that stresses were evaluated for output.
+    pub stress_fields: u64,
+}
+
 /// The outcome of a run. Counts are of the whole model, over all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
@@ -17,10 +30,14 @@ pub struct Summary {
     pub interrupted: bool,
     /// Name of the scene.
     pub scene: String,
-    /// Unknowns in the system, multipliers and free tool directions included.
+    /// Unknowns in the largest system, multipliers and free tool directions included.
     pub dofs: u64,
-    /// Multiplier unknowns among them.
+    /// Multiplier unknowns at most.
     pub multipliers: u64,
+    /// Entries of the largest matrix.
+    pub matrix_entries: u64,
+    /// What contact and material remember.
+    pub carried: Carried,
     pub elements: u64,
     /// Converged increments.
     pub increments: usize,
@@ -34,6 +51,8 @@ pub struct Summary {
     pub outer_iterations: usize,
     /// Times that the sparsity pattern was built anew for contact with deformable masters.
     pub pattern_rebuilds: usize,
+    /// Times that slave nodes came to touch without having equations, and got them.
+    pub growths: usize,
     /// What was done for linear systems.
     pub linear: LinearStatistics,
     /// Times that patches of deformable masters were fetched.
@@ -81,6 +100,13 @@ fn milli(value: f64) -> f64 {
 }
 
 impl Summary {
+    /// Takes note of the size of a system.
+    pub fn count(&mut self, unknowns: u64, multipliers: u64, entries: u64) {
+        self.dofs = self.dofs.max(unknowns);
+        self.multipliers = self.multipliers.max(multipliers);
+        self.matrix_entries = self.matrix_entries.max(entries);
+    }
+
     /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), the processor
     /// time of all ranks, and the peak memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each
     /// rank added. Collective.
@@ -94,7 +120,7 @@ impl Summary {
         let written = if comm.rank() == 0 {
             let mut ranks = vec![[0.0; 4]; comm.size() as usize];
             root.gather_into_root(&own[..], ranks.as_flattened_mut());
-            replace(&folder.file("summary.json"), &self.render(&seconds, &ranks))
+            replace(&folder.file("summary.json"), &self.render(&seconds, &phases.calls(), &ranks))
         } else {
             root.gather_into(&own[..]);
             Ok(())
@@ -102,11 +128,14 @@ impl Summary {
         agree(comm, written)
     }
 
-    /// With the slowest rank's seconds in each phase, and of each rank its peak memory, its messages, the MB in them, and its
-    /// processor time.
-    fn render(&self, seconds: &[f64], ranks: &[[f64; 4]]) -> String {
+    /// With the slowest rank's seconds in each phase, the calls of it, and of each rank its peak memory, its messages, the MB
+    /// in them, and its processor time.
+    fn render(&self, seconds: &[f64], calls: &[usize], ranks: &[[f64; 4]]) -> String {
         let phases: Map<String, Value> =
             PHASES.iter().zip(seconds).map(|((_, name), &s)| (name.to_string(), json!(milli(s)))).collect();
+        let calls: Map<String, Value> =
+            PHASES.iter().zip(calls).map(|((_, name), &n)| (name.to_string(), json!(n))).collect();
+        let Carried { slave_nodes, contact_bytes, points, history_bytes, stress_fields } = self.carried;
         let of_ranks = |k: usize| ranks.iter().map(|of| milli(of[k])).collect::<Vec<_>>();
         let memory: f64 = ranks.iter().map(|of| of[0]).sum();
         let value = json!({
@@ -117,6 +146,14 @@ impl Summary {
             "ranks": ranks.len(),
             "dofs": self.dofs,
             "multipliers": self.multipliers,
+            "matrix_entries": self.matrix_entries,
+            "carried": {
+                "slave_nodes": slave_nodes,
+                "contact_bytes": contact_bytes,
+                "points": points,
+                "history_bytes": history_bytes,
+                "stress_fields": stress_fields,
+            },
             "elements": self.elements,
             "increments": self.increments,
             "cutbacks": self.cutbacks,
@@ -124,6 +161,7 @@ impl Summary {
             "iterations": self.iterations,
             "outer_iterations": self.outer_iterations,
             "pattern_rebuilds": self.pattern_rebuilds,
+            "growths": self.growths,
             "analyses": self.linear.analyses,
             "factorizations": self.linear.factorizations,
             "linear_iterations": self.linear.krylov_iterations,
@@ -133,6 +171,7 @@ impl Summary {
             "wall_s": milli(self.wall_s),
             "cpu_s": milli(ranks.iter().map(|of| of[3]).sum()),
             "phases_s": phases,
+            "phase_calls": calls,
             "peak_memory_mb": milli(memory),
             "by_rank": {
                 "peak_memory_mb": of_ranks(0),
@@ -192,13 +231,13 @@ mod tests {
             ..Summary::default()
         };
         let ranks = [[100.0, 7.0, 0.5, 1.5], [20.4567, 8.0, 0.25, 1.25], [3.0, 9.0, 0.0, 0.01]];
-        let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &ranks);
+        let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &[1; 7], &ranks);
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
-            "converged interrupted scene version ranks dofs multipliers elements increments cutbacks jumps iterations outer_iterations \
-             pattern_rebuilds analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s cpu_s phases_s peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls \
+            "converged interrupted scene version ranks dofs multipliers matrix_entries carried elements increments cutbacks jumps iterations outer_iterations \
+             pattern_rebuilds growths analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
+             wall_s cpu_s phases_s phase_calls peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls \
              predicted"
                 .split_whitespace()
                 .collect();

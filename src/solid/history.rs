@@ -66,6 +66,12 @@ impl History {
         self.amplitudes.clone_from(&self.accepted);
     }
 
+    /// Bytes of states and amplitudes.
+    pub fn bytes(&self) -> usize {
+        let enhanced = self.amplitudes.iter().chain(&self.accepted).flatten().count();
+        self.states.len() * size_of::<State>() + enhanced * size_of::<Amplitudes>()
+    }
+
     /// Whether no element has states.
     pub fn is_empty(&self) -> bool {
         self.states.is_empty()
@@ -84,6 +90,8 @@ mod tests {
         history.accept(states);
         assert_eq!([0, 1, 2].map(|e| history.of(e).len()), [4, 0, 1]);
         assert_eq!((history.of(0)[3], history.of(2)[0].equivalent), (State::VIRGIN, 0.5));
+        assert_eq!(history.bytes(), 5 * size_of::<State>() + 2 * size_of::<Amplitudes>());
+        assert_eq!(History::new([(0, false), (0, false)]).bytes(), 0);
         assert!(!history.is_empty() && History::new([(0, false), (0, true)]).is_empty());
         assert_eq!([0, 1, 2].map(|e| history.amplitudes(e).is_some()), [false, true, false]);
     }

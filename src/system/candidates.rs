@@ -62,15 +62,15 @@ impl Candidates {
     }
 
     /// Groups of equations that are coupled with each other.
-    /// A force-driven tool is coupled with every slave node of its pairs. Collective.
+    /// A force-driven tool is coupled with every slave node of its pairs that is near. Collective.
     pub fn groups(&self, comm: &SimpleCommunicator, pairs: &[Pair], masters: &Masters, dofs: &DofMap) -> Vec<Vec<i64>> {
         let mut groups = Vec::new();
-        for ((pair, of_pair), multipliers) in pairs.iter().zip(&self.ids).zip(&dofs.multiplier) {
+        for (p, (pair, of_pair)) in pairs.iter().zip(&self.ids).enumerate() {
             let ground = masters.of(pair.master);
             let of_master = equations(comm, masters, pair.master, dofs);
             let is_tool = pair.master.tool().is_some();
-            for ((slave, ids), multiplier) in pair.slaves.iter().zip(of_pair).zip(multipliers) {
-                let own = dofs.node[slave.node as usize].iter().chain(multiplier);
+            for (s, (slave, ids)) in pair.slaves.iter().zip(of_pair).enumerate().filter(|(s, _)| dofs.near[p][*s]) {
+                let own = dofs.node[slave.node as usize].iter().chain(&dofs.multiplier[p][s]);
                 let own: Vec<i64> = own.copied().filter(|&e| e != NONE).collect();
                 let of_patch = |id: &u32| {
                     let stencil = ground.patch(*id).map_or(&[][..], |(_, stencil)| stencil);

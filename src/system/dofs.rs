@@ -1,8 +1,9 @@
 //! Equation numbers.
 //!
-//! Only what a step leaves free gets one; the rest is -1, and neither row nor column exists. A node's displacements are
+//! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column exists. A node's displacements are
 //! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
 
+use super::near::Near;
 use crate::Vec3;
 use crate::failure::Place;
 use crate::model::Model;
@@ -24,6 +25,8 @@ pub struct DofMap {
     pub node: Vec<[i64; 3]>,
     /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
+    /// The slave nodes that have equations of contact.
+    pub near: Near,
     /// For each tool the equations of its free translations.
     pub tool: Vec<[i64; 3]>,
     /// Global number of this rank's first equation.
@@ -35,6 +38,8 @@ pub struct DofMap {
     /// Equations, and multipliers among them, of all ranks.
     pub total: u64,
     pub total_multipliers: u64,
+    /// Multipliers that slave nodes which are not near do without, on all ranks.
+    pub spared: u64,
 }
 
 /// What a step says about the motion of a tool.
@@ -48,7 +53,13 @@ pub struct ToolFreedom {
 
 impl DofMap {
     /// Numbers what is free. `prescribed` has three entries an owned node. Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, prescribed: &[Prescribed], tools: &[ToolFreedom]) -> Self {
+    pub fn new(
+        comm: &SimpleCommunicator,
+        model: &Model,
+        prescribed: &[Prescribed],
+        tools: &[ToolFreedom],
+        near: Near,
+    ) -> Self {
         let part = &model.part;
         let mut by_node: Vec<Vec<(usize, usize)>> = vec![Vec::new(); part.owned];
         for (p, pair) in model.pairs.iter().enumerate() {
@@ -59,14 +70,16 @@ impl DofMap {
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
+            near,
             tool: vec![[NONE; 3]; tools.len()],
             first: 0,
             count: 0,
             starts: Vec::new(),
             total: 0,
             total_multipliers: 0,
+            spared: 0,
         };
-        let mut multipliers = 0;
+        let (mut multipliers, mut spared) = (0, 0);
         let mut next = 0i64;
         let mut number = || {
             next += 1;
@@ -88,8 +101,12 @@ impl DofMap {
                 };
                 let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
                 for d in (0..3).filter(|&d| carried[d] && wanted[d]) {
-                    map.multiplier[p][s][d] = number();
-                    multipliers += 1;
+                    if map.near[p][s] {
+                        map.multiplier[p][s][d] = number();
+                        multipliers += 1;
+                    } else {
+                        spared += 1;
+                    }
                 }
             }
         }
@@ -100,6 +117,7 @@ impl DofMap {
                 }
             }
         }
+        map.spared = self::number(comm, spared).1;
         map.finish(comm, model, next as usize, multipliers);
         map
     }
@@ -134,6 +152,24 @@ impl DofMap {
     pub fn local(&self, equation: i64) -> Option<usize> {
         let k = equation - self.first;
         (equation != NONE && (0..self.count as i64).contains(&k)).then_some(k as usize)
+    }
+
+    /// The `values` of the local unknowns that another numbering of the same step has, as this one has them: zero where it has
+    /// none.
+    pub fn carry(&self, from: &Self, values: &[f64]) -> Vec<f64> {
+        let mut carried = vec![0.0; self.count];
+        for (to, from_equation) in self.equations().zip(from.equations()) {
+            if let (Some(k), Some(l)) = (self.local(to), from.local(from_equation)) {
+                carried[k] = values[l];
+            }
+        }
+        carried
+    }
+
+    /// All equations that this rank sees, in an order that does not depend on their numbers.
+    fn equations(&self) -> impl Iterator<Item = i64> {
+        let multipliers = self.multiplier.iter().flatten();
+        self.node.iter().chain(multipliers).chain(&self.tool).flatten().copied()
     }
 
     /// Of each local equation whether its unknown is a force, not a displacement.

@@ -12,6 +12,7 @@ pub mod candidates;
 pub mod dofs;
 pub mod foreign;
 pub mod masters;
+pub mod near;
 pub mod pattern;
 
 pub use dofs::DofMap;

@@ -39,8 +39,8 @@ impl LineSearch {
 /// An iterate that has been evaluated, and will be asked for again.
 #[derive(Default)]
 pub struct Tried {
-    x: Vec<f64>,
-    residual: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) residual: Vec<f64>,
 }
 
 impl Newton<'_> {
@@ -112,9 +112,9 @@ impl Newton<'_> {
     }
 }
 
-/// The square of the length of a distributed vector. Collective.
-pub(super) fn squared(comm: &SimpleCommunicator, r: &[f64]) -> f64 {
-    let mut total = [r.iter().map(|v| v * v).sum::<f64>()];
+/// The square of the length of a distributed vector, with what is not in it. Collective.
+pub(super) fn squared(comm: &SimpleCommunicator, r: &[f64], more: f64) -> f64 {
+    let mut total = [r.iter().map(|v| v * v).sum::<f64>() + more];
     sum(comm, &mut total);
     total[0]
 }

@@ -69,6 +69,16 @@ impl Balance {
     }
 
     pub fn new(model: &Model, dofs: &DofMap, seen: Vec<f64>, floors: Vec<f64>) -> Self {
+        let groups = vec![Group::default(); floors.len()];
+        let eased_share = model.controls.eased_share;
+        let (limits, loaded) = (vec![0.0; floors.len()], vec![false; floors.len()]);
+        let mut balance = Self { groups, seen, limits, loaded, floors, group_of: Vec::new(), eased_share };
+        balance.number(model, dofs);
+        balance
+    }
+
+    /// Takes over the numbers of equations.
+    pub fn number(&mut self, model: &Model, dofs: &DofMap) {
         let mut group_of = vec![0; dofs.count];
         let mut give = |equation: i64, group: usize| {
             if let Some(k) = dofs.local(equation) {
@@ -84,10 +94,7 @@ impl Balance {
         for (t, of_tool) in dofs.tool.iter().enumerate() {
             of_tool.iter().for_each(|&e| give(e, model.bodies.len() + model.pairs.len() + t));
         }
-        let groups = vec![Group::default(); floors.len()];
-        let eased_share = model.controls.eased_share;
-        let (limits, loaded) = (vec![0.0; floors.len()], vec![false; floors.len()]);
-        Self { groups, seen, limits, loaded, floors, group_of, eased_share }
+        self.group_of = group_of;
     }
 
     /// Begins another iterate.

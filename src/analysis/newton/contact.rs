@@ -23,6 +23,8 @@ pub(super) struct Touching {
     nodes: Vec<MasterNodes>,
     /// Least distance of the slave nodes of each pair from its master, at most the reach; 0 in contact.
     clearances: Vec<f64>,
+    /// The sum of the squares of the residuals of multipliers that have no equations, N².
+    pub(super) left_out: f64,
     workspace: Workspace,
 }
 
@@ -40,10 +42,11 @@ impl Newton<'_> {
         self.follow(ahead);
         let first = self.is_first();
         let Model { part, masters, pairs, bodies, .. } = &mut *self.system.model;
-        let (dofs, balance, group) = (self.system.dofs, &mut self.found.balance, bodies.len());
+        let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, bodies.len());
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         let mut on_tools = vec![0.0; 3 * masters.tools.len()];
         let mut nearest = vec![f64::NEG_INFINITY; pairs.len()];
+        self.touching.left_out = 0.0;
         for p in 0..pairs.len() {
             let pair = &mut pairs[p];
             let ground = masters.of(pair.master);
@@ -65,6 +68,9 @@ impl Newton<'_> {
                 self.found.forces[node] += e.load;
                 for group in [Some(pair.body), pair.master_body, Some(group + p)].into_iter().flatten() {
                     balance.force(group, e.force.amax());
+                }
+                if !dofs.near[p][s] {
+                    self.touching.left_out += e.constraint.norm_squared();
                 }
                 for (equation, residual) in equations.iter().zip(&e.constraint) {
                     if let Some(k) = equation {
@@ -141,7 +147,7 @@ impl Newton<'_> {
 
     /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
     pub(super) fn widen_pattern(&mut self) -> Result<bool> {
-        let Model { masters, pairs, part, .. } = &*self.system.model;
+        let Model { masters, pairs, .. } = &*self.system.model;
         if masters.surfaces.is_empty() {
             return Ok(false);
         }
@@ -156,19 +162,32 @@ impl Newton<'_> {
         }
         let widen = any(self.system.comm, lacks);
         if widen {
-            let u = &self.found.u;
-            let place = |n: u32| part.points[n as usize] + u[n as usize];
-            *self.system.pattern = Pattern::new(self.system.comm, self.system.model, self.system.dofs, place)?;
-            self.values.resize(self.system.pattern.columns.len(), 0.0);
-            self.holds_elements = false;
+            self.renew_pattern()?;
             self.course.rebuilds += 1;
         }
         Ok(widen)
     }
 
+    /// Builds the pattern anew around where all is. Collective.
+    pub(super) fn renew_pattern(&mut self) -> Result<()> {
+        let (part, u) = (&self.system.model.part, &self.found.u);
+        let place = |n: u32| part.points[n as usize] + u[n as usize];
+        *self.system.pattern = Pattern::new(self.system.comm, self.system.model, self.system.dofs, place)?;
+        self.values.resize(self.system.pattern.columns.len(), 0.0);
+        self.holds_elements = false;
+        Ok(())
+    }
+
+    /// The residuals of the multipliers of a slave node as it was evaluated.
+    pub(super) fn constraint(&mut self, p: usize, s: usize) -> Vec3 {
+        let Model { masters, pairs, .. } = &*self.system.model;
+        let Some(meeting) = &self.touching.meetings[p][s] else { return Vec3::zeros() };
+        self.touching.workspace.evaluate(&masters.of(pairs[p].master), meeting, false).constraint
+    }
+
     /// Tangents of the contact elements. Collective.
     pub(super) fn add_contact_tangent(&mut self) {
-        let (dofs, pattern, values) = (self.system.dofs, &*self.system.pattern, &mut self.values);
+        let (dofs, pattern, values) = (&*self.system.dofs, &*self.system.pattern, &mut self.values);
         let mut foreign = vec![0.0; pattern.foreign.len()];
         let Model { masters, pairs, .. } = &mut *self.system.model;
         let mut equations = Vec::new();

@@ -2,7 +2,8 @@
 //!
 //! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
 //! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
-//! the last converged increment. [`contact`] has the part of the contact elements, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
+//! the last converged increment. [`contact`] has the part of the contact elements, [`growth`] gives equations to slave nodes that
+//! come to touch, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
 //! from overshooting, [`drag`] what helps a jump along,
 //! [`share`] how long an increment may be.
 
@@ -10,6 +11,7 @@ mod backtrack;
 pub(super) mod balance;
 mod contact;
 mod drag;
+mod growth;
 mod rounds;
 mod share;
 
@@ -25,7 +27,7 @@ use crate::solid::element::Formulation;
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
-use backtrack::LineSearch;
+use backtrack::{LineSearch, Tried};
 use balance::Balance;
 use contact::Touching;
 use drag::Drag;
@@ -45,7 +47,7 @@ pub type Watcher<'a> = dyn FnMut(usize, f64, usize) -> crate::error::Result<()> 
 pub struct System<'a> {
     pub comm: &'a SimpleCommunicator,
     pub model: &'a mut Model,
-    pub dofs: &'a DofMap,
+    pub dofs: &'a mut DofMap,
     pub pattern: &'a mut Pattern,
     pub conditions: &'a Conditions,
     pub phases: &'a Phases,
@@ -86,6 +88,9 @@ pub struct Course {
     pub calmed: Vec<u32>,
     /// How often the pattern was built anew.
     pub rebuilds: usize,
+    /// How often slave nodes got equations, and iterations of this solve before they did.
+    pub growths: usize,
+    pub iterated: usize,
     /// Outer iterations.
     pub rounds: Rounds,
     /// A signal ended the iteration; the same on all ranks.
@@ -125,6 +130,10 @@ pub struct Newton<'a> {
     values: Vec<f64>,
     /// They are the tangent of the elements at the last evaluated point, and no more yet.
     holds_elements: bool,
+    /// The iterate at which the iteration stopped for slave nodes that need equations.
+    growing: Option<Tried>,
+    /// It goes on from there; the same on all ranks.
+    resumes: bool,
 }
 
 /// State that outlives an increment, handed to [`Newton::new`].
@@ -172,9 +181,19 @@ impl<'a> Newton<'a> {
         let memory = if start.strict { 1 } else { model.controls.line_search_memory };
         let line_search = LineSearch::new(model.can_flow(), memory);
         let (course, touching) = (Course::default(), Touching::new(model));
-        let holds_elements = false;
-        let mut newton =
-            Self { system, s: start.s, found, course, strategy, line_search, touching, values, holds_elements };
+        let mut newton = Self {
+            system,
+            s: start.s,
+            found,
+            course,
+            strategy,
+            line_search,
+            touching,
+            values,
+            holds_elements: false,
+            growing: None,
+            resumes: false,
+        };
         let model = &mut *newton.system.model;
         model.history.go_back();
         let controls = model.controls;
@@ -308,9 +327,11 @@ impl<'a> Newton<'a> {
         self.found.forces = forces;
         self.system.phases.add(Phase::Assembly, begun.elapsed());
         r.fill(0.0);
-        let begun = Instant::now();
-        self.add_contact(x, ahead.as_deref(), r);
-        self.system.phases.add(Phase::Search, begun.elapsed());
+        if !self.system.model.is_alone() {
+            let begun = Instant::now();
+            self.add_contact(x, ahead.as_deref(), r);
+            self.system.phases.add(Phase::Search, begun.elapsed());
+        }
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
@@ -321,7 +342,7 @@ impl<'a> Newton<'a> {
         self.add_drag(x, r);
         self.judge(r);
         if self.line_search.is_wanted {
-            self.line_search.squared_residual = backtrack::squared(self.system.comm, r);
+            self.line_search.squared_residual = backtrack::squared(self.system.comm, r, self.touching.left_out);
         }
         self.found.at.clear();
         self.found.at.extend(x);
@@ -375,7 +396,7 @@ impl Newton<'_> {
             assembly::add_tangent(self.system.model, self.system.pattern, &self.found.u, &mut self.values);
         }
         for (set, ramp) in &self.system.conditions.pressures {
-            let system = (self.system.dofs, &*self.system.pattern);
+            let system = (&*self.system.dofs, &*self.system.pattern);
             assembly::subtract_pressure_tangent(
                 self.system.model,
                 (set, ramp.at(self.s)),
@@ -384,14 +405,17 @@ impl Newton<'_> {
                 &mut self.values,
             );
         }
-        self.add_contact_tangent();
+        if !self.system.model.is_alone() {
+            self.add_contact_tangent();
+        }
         self.add_drag_tangent();
     }
 }
 
 impl Problem for Newton<'_> {
     fn residual(&mut self, x: &[f64], r: &mut [f64]) -> std::result::Result<Evaluation, String> {
-        let sound = (self.line_search.is_wanted && self.recall(x, r)) || self.evaluate(x, r, self.will_go_on());
+        let may_know = std::mem::take(&mut self.resumes) || self.line_search.is_wanted;
+        let sound = (may_know && self.recall(x, r)) || self.evaluate(x, r, self.will_go_on());
         Ok(if sound { Evaluation::Done } else { Evaluation::OutOfDomain })
     }
 
@@ -409,13 +433,18 @@ impl Problem for Newton<'_> {
     }
 
     fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
-        let iteration = iterate.iteration;
+        let iteration = self.course.iterated + iterate.iteration;
         let trials = || self.system.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
         let touching = trials().any(|t| t.status != Status::Gap);
-        let mut counts =
-            [trials().filter(|t| t.changed).count() as f64, f64::from(interrupt::wished()), f64::from(touching)];
+        let changes = trials().filter(|t| t.changed).count();
+        let [wished, lacks] = [interrupt::wished(), self.lacks_equations()];
+        let mut counts = [changes as f64, f64::from(wished), f64::from(touching), f64::from(lacks)];
         sum(self.system.comm, &mut counts);
-        let [changes, wishes, touching] = counts;
+        let [changes, wishes, touching, lacking] = counts;
+        if lacking > 0.0 {
+            self.stop_to_grow(iterate);
+            return Ok(Verdict::Diverged);
+        }
         let residual = self.found.balance.relative();
         self.course.trace.push(residual);
         self.course.changes.push(changes as usize);
