@@ -97,7 +97,6 @@ fn record(model: &Model, found: &Estimate, step: &str, time: f64) -> Value {
             "force": short(of.force),
             "force_size": short(of.force * of.size),
             "pressure": short(of.pressure.relative),
-            "highest_pressure": short(of.pressure.highest_relative()),
             "nodes_to_middle": of.pressure.nodes,
             "doubts": doubts_of_contact(of),
         });

@@ -20,9 +20,6 @@ const AT_EDGE: f64 = 2.0;
 pub struct Pressure {
     /// Error of the nodal pressures over them, root mean squares by area.
     pub relative: f64,
-    /// Highest nodal pressure, and its error.
-    pub highest: f64,
-    pub highest_error: f64,
     /// Nodes that touch, from the edge of the contact to where it is widest; [`MOST`] stands for all above, and for a contact
     /// without an edge.
     pub nodes: usize,
@@ -34,13 +31,6 @@ pub struct Pressure {
     pub chord_work: f64,
     /// Work of the pressure on the gaps of facets across the edge of the contact, force times length.
     pub edge_work: f64,
-}
-
-impl Pressure {
-    /// Error of the highest pressure, of itself.
-    pub fn highest_relative(&self) -> f64 {
-        if self.highest > 0.0 { self.highest_error / self.highest } else { 0.0 }
-    }
 }
 
 /// A contact as its nodes see it; values of all local nodes, those of the nodes that they are tied to.
@@ -173,19 +163,16 @@ impl Pressure {
         let mut most = [largest(&field), largest(&depths), f64::from(u8::from(ends))];
         max(comm, &mut most);
         let [highest, deepest, ends] = most;
-        let peak = own().filter(|n| field[*n] == highest).map(|n| ((field[n] - means[n]).abs(), depths[n]));
         // Of several equal peaks that farthest from the edge.
-        let mut at = peak.fold([0.0, 0.0], |at: [f64; 2], (error, depth)| [at[0].max(error), at[1].max(depth)]);
-        max(comm, &mut at);
+        let mut peak = [own().filter(|n| field[*n] == highest).map(|n| depths[n]).fold(0.0, f64::max)];
+        max(comm, &mut peak);
         Some(Self {
             relative: if squares[1] > 0.0 { (squares[0] / squares[1]).sqrt() } else { 0.0 },
-            highest,
-            highest_error: at[0],
             nodes: deepest as usize,
             chord_work: squares[2],
             edge_work: squares[3],
             ends: ends > 0.0,
-            peaks_at_edge: at[1] <= AT_EDGE && deepest > AT_EDGE + 1.0,
+            peaks_at_edge: peak[0] <= AT_EDGE && deepest > AT_EDGE + 1.0,
         })
     }
 }

@@ -93,7 +93,9 @@ impl<'a> Sheet<'a> {
         rows.iter_mut().enumerate().for_each(|(k, row)| row.number = k + 1);
         let failed = runs.iter().filter(|made| made.cost().is_none());
         let failures = failed.enumerate().map(|(k, made)| (rows.len() + k + 1, made)).collect();
-        let has = |of: &Quantity| rows.iter().any(|row| row.errors.get(*of).is_some_and(|error| !(error <= ROUNDING)));
+        let has = |of: &Quantity| {
+            rows.iter().any(|row| row.errors.get(*of).is_some_and(|error| error.is_nan() || error > ROUNDING))
+        };
         let quantities = Quantity::ALL.into_iter().filter(has).collect();
         let mut sheet = Self { rows, failures, quantities, exact: exact.to_vec(), floor };
         sheet.mark();
