@@ -72,11 +72,12 @@ impl Machine {
 /// # Errors
 /// None that matters: without a cache rates are default ones.
 pub fn keep(comm: &SimpleCommunicator, rates: &Rates) -> Result<PathBuf> {
+    let host = host(comm);
     let path = cache().ok_or_else(|| Error::System("neither XDG_CACHE_HOME nor HOME says where to keep it".into()))?;
     if comm.rank() > 0 {
         return Ok(path);
     }
-    let new = Kept { host: host(comm), ranks: comm.size() as usize, date: today(), rates: rates.clone() };
+    let new = Kept { host, ranks: comm.size() as usize, date: today(), rates: rates.clone() };
     let known = std::fs::read_to_string(&path).ok().and_then(|text| decode(&text)).unwrap_or_default();
     let others = known.into_iter().filter(|k| (&k.host, k.ranks) != (&new.host, new.ranks));
     let all: Vec<Kept> = others.chain([new.clone()]).collect();
