@@ -2,6 +2,7 @@
 
 use super::Made;
 use super::errors::{Errors, Quantity};
+use super::history::largest;
 use super::plan::Variant;
 
 /// What decides: quantities that users ask for.
@@ -17,7 +18,7 @@ fn growth(errors: &Errors, base: &Errors, floor: &Errors) -> f64 {
         let least = floor.get(of).unwrap_or(0.0).max(f64::MIN_POSITIVE);
         Some(errors.get(of)?.max(least) / base.get(of)?.max(least))
     });
-    ratios.reduce(|a, b| if b <= a { a } else { b }).filter(|growth| !growth.is_nan()).unwrap_or(f64::INFINITY)
+    largest(ratios).filter(|growth| !growth.is_nan()).unwrap_or(f64::INFINITY)
 }
 
 /// Wall time from which a setting is no cheaper, over that of the scene as it is.

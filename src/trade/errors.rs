@@ -1,7 +1,7 @@
 //! The errors of a run against another, or against what is known exactly.
 
 use super::fields::{self, Snapshot};
-use super::history::{DISPLACEMENT, FORCE, History, at};
+use super::history::{DISPLACEMENT, FORCE, History, at, largest};
 use crate::error::{Error, Result};
 use crate::scene::{Exact, Known, Scene};
 use std::path::Path;
@@ -202,7 +202,7 @@ impl Reading {
                     let exact = if time == first[0] { [first[1]] } else { at(&known_times, &known, time) };
                     (at(&times, &values, time)[0] - exact[0]).abs()
                 });
-                largest(off.collect()).map(|off| off / scale)
+                largest(off).map(|off| off / scale)
             }
         }
     }
@@ -290,12 +290,7 @@ fn rows(ends: &[Snapshot], of: impl Fn(&Snapshot) -> Vec<f64>) -> Vec<f64> {
 fn relative(values: &[f64], reference: &[f64]) -> Option<f64> {
     let scale = reference.iter().fold(0.0f64, |most, value| most.max(value.abs()));
     let off = values.iter().zip(reference).map(|(a, b)| (a - b).abs());
-    largest(off.collect()).filter(|_| scale > 0.0 && values.len() == reference.len()).map(|off| off / scale)
-}
-
-/// The largest, or what is not a number; `None` without values.
-fn largest(values: Vec<f64>) -> Option<f64> {
-    values.into_iter().reduce(|a, b| if b <= a { a } else { b })
+    largest(off).filter(|_| scale > 0.0 && values.len() == reference.len()).map(|off| off / scale)
 }
 
 #[cfg(test)]

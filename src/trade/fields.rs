@@ -235,7 +235,8 @@ mod tests {
         let (a, b) = (bar(7, |x| x), bar(7, |x| x + 0.25));
         let (stress, strain) = a.apart(&b);
         assert!((stress - 0.25).abs() < 1e-15 && (strain.unwrap() - 0.25).abs() < 1e-15);
-        assert_eq!(a.apart(&a), (0.0, Some(0.0)));
+        let (stress, strain) = a.apart(&a);
+        assert!(stress < 1e-15 && strain.unwrap() < 1e-15, "means by volume are rounded");
     }
 
     /// What is linear has the same mean over an element as over its parts.

@@ -77,7 +77,7 @@ impl History {
     pub fn largest(&self, end: &str) -> Option<f64> {
         let end = format!(".{end}");
         let columns = self.names.iter().zip(&self.values).filter(|(name, _)| name.ends_with(&end));
-        columns.flat_map(|(_, values)| values).copied().reduce(f64::max)
+        largest(columns.flat_map(|(_, values)| values).copied())
     }
 
     /// Those whose vectors stand in the history: tools, sets, contacts.
@@ -106,7 +106,7 @@ impl History {
     }
 
     fn apart_at(&self, reference: &Self, of: &Components, times: &[f64]) -> Option<Apart> {
-        let (mut largest, mut rms, mut scale) = (0.0f64, 0.0f64, 0.0f64);
+        let (mut all, mut rms, mut scale) = (Vec::new(), Vec::new(), 0.0f64);
         for source in reference.sources(of) {
             let exact = reference.vectors(source, of)?;
             scale = exact.iter().map(norm).fold(scale, f64::max);
@@ -116,11 +116,11 @@ impl History {
                 norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
             });
             let apart = Apart::of(times, &off.collect::<Vec<_>>());
-            // `max` would pass over what is not a number.
-            largest = if apart.largest <= largest { largest } else { apart.largest };
-            rms = if apart.rms <= rms { rms } else { apart.rms };
+            all.push(apart.largest);
+            rms.push(apart.rms);
         }
-        (scale > 0.0).then(|| Apart { largest: largest / scale, rms: rms / scale })
+        let (all, rms) = (largest(all)?, largest(rms)?);
+        (scale > 0.0).then(|| Apart { largest: all / scale, rms: rms / scale })
     }
 }
 
@@ -130,10 +130,14 @@ impl Apart {
         let spans = times.iter().scan(0.0, |last, &time| Some(time - std::mem::replace(last, time)));
         let squares: f64 = spans.zip(off).map(|(span, off)| span * off * off).sum();
         let all = times.last().copied().unwrap_or_default();
-        // `max` would pass over what is not a number.
-        let largest = off.iter().copied().reduce(|a, b| if b <= a { a } else { b }).unwrap_or_default();
+        let largest = largest(off.iter().copied()).unwrap_or_default();
         Self { largest, rms: if all > 0.0 { (squares / all).sqrt() } else { 0.0 } }
     }
+}
+
+/// The largest value, or what is not a number if any is none, which `f64::max` would pass over; `None` without values.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    values.into_iter().reduce(|a, b| if a.is_nan() || b <= a { a } else { b })
 }
 
 /// What stands at a time between values at increasing times; 0 at the time 0, and the last value after the last time.
@@ -208,5 +212,10 @@ mod tests {
     #[test]
     fn what_is_not_a_number_is_not_passed_over() {
         assert!(Apart::of(&[1.0, 2.0, 3.0], &[0.0, f64::NAN, 1.0]).largest.is_nan());
+        let broken = square([2, 2], f64::NAN);
+        assert!(broken.apart(&square([2, 2], 0.0), &FORCE).unwrap().largest.is_nan());
+        for values in [[f64::NAN, 1.0], [1.0, f64::NAN]] {
+            assert!(largest(values).unwrap().is_nan());
+        }
     }
 }
