@@ -72,11 +72,12 @@ impl Machine {
 /// # Errors
 /// None that matters: without a cache rates are default ones.
 pub fn keep(comm: &SimpleCommunicator, rates: &Rates) -> Result<PathBuf> {
+    let host = host(comm);
     let path = cache().ok_or_else(|| Error::System("neither XDG_CACHE_HOME nor HOME says where to keep it".into()))?;
     if comm.rank() > 0 {
         return Ok(path);
     }
-    let new = Kept { host: host(comm), ranks: comm.size() as usize, date: today(), rates: rates.clone() };
+    let new = Kept { host, ranks: comm.size() as usize, date: today(), rates: rates.clone() };
     let known = std::fs::read_to_string(&path).ok().and_then(|text| decode(&text)).unwrap_or_default();
     let others = known.into_iter().filter(|k| (&k.host, k.ranks) != (&new.host, new.ranks));
     let all: Vec<Kept> = others.chain([new.clone()]).collect();
@@ -151,8 +152,14 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_read_back() {
-        let all = vec![kept("a", 1, 1.5), kept("a", 2, 0.25)];
-        assert_eq!(decode(&encode(&all)), Some(all));
+        let all = vec![kept("a", 1, 1.5), kept("b", 2, 0.25)];
+        let read = decode(&encode(&all)).unwrap();
+        assert_eq!(read.len(), 2);
+        for (read, kept) in read.iter().zip(&all) {
+            assert_eq!((&read.host, read.ranks, &read.date), (&kept.host, kept.ranks, &kept.date));
+            // Decimals are rounded.
+            assert!(kept.rates.iter().all(|(work, s)| (read.rates.of(work) / s - 1.0).abs() < 1e-15));
+        }
     }
 
     #[test]
