@@ -120,10 +120,8 @@ fn check_tells_what_run_then_does() {
             assert_eq!(number(line, " multipliers"), summary["multipliers"]);
             assert_eq!(number(text, " elements"), summary["elements"]);
             assert!(line.contains(&format!(" {kind} matrix with ")) && summary["matrix"] == kind, "{line}");
-            assert!(
-                line.contains(factorization) && summary["linear_solver"].as_str().unwrap().starts_with(factorization)
-            );
-            assert!(line.ends_with(" MB"), "{line}");
+            assert!(summary["linear_solver"].as_str().unwrap().starts_with(factorization));
+            assert!(line.ends_with(factorization), "{line}");
         }
         // The second step frees nodes of the bottom.
         assert!(number(step("slide"), " dofs") > number(step("press"), " dofs"));

@@ -152,8 +152,14 @@ mod tests {
 
     #[test]
     fn what_is_kept_is_read_back() {
-        let all = vec![kept("a", 1, 1.5), kept("a", 2, 0.25)];
-        assert_eq!(decode(&encode(&all)), Some(all));
+        let all = vec![kept("a", 1, 1.5), kept("b", 2, 0.25)];
+        let read = decode(&encode(&all)).unwrap();
+        assert_eq!(read.len(), 2);
+        for (read, kept) in read.iter().zip(&all) {
+            assert_eq!((&read.host, read.ranks, &read.date), (&kept.host, kept.ranks, &kept.date));
+            // Decimals are rounded.
+            assert!(kept.rates.iter().all(|(work, s)| (read.rates.of(work) / s - 1.0).abs() < 1e-15));
+        }
     }
 
     #[test]
