@@ -59,7 +59,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     damage.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
     let count = options.steps.unwrap_or(usize::MAX).min(scene.steps.len());
-    let seer = Seer { machine, size, steps: &scene.steps[..count], prediction: None };
+    let seer = Seer { machine, size, steps: &scene.steps[..count], prediction: None, knows_factors: false };
     let mut recorder = Recorder {
         log,
         results,
@@ -137,6 +137,8 @@ struct Seer<'s> {
     size: Size,
     steps: &'s [Step],
     prediction: Option<Prediction>,
+    /// It knows what factors are.
+    knows_factors: bool,
 }
 
 impl Seer<'_> {
@@ -145,7 +147,13 @@ impl Seer<'_> {
         let Some(systems) = simulation.systems()? else { return Ok(()) };
         let steps: Vec<_> = self.steps.iter().map(|step| (Increments::of(step), systems)).collect();
         self.prediction = Some(Prediction::new(&self.machine, &self.size, &steps));
+        self.knows_factors = systems.factors.is_some();
         Ok(())
+    }
+
+    /// Once the first factorization has told what factors are.
+    fn look_again(&mut self, simulation: &Simulation) -> Result<()> {
+        if self.knows_factors { Ok(()) } else { self.look(simulation) }
     }
 }
 
@@ -176,10 +184,7 @@ impl Recorder<'_> {
         }
         while let Some(increment) = simulation.advance(&mut |event| self.hear(event))? {
             let begun = Instant::now();
-            // The first factorization has told what factors are.
-            if increment.number == 1 {
-                self.seer.look(simulation)?;
-            }
+            self.seer.look_again(simulation)?;
             self.results.add_row(simulation, &increment)?;
             self.estimates.learn(simulation);
             self.since_written += 1;

@@ -72,8 +72,10 @@ const OF_FACTORS: f64 = 9.5;
 const ON_SEVERAL: f64 = 1.25;
 const OF_MULTIGRID: f64 = 48.0;
 const VECTOR: f64 = 8.0;
-/// Entries over n log n, operations over n^(3/2), of a symmetric matrix in a plane; over n^(4/3) and n^2 in space.
+/// Entries over n log n, operations over n^(3/2), of a symmetric matrix in a plane and in a sheet; over n^(4/3) and n^2 in
+/// space.
 const PLANE: [f64; 2] = [5.5, 40.0];
+const SHEET: [f64; 2] = [20.0, 430.0];
 const SPACE: [f64; 2] = [16.0, 15.0];
 
 impl Prediction {
@@ -112,7 +114,7 @@ impl Prediction {
         let several = if size.ranks > 1.0 { ON_SEVERAL } else { 1.0 };
         let vectors = |iterations: f64| 1e-6 * 2.0 * VECTOR * iterations * systems.unknowns;
         let common = size.megabytes + AT_WORK * size.ranks + 1e-6 * ENTRY * systems.entries;
-        let factors = 1e-6 * OF_FACTORS * several * systems.factored(size.plane).entries + vectors(course.old);
+        let factors = 1e-6 * OF_FACTORS * several * systems.factored(size).entries + vectors(course.old);
         let multigrid = 1e-6 * OF_MULTIGRID * systems.entries + vectors(course.cycles);
         let (memory, fallback) = match course.solver {
             Linear::Iterative if course.hands_over => (factors + multigrid, 0.0),
@@ -168,7 +170,7 @@ impl Course {
         let cycles = CYCLES[if size.thin { 2 } else { usize::from(size.meets_bodies) }];
         let reuses = match solver {
             Linear::Direct => false,
-            _ => systems.factored(size.plane).worth() >= least_worth(systems.linear),
+            _ => systems.factored(size).worth() >= least_worth(systems.linear),
         };
         let [share, old] = OLD[if size.flows { 1 + usize::from(size.rubs) } else { 0 }];
         let per_increment = match (size.flows, size.rubs) {
@@ -193,7 +195,7 @@ impl Course {
     fn linear(&self, machine: &Machine, size: &Size, systems: &Systems) -> f64 {
         let rate = |work| machine.rates.of(work);
         let by_multigrid = systems.entries * (SET_UPS * rate(Work::SetUp) + self.cycles * rate(Work::Cycle));
-        let Factors { entries, operations } = systems.factored(size.plane);
+        let Factors { entries, operations } = systems.factored(size);
         let application = entries * rate(Work::Application) + systems.unknowns * rate(Work::Row);
         let factored = rate(Work::Factorization) + entries * rate(Work::Entry) + operations * rate(Work::Operation);
         let old = self.old * (application + systems.entries * rate(Work::Product));
@@ -211,13 +213,16 @@ impl Course {
 
 impl Systems {
     /// What a factorization is, as analysed or as usual for so many unknowns: nested dissection of a grid in a plane takes
-    /// n log n entries and n^(3/2) operations, of one in space n^(4/3) and n^2 (A. George, SIAM J. Numer. Anal. 10 (1973)).
-    fn factored(&self, plane: bool) -> Factors {
+    /// n log n entries and n^(3/2) operations, as does one of a sheet, of one in space n^(4/3) and n^2 (A. George, SIAM J.
+    /// Numer. Anal. 10 (1973)).
+    fn factored(&self, size: &Size) -> Factors {
         self.factors.unwrap_or_else(|| {
             let (n, halves) = (self.unknowns.max(2.0), if self.is_symmetric { 1.0 } else { 2.0 });
-            let [entries, operations] = match plane {
-                true => [PLANE[0] * n * n.ln(), PLANE[1] * n.powf(1.5)],
-                false => [SPACE[0] * n.powf(4.0 / 3.0), SPACE[1] * n * n],
+            let flat = |[entries, operations]: [f64; 2]| [entries * n * n.ln(), operations * n.powf(1.5)];
+            let [entries, operations] = match (size.plane, size.thin) {
+                (true, _) => flat(PLANE),
+                (_, true) => flat(SHEET),
+                _ => [SPACE[0] * n.powf(4.0 / 3.0), SPACE[1] * n * n],
             };
             Factors { entries: halves * entries, operations: halves * operations }
         })
@@ -266,9 +271,10 @@ mod tests {
             linear: Linear::Auto,
             set_up_s: 0.0,
         };
-        let (whole, half) = (systems(1e6, false).factored(false), systems(1e6, true).factored(false));
+        let size = Size { ranks: 1.0, ..Size::default() };
+        let (whole, half) = (systems(1e6, false).factored(&size), systems(1e6, true).factored(&size));
         assert_eq!((half.entries / whole.entries, half.operations / whole.operations), (0.5, 0.5));
-        let more = systems(8e6, false).factored(false);
+        let more = systems(8e6, false).factored(&size);
         assert!(
             (more.entries / whole.entries / 16.0 - 1.0).abs() < 1e-9
                 && (more.operations / whole.operations / 64.0 - 1.0).abs() < 1e-9

@@ -16,7 +16,7 @@ use mpi::traits::*;
 use petsc::{Factorization, Factors, LinearSolver, Matrix, Petsc};
 
 /// What all steps of a scene have in common; the same on all ranks.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Size {
     pub(super) ranks: f64,
     /// Elements of the rank that has most, by kind.
