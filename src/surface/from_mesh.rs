@@ -74,9 +74,12 @@ fn deviation(facets: &Facets, f: usize, normals: &[Vec3; 4], smoothing: Smoothin
         }
     };
     let edges: [f64; 4] = std::array::from_fn(|k| if k < count { of_edge(k) } else { 0.0 });
-    match count {
-        3 => 4.0 / 3.0 * edges[0].max(edges[1]).max(edges[2]),
-        _ => edges[0].max(edges[2]) + edges[1].max(edges[3]),
+    let [along, across] = [edges[0].max(edges[2]), edges[1].max(edges[3])];
+    match (count, smoothing) {
+        (3, _) => 4.0 / 3.0 * along.max(across),
+        (_, Smoothing::Facet) => along + across,
+        // z = -(x^2 + y^2)^2 / 8 of a sphere: a blend of the edges lacks the product, too.
+        (_, Smoothing::Nagata) => (along.sqrt() + across.sqrt()).powi(2),
     }
 }
 
