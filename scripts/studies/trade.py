@@ -103,7 +103,8 @@ def figure(path):
     text, font = path.read_text(), ' font-family="sans-serif"'
     for word in (' opacity="1"', ' fill-opacity="1"', ' stroke="none"', font):
         text = text.replace(word, "")
-    text = re.sub(r"(\d\.\d)\d+", r"\1", text.replace("<svg", f"<svg{font}", 1))
+    text = text.replace("<svg", f"<svg{font}", 1)
+    text = re.sub(r"<[^>]*>", lambda tag: re.sub(r"(\d\.\d)\d+", r"\1", tag[0]), text)  # not the labels
     return re.sub(r">\s+", ">", re.sub(r"\s+<", "<", text)) + "\n"
 
 
