@@ -20,7 +20,7 @@ const AT_EDGE: f64 = 2.0;
 pub struct Pressure {
     /// Error of the nodal pressures over them, root mean squares by area.
     pub relative: f64,
-    /// Nodes that touch, from the edge of the contact to where it is widest; [`MOST`] stands for all above, and for a contact
+    /// Nodes that touch, from the edge of the contact to where it is widest; 5 stands for all above, and for a contact
     /// without an edge.
     pub nodes: usize,
     /// It has an edge on the slave surface.
