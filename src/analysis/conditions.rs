@@ -150,7 +150,7 @@ impl Conditions {
     pub fn is_symmetric(&self, model: &Model) -> bool {
         let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.tangent);
         let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
-        conservative && model.bodies.iter().all(|b| b.element != Formulation::Hex8Fbar)
+        conservative && model.sections.iter().all(|section| section.element != Formulation::Hex8Fbar)
     }
 
     fn add_body_forces(&mut self, model: &Model, step: &Step) {

@@ -1,7 +1,7 @@
 //! Reads material cards: elastic constants, yield criteria and hardening.
 
 use super::reader::{Item, Table};
-use super::{Hardening, Hill, Located, Material, MaterialModel};
+use super::{Body, Formulation, Hardening, Hill, Located, Material, MaterialModel, Scene};
 use crate::error::Result;
 use crate::{Mat3, Vec3};
 
@@ -47,6 +47,35 @@ pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
         }
     };
     Ok(Material { name, model })
+}
+
+impl Body {
+    /// Its materials: the one that it names, then those of groups of its elements.
+    pub fn sections(&self) -> impl Iterator<Item = &Located<String>> {
+        std::iter::once(&self.material).chain(self.materials.iter().map(|(_, material)| material))
+    }
+}
+
+impl Scene {
+    /// The materials that bodies are made of, with the numbers of these; see [`Body::sections`].
+    pub fn sections(&self) -> impl Iterator<Item = (usize, &Located<String>)> {
+        self.bodies.iter().enumerate().flat_map(|(b, body)| body.sections().map(move |material| (b, material)))
+    }
+
+    /// The material of this name.
+    pub fn material(&self, name: &str) -> Option<&MaterialModel> {
+        self.materials.iter().find(|card| card.name.value == name).map(|card| &card.model)
+    }
+
+    /// The element of hexahedra of a material that are asked for none: one that does not lock. Flow keeps the volume, too,
+    /// and wants the balance of energy that `hex8-sri` has; its tangent is symmetric besides.
+    pub fn default_element(&self, material: &str) -> Formulation {
+        match self.material(material) {
+            Some(MaterialModel::Plastic { .. }) => Formulation::Hex8Sri,
+            Some(model) if model.keeps_volume().is_some() => Formulation::Hex8Fbar,
+            _ => Formulation::Hex8,
+        }
+    }
 }
 
 /// Hill's coefficients and axes.

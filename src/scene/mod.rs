@@ -79,6 +79,8 @@ pub struct Body {
     pub mesh: MeshSource,
     /// Name of a material in [`Scene::materials`].
     pub material: Located<String>,
+    /// Groups of its elements that are of other materials, with these.
+    pub materials: Vec<(Located<String>, Located<String>)>,
     /// `None`: chosen by mesh and material.
     pub element: Option<Located<Formulation>>,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.

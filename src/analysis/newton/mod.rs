@@ -303,10 +303,10 @@ impl<'a> Newton<'a> {
         let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
         self.found.balance.clear();
         let balance = &mut self.found.balance;
-        let of_element = |body: u32, force: f64| balance.element(body as usize, force);
+        let of_element = |section: u32, force: f64| balance.element(section as usize, force);
         let model = &*self.system.model;
         // Enhanced strain goes on from the last tangent: one that is not used must not be it.
-        let with_tangent = will_go_on && model.bodies.iter().all(|body| body.element != Formulation::Hex8Eas);
+        let with_tangent = will_go_on && model.sections.iter().all(|section| section.element != Formulation::Hex8Eas);
         let tangent = with_tangent.then(|| {
             self.values.fill(0.0);
             (&*self.system.pattern, &mut self.values[..])
@@ -314,9 +314,10 @@ impl<'a> Newton<'a> {
         let sound = assembly::internal_forces(model, &self.found.u, &mut forces, tangent, of_element).is_ok();
         self.holds_elements = with_tangent && sound;
         self.found.internal.fill(Vec3::zeros());
-        for (force, body) in forces.iter().zip(&self.system.model.part.body).take(self.system.model.part.owned) {
-            self.found.balance.force(*body as usize, force.amax());
-            self.found.internal[*body as usize] += force;
+        let part = &model.part;
+        for (n, force) in forces.iter().enumerate().take(part.owned) {
+            self.found.balance.force(part.section[n] as usize, force.amax());
+            self.found.internal[part.body[n] as usize] += force;
         }
         let ahead = (self.strategy.predicting && self.strategy.moves).then(|| self.prescribed_increments());
         if let Some(ahead) = &ahead {
@@ -372,7 +373,7 @@ impl<'a> Newton<'a> {
         for (n, (force, load)) in forces.iter_mut().zip(&self.system.conditions.loads).enumerate() {
             let load = load.at(self.s);
             *force -= load;
-            self.found.balance.load(self.system.model.part.body[n] as usize, load.amax());
+            self.found.balance.load(self.system.model.part.section[n] as usize, load.amax());
         }
         if self.system.conditions.pressures.is_empty() {
             return;
@@ -383,7 +384,7 @@ impl<'a> Newton<'a> {
         }
         let part = &self.system.model.part;
         for (n, (force, before)) in forces.iter().zip(&before).enumerate().take(part.owned) {
-            self.found.balance.load(part.body[n] as usize, (force - before).amax());
+            self.found.balance.load(part.section[n] as usize, (force - before).amax());
         }
     }
 }
