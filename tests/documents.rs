@@ -86,6 +86,9 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("body.NAME.block.box", "body.b.block.box", &[]),
     ("body.NAME.block.sector", "body.b.block.sector", &[SECTOR]),
     ("material.NAME", "material.h", &[]),
+    ("material.NAME", "material.h", &[MOONEY]),
+    ("material.NAME", "material.h", &["material.h={ model = \"yeoh\", c10 = 1, bulk = 9 }"]),
+    ("material.NAME", "material.h", &["material.h={ model = \"ogden\", terms = [[1, 2]], bulk = 9 }"]),
     ("material.NAME.hardening", "material.h.hardening", &["material.h.hardening={}"]),
     (
         "material.NAME.hardening",
@@ -150,6 +153,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("trade.exact", "trade.exact.0", &["trade.exact=[{}]"]),
 ];
 
+const MOONEY: &str = "material.h={ model = \"mooney-rivlin\", c10 = 1, c01 = 1, bulk = 9 }";
 const SECTOR: &str = "body.b.block={ sector = { radii = [1, 2], angles = [0, 90], length = 1 }, elements = [1, 1, 1] }";
 const SWIFT: &str = "material.h.hardening={ swift = { k = 1, n = 1 } }";
 const VOCE: &str = "material.h.hardening={ voce = { saturation = 2, rate = 1 } }";

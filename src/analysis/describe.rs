@@ -13,7 +13,7 @@ use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
-use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
+use crate::scene::{Enforcement, Isochoric, Linear, MaterialModel, Scene, Smoothing, Step};
 use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -190,6 +190,9 @@ pub fn check(
         let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
             MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
             MaterialModel::Hooke { .. } => "hooke (logarithmic strain); no plasticity",
+            MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. } => "mooney-rivlin; no plasticity",
+            MaterialModel::Hyperelastic { law: Isochoric::Yeoh { .. }, .. } => "yeoh; no plasticity",
+            MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. } => "ogden; no plasticity",
             MaterialModel::Plastic { hill: None, .. } => "elastic-plastic (von Mises)",
             MaterialModel::Plastic { hill: Some(_), .. } => "elastic-plastic (Hill)",
         });

@@ -33,7 +33,7 @@ pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, T
 use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::solid::element::Formulation;
-pub use crate::solid::material::{Hardening, Hill, MaterialModel};
+pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel};
 pub use crate::surface::{Smoothing, Transfer, Weight};
 use std::path::PathBuf;
 
@@ -137,6 +137,8 @@ pub enum BlockShape {
 pub struct Material {
     pub name: Located<String>,
     pub model: MaterialModel,
+    /// Mass per reference volume.
+    pub density: Option<f64>,
 }
 
 /// A contact pair.

@@ -22,10 +22,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     max(comm, &mut has_tets);
     for (b, body) in model.bodies.iter().enumerate() {
         let card = scene.materials.iter().find(|m| m.name.value == scene.bodies[b].material.value);
-        let poisson = match card.map(|card| &card.model) {
-            Some(MaterialModel::NeoHookean { poisson, .. } | MaterialModel::Hooke { poisson, .. }) => *poisson,
-            _ => 0.0,
-        };
+        let elastic = card.map(|card| &card.model).filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
+        let poisson = elastic.map_or(0.0, MaterialModel::poisson);
         if let Some(asked) =
             scene.bodies[b].element.as_ref().filter(|_| body.element == Formulation::Hex8Eas && poisson < AUXETIC)
         {
