@@ -194,7 +194,7 @@ fn springs_bear_by_their_stiffness() {
         body.block = { material = "m", block = { box = { size = [2, 2, 1] }, elements = [2, 2, 2] } }
         body.sheet = { material = "m", plane_strain = true, block = { box = { origin = [5, 0, 0], size = [2, 1, 0.5] }, elements = [4, 2, 1] } }
         material.m = { model = "neo-hookean", young = 100, poisson = 0 }
-        tool.side.plane = { point = [0, 0, 0], normal = [1, 0, 0] }
+        tool.side.plane = { point = [-0.05, 0, 0], normal = [1, 0, 0] }
         contact.side = { slave = "block.xmin", master = "side" }
         output.history = ["block.zmin", "block.xmax", "sheet.ymin", "sheet.ymax"]
         [[step]]
@@ -209,7 +209,7 @@ fn springs_bear_by_their_stiffness() {
         [[step]]
         increments = 2
         keep = true
-        move = [{ target = "side", by = [0.1, 0, 0] }]
+        move = [{ target = "side", by = [0.15, 0, 0] }]
         "#;
     let bench = Bench::new(scene);
     let history = bench.solve(2, &[]).history();
