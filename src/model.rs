@@ -482,6 +482,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
         step.moves.iter().for_each(|c| add(&c.target));
         step.forces.iter().for_each(|c| add(&c.target));
         step.pressures.iter().for_each(|c| add(&c.set));
+        step.springs.iter().for_each(|c| add(&c.set));
     }
     scene.output.history.iter().for_each(add);
     names

@@ -13,7 +13,7 @@ use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
-use crate::scene::{Body, Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
+use crate::scene::{Body, Enforcement, Isochoric, Linear, MaterialModel, Scene, Smoothing, Step};
 use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -261,6 +261,9 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
         let kind = match scene.material(&material.value) {
             Some(MaterialModel::NeoHookean { .. }) => "neo-hookean; no plasticity",
             Some(MaterialModel::Hooke { .. }) => "hooke (logarithmic strain); no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. }) => "mooney-rivlin; no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::Yeoh { .. }, .. }) => "yeoh; no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. }) => "ogden; no plasticity",
             Some(MaterialModel::Plastic { hill: None, .. }) => "elastic-plastic (von Mises)",
             Some(MaterialModel::Plastic { hill: Some(_), .. }) => "elastic-plastic (Hill)",
             None => "?",

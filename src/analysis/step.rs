@@ -163,7 +163,7 @@ impl<'a> Simulation<'a> {
             start: self.state.time,
             poses: self.model.masters.tools.iter().map(|t| t.committed).collect(),
             offsets: vec![Vec3::zeros(); self.model.masters.tools.len()],
-            increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls),
+            increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls).meeting(step.corners()),
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
         };
@@ -516,9 +516,11 @@ impl<'a> Simulation<'a> {
             increments.resume();
         }
         let ends_step = increments.next().is_none();
-        if is_remedy {
+        // Where a table turns, the solution does not go on as before.
+        if is_remedy || increments.is_at_corner() {
             past.clear();
-        } else {
+        }
+        if !is_remedy {
             frame.progress.remember(end, &x.array()?);
         }
         self.commit(frame, &converged)?;

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, materials,
-    overrides, solver, steps, tools, trade,
+    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, gravity,
+    materials, overrides, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -96,15 +96,19 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let materials = materials.into_iter().map(|(name, item)| materials::read(name, &item));
     let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
     let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
-    let (steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
+    let (mut steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
     let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
+    let materials = materials.collect::<Result<Vec<_>>>()?;
+    let tools = tools.collect::<Result<_>>()?;
+    let bodies = bodies.collect::<Result<Vec<_>>>()?;
+    gravity::weigh(&mut steps, &bodies, &materials)?;
     Ok(Scene {
         name,
         title,
         text: String::new(),
-        materials: materials.collect::<Result<_>>()?,
-        tools: tools.collect::<Result<_>>()?,
-        bodies: bodies.collect::<Result<_>>()?,
+        materials,
+        tools,
+        bodies,
         contacts: contacts::read(contacts, &names)?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output(&root, &names)?,

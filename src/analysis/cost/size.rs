@@ -166,7 +166,13 @@ impl Increments {
         let growing = (sizes.max / sizes.initial).ln() / 1.5f64.ln();
         let spent = (sizes.max - sizes.initial) / 0.5 / sizes.max;
         let asked = if vary { (grid - spent).max(0.0) + growing } else { grid };
-        Self { asked: (asked - 1e-9).ceil().max(1.0), vary }
+        // Corners of tables that lie on no increment's end make one more each.
+        let off_grid = |corner: &&f64| {
+            let increments = **corner * grid;
+            (increments - increments.round()).abs() > 1e-6
+        };
+        let corners = step.corners().iter().filter(off_grid).count();
+        Self { asked: (asked - 1e-9).ceil().max(1.0) + corners as f64, vary }
     }
 }
 

@@ -106,14 +106,14 @@ impl Newton<'_> {
         let first = self.system.model.sections.len() + self.system.model.pairs.len();
         for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
-            let ramp = self.system.conditions.tool_forces[t];
+            let ramp = &self.system.conditions.tool_forces[t];
             let driving = ramp.at(self.s);
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
                     self.found.balance.force(first + t, driving[d].abs().max(force[d].abs()));
                     // A force that is to vanish may be the rounding of the one that held the tool.
-                    let load = if ramp.to[d] == 0.0 { 0.0 } else { driving[d].abs() };
+                    let load = if ramp.to[d] == 0.0 && ramp.is_straight() { 0.0 } else { driving[d].abs() };
                     self.found.balance.load(first + t, load);
                 }
             }

@@ -14,6 +14,7 @@ mod drag;
 mod growth;
 mod rounds;
 mod share;
+mod springs;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -156,7 +157,7 @@ impl<'a> Newton<'a> {
         let System { comm, model, dofs, pattern, conditions, committed, .. } = &system;
         let values = vec![0.0; pattern.columns.len()];
         let away =
-            |(k, p): (usize, &Prescribed)| p.is_some_and(|(from, by)| from + by * start.s != committed[k / 3][k % 3]);
+            |(k, p): (usize, &Prescribed)| p.is_some_and(|p| conditions.place(&p, start.s) != committed[k / 3][k % 3]);
         let strategy = Strategy {
             share: start.share,
             tolerance: start.tolerance,
@@ -247,8 +248,10 @@ impl<'a> Newton<'a> {
 
     /// The value that a prescribed displacement has in this evaluation, or its linear part that is still to come.
     fn prescribed(&self, node: usize, d: usize) -> Option<f64> {
-        self.system.conditions.prescribed[3 * node + d].map(|(start, by)| {
-            if self.strategy.predicting { self.system.committed[node][d] } else { start + by * self.s }
+        let conditions = self.system.conditions;
+        conditions.prescribed[3 * node + d].map(|motion| match self.strategy.predicting {
+            true => self.system.committed[node][d],
+            false => conditions.place(&motion, self.s),
         })
     }
 
@@ -340,6 +343,7 @@ impl<'a> Newton<'a> {
                 }
             }
         }
+        self.add_springs(r);
         self.add_drag(x, r);
         self.judge(r);
         if self.line_search.is_wanted {
@@ -360,8 +364,8 @@ impl<'a> Newton<'a> {
         let mut ahead = vec![Vec3::zeros(); self.system.model.part.points.len()];
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
-                if let Some((start, by)) = self.system.conditions.prescribed[3 * n + d] {
-                    ahead[n][d] = start + by * self.s - self.system.committed[n][d];
+                if let Some(motion) = self.system.conditions.prescribed[3 * n + d] {
+                    ahead[n][d] = self.system.conditions.place(&motion, self.s) - self.system.committed[n][d];
                 }
             }
         }
@@ -409,6 +413,7 @@ impl Newton<'_> {
         if !self.system.model.is_alone() {
             self.add_contact_tangent();
         }
+        self.add_spring_tangent();
         self.add_drag_tangent();
     }
 }

@@ -22,10 +22,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     max(comm, &mut has);
     for ((section, (b, material)), has) in model.sections.iter().zip(scene.sections()).zip(has.chunks_exact(2)) {
         let (body, card) = (&scene.bodies[b], scene.material(&material.value));
-        let poisson = match card {
-            Some(MaterialModel::NeoHookean { poisson, .. } | MaterialModel::Hooke { poisson, .. }) => *poisson,
-            _ => 0.0,
-        };
+        let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
+        let poisson = elastic.map_or(0.0, MaterialModel::poisson);
         if let Some(asked) =
             body.element.as_ref().filter(|_| section.element == Formulation::Hex8Eas && poisson < AUXETIC)
         {
