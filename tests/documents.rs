@@ -144,6 +144,12 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.pressure", "step.s.pressure.0", &[]),
     ("step.body_force", "step.s.body_force.0", &[]),
     ("output", "output", &["output={}"]),
+    ("output.probe", "output.probe.p", &["output={ probe = [{ name = \"p\", point = [0, 0, 0] }] }"]),
+    (
+        "output.probe.path",
+        "output.probe.p.path",
+        &["output={ probe = [{ name = \"p\", path = { from = [0, 0, 0], to = [1, 0, 0] } }] }"],
+    ),
     ("solver", "solver", &["solver={}"]),
     ("trade", "trade", &["trade={}"]),
     ("trade.vary", "trade.vary.0", &["trade.vary=[{}]"]),
@@ -306,6 +312,8 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.force", "step.s.force.0", "target = 't', total = [0, 0, 0], directions = 'x'"),
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
+        ("output.probe", "output.probe.p", "name = 'p', point = [0, 0, 0]"),
+        ("output.probe.path", "output.probe.p.path", "from = [0, 0, 0], to = [1, 0, 0]"),
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
     ];
     // Keys in the place of others.

@@ -6,10 +6,12 @@
 //! the nodes of a face, an edge or a corner, the polynomial knows nothing of some directions; the value is then the mean of
 //! those of the polynomials of the nodes next to it that know more.
 
+use crate::error::Result;
 use crate::model::Model;
-use crate::model::elements::{carrying, medium, samples};
+use crate::model::elements::{carrying, lost, medium, samples};
+use crate::parallel::agree;
 use crate::solid::element::{Inverted, Sample};
-use crate::solid::voigt::{Voigt, left_cauchy_green, logarithm};
+use crate::solid::voigt::logarithmic_strain;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 
@@ -119,7 +121,7 @@ impl Fit {
 }
 
 /// Nodes that carry an element, those that others share their displacement with in place of these.
-fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = usize> + Clone + 'a {
+pub(super) fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = usize> + Clone + 'a {
     carrying(model, &model.part.solids[e]).iter().map(|&n| model.part.tie[n as usize] as usize)
 }
 
@@ -128,16 +130,16 @@ fn is_plane(model: &Model, e: usize) -> bool {
 }
 
 /// Stress and strain at an integration point of element `e`.
-pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> Result<Values, Inverted> {
+pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> std::result::Result<Values, Inverted> {
     let medium = medium(model, e);
     let lost = Inverted { det_f: sample.det_f };
     let stress = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
-    let strain: Voigt = logarithm(&left_cauchy_green(&sample.f)).map(|s| 0.5 * s);
+    let strain = logarithmic_strain(&sample.f);
     Ok(std::array::from_fn(|k| if k < 6 { stress[k] } else { strain[k - 6] }))
 }
 
 /// Their mean over an element: the values in its middle, but for terms of second order.
-fn middle(model: &Model, e: usize, u: &[Vec3]) -> Result<Values, Inverted> {
+fn middle(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<Values, Inverted> {
     let samples = samples(model, e, u)?;
     let (mut mean, mut weight) = ([0.0; WIDTH], 0.0);
     for (q, sample) in samples.iter().enumerate() {
@@ -149,15 +151,18 @@ fn middle(model: &Model, e: usize, u: &[Vec3]) -> Result<Values, Inverted> {
 }
 
 impl Recovered {
-    /// Of a state that has converged, with displacements `u` of all local nodes. Collective; the outcome is of this rank.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self, (usize, Inverted)> {
+    /// Of a state that has converged, with displacements `u` of all local nodes. Collective.
+    ///
+    /// # Errors
+    /// An element that is inverted, by its number, on all ranks.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self> {
         let (part, count) = (&model.part, model.part.points.len());
         let mut sums = vec![Sums::default(); part.owned];
         let mut plane = vec![false; part.owned];
         let mut outcome = Ok(());
         for e in 0..part.solids.len() {
-            let values = middle(model, e, u).unwrap_or_else(|error| {
-                outcome = Err((e, error));
+            let values = middle(model, e, u).unwrap_or_else(|_| {
+                outcome = Err(lost(model, e));
                 [0.0; WIDTH]
             });
             for n in nodes_of(model, e).filter(|n| *n < part.owned) {
@@ -174,7 +179,8 @@ impl Recovered {
         let known: Vec<f64> = (0..count).map(|n| fits[n * PACKED]).collect();
         let mut values = Self::spread(model, &fits, &known);
         part.halo.update(comm, WIDTH, &mut values);
-        outcome.map(|()| Self { values, known })
+        agree(comm, outcome)?;
+        Ok(Self { values, known })
     }
 
     /// The values at owned nodes, those that know less than others from these.

@@ -12,6 +12,7 @@ mod materials;
 mod names;
 mod overrides;
 mod parse;
+mod probes;
 mod reader;
 mod references;
 mod solver;
@@ -25,6 +26,7 @@ mod tree;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
+pub use probes::{Probe, ProbePlace};
 pub(crate) use references::body_of;
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
@@ -32,6 +34,7 @@ use crate::Vec3;
 pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
 use crate::controls::Controls;
 use crate::error::Location;
+pub use crate::output::quantity::Quantity;
 pub use crate::solid::element::Formulation;
 pub use crate::solid::material::{Hardening, Hill, MaterialModel};
 pub use crate::surface::{Smoothing, Transfer, Weight};
@@ -332,6 +335,9 @@ pub struct Output {
     pub every: usize,
     /// Sets whose displacement and reaction stand in the history: `body.group`, `body`.
     pub history: Vec<Located<String>>,
+    /// Fields that are written; displacements always are.
+    pub fields: Vec<Quantity>,
+    pub probes: Vec<Probe>,
 }
 
 /// Controls of the nonlinear solution.
