@@ -15,6 +15,7 @@ mod parse;
 mod probes;
 mod reader;
 mod references;
+mod schema;
 mod solver;
 mod steps;
 #[cfg(test)]
@@ -28,6 +29,7 @@ pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub use probes::{Probe, ProbePlace};
 pub(crate) use references::body_of;
+pub use schema::{begin, schema};
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
