@@ -88,6 +88,7 @@ fn a_uniform_stretch() {
     }
     let file = hdf5::File::open(run.out.join("fields.h5")).unwrap();
     assert!(!file.link_exists("increments/000002/body_bar/cell/error"));
+    assert!(!run.out.join("fields-body_bar.vtkhdf").exists());
     let few = Bench::new(BAR).solve(1, &["--set", "output.fields=[\"reaction\"]"]);
     assert_eq!(few.summary()["carried"]["stress_fields"], 0);
 
@@ -153,6 +154,7 @@ fn beam(kind: &str) -> (Bench, [f64; 3]) {
         move = [{{ target = "bar.xmax", by = [0, 0, 0.5] }}]
         [output]
         every = 2
+        vtkhdf = true
         fields = ["nodal_stress", "nodal_von_mises", "stress_jump", "reaction", "principal_strain"]
         probe = [
             {{ name = "node", point = {node:?} }},
@@ -176,6 +178,9 @@ fn probes_and_fields_on_any_number_of_ranks() {
             assert_small(name, probe(&alone, name).difference(&probe(&shared, name)), 1e-11);
         }
         same_fields(&alone, &shared);
+        for run in [&alone, &shared] {
+            vtk_has_the_fields(run, if kind == "tet" { (10, 4) } else { (12, 8) });
+        }
 
         // At a node it is the field; where bodies touch, that of the body that is meant.
         let points = alone.points("body.bar");
@@ -209,6 +214,28 @@ fn probes_and_fields_on_any_number_of_ranks() {
             assert!(values.len() == 241 && most < 0.05 * (high - low), "{kind} {name}: {most} of {low} {high}");
         }
     }
+}
+
+/// As the specification of VTKHDF has it: fields of all times one after the other, cells of one type with so many nodes.
+fn vtk_has_the_fields(run: &Run, (cell, nodes): (u8, usize)) {
+    let file = hdf5::File::open(run.out.join("fields-body_bar.vtkhdf")).unwrap();
+    let read = |name: &str| file.dataset(&format!("VTKHDF/{name}")).unwrap().read_raw::<f64>().unwrap();
+    let whole = |name: &str| file.dataset(&format!("VTKHDF/{name}")).unwrap().read_raw::<i64>().unwrap();
+    assert_eq!(read("Steps/Values"), [0.0, 1.0]);
+    let points = run.points("body.bar");
+    assert_eq!(read("Points"), points.as_flattened());
+    for (data, name, width) in [("PointData", "nodal_stress", 6), ("PointData", "stress_jump", 1)] {
+        assert_eq!(whole(&format!("Steps/{data}Offsets/{name}")), [0, points.len() as i64]);
+        let all = read(&format!("{data}/{name}"));
+        assert_eq!(all.len(), 2 * points.len() * width);
+        assert_eq!(all[points.len() * width..], run.scalars(1, "body.bar", name));
+    }
+    let types = file.dataset("VTKHDF/Types").unwrap().read_raw::<u8>().unwrap();
+    assert!(types.len() >= 45 && types.iter().all(|own| *own == cell));
+    let cells = run.field("grids/body_bar/cells");
+    assert_eq!(whole("Connectivity").iter().map(|n| *n as f64).collect::<Vec<_>>(), cells);
+    assert_eq!(whole("Offsets"), (0..=types.len() as i64).map(|k| k * nodes as i64).collect::<Vec<_>>());
+    assert_eq!(read("CellData/principal_strain_1")[types.len()..], field(run, 1, "cell/principal_strain_1"));
 }
 
 /// All fields of the beam in two runs, its points and elements in another order.

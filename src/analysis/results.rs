@@ -39,6 +39,8 @@ pub struct Results {
     watched: Vec<String>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
+    /// Whether VTK is to read them.
+    vtkhdf: bool,
     probes: Probes,
 }
 
@@ -82,7 +84,18 @@ impl Results {
         let tools = add_tools(comm, &mut fields, model)?;
         let masters = add_masters(comm, &mut fields, model)?;
         let (wanted, probes) = (scene.output.fields.clone(), Probes::create(comm, folder, scene, model)?);
-        Ok(Self { history, fields, bodies, contacts, tools, masters, watched, wanted, probes })
+        Ok(Self {
+            history,
+            fields,
+            bodies,
+            contacts,
+            tools,
+            masters,
+            watched,
+            wanted,
+            vtkhdf: scene.output.vtkhdf,
+            probes,
+        })
     }
 
     /// Whether recovered stresses and strains are asked for: of an increment whose fields are written, or of others.
@@ -90,12 +103,12 @@ impl Results {
         written && self.wanted.iter().any(|field| field.is_recovered()) || self.probes.need_recovery(written)
     }
 
-    /// Lets VTK read all that has been written until now. Collective.
+    /// Lets VTK read all that has been written until now, if it is to. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub fn index(&self, comm: &SimpleCommunicator) -> Result<()> {
-        self.fields.index(comm)
+        if self.vtkhdf { self.fields.index(comm) } else { Ok(()) }
     }
 
     /// Whether the fields have stresses of elements.

@@ -339,6 +339,8 @@ pub struct Output {
     pub history: Vec<Located<String>>,
     /// Fields that are written; displacements always are.
     pub fields: Vec<Quantity>,
+    /// Whether they are described for VTK, too.
+    pub vtkhdf: bool,
     pub probes: Vec<Probe>,
 }
 

@@ -242,8 +242,9 @@ fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
 }
 
 fn output(root: &Table, names: &Names) -> Result<Output> {
-    let mut output = Output { every: 1, history: Vec::new(), fields: Quantity::USUAL.to_vec(), probes: Vec::new() };
-    let keys = ["every", "history", "fields", "probe"];
+    let fields = Quantity::USUAL.to_vec();
+    let mut output = Output { every: 1, history: Vec::new(), fields, vtkhdf: false, probes: Vec::new() };
+    let keys = ["every", "history", "fields", "vtkhdf", "probe"];
     let Some(table) = root.optional("output", |item| item.table(&keys))? else { return Ok(output) };
     output.every = table.optional("every", Item::count)?.unwrap_or(1);
     for item in table.optional("history", Item::list)?.unwrap_or_default() {
@@ -259,6 +260,7 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
             output.fields.insert(0, Quantity::Displacement);
         }
     }
+    output.vtkhdf = table.optional("vtkhdf", Item::boolean)?.unwrap_or(false);
     output.probes = probes::read(&table, names)?;
     Ok(output)
 }
