@@ -65,6 +65,13 @@ enum Command {
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Write a commented scene to start from, which runs as it is.
+    New {
+        /// The scene file to write; one that is there stays.
+        scene: PathBuf,
+    },
+    /// Print the JSON schema of scene files, by which editors complete and check them: see docs/running.md.
+    Schema,
     /// Measure how fast this machine works, by which `check` and `run` predict time and memory, and keep it in the user's
     /// cache. Start it on as many ranks as runs will have, while nothing else computes.
     Calibrate {
@@ -191,7 +198,7 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. } | Command::Calibrate { .. } | Command::Surface(_) | Command::Trade(_) => &[],
+            _ => &[],
         }
     }
 
@@ -221,6 +228,13 @@ impl Cli {
                 if comm.rank() == 0 {
                     // Whoever reads it may have stopped.
                     let _ = write!(std::io::stdout(), "{text}");
+                }
+                Ok(())
+            }
+            Command::New { scene } => agree(comm, if comm.rank() == 0 { scene::begin(scene) } else { Ok(()) }),
+            Command::Schema => {
+                if comm.rank() == 0 {
+                    let _ = write!(std::io::stdout(), "{}", scene::schema());
                 }
                 Ok(())
             }

@@ -9,7 +9,9 @@ pub mod history;
 mod lock;
 pub mod log;
 pub mod phases;
+pub mod quantity;
 pub mod summary;
+mod vtkhdf;
 mod xdmf;
 
 use crate::error::{Error, Result};
@@ -22,6 +24,15 @@ use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
 pub const RUN: [&str; 6] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml"];
+
+/// What the next run into a folder replaces: [`RUN`], and the tables of all probes and the grids for VTK that are there.
+pub fn results_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let ends = [("probe-", ".csv"), ("fields-", ".vtkhdf")];
+    let is_result = |name: &String| ends.iter().any(|(start, end)| name.starts_with(start) && name.ends_with(end));
+    RUN.iter().map(ToString::to_string).chain(names.filter(is_result)).collect()
+}
 
 /// The folder that a run writes to, and no other while this one lives.
 #[derive(Debug)]
