@@ -54,6 +54,58 @@ pub fn master(surface: &BodySurface) -> String {
     format!("master `{}`: deformable, {} {kind}", surface.name, surface.total)
 }
 
+/// What bodies are made of, a line each.
+pub fn bodies(scene: &Scene, model: &Model) -> String {
+    let mut text = String::new();
+    for body in &scene.bodies {
+        let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
+            MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
+            MaterialModel::Hooke { .. } => "hooke (logarithmic strain); no plasticity",
+            MaterialModel::Plastic { hill: None, .. } => "elastic-plastic (von Mises)",
+            MaterialModel::Plastic { hill: Some(_), .. } => "elastic-plastic (Hill)",
+        });
+        let model = model.bodies.iter().find(|b| b.name == body.name.value);
+        let strain =
+            if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
+        let element = model.map_or(String::new(), |m| m.element.key().to_string());
+        let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
+        let mirrored =
+            if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
+        let parts = match &body.refine {
+            Some(times) => {
+                let directions = if strain.is_empty() { 3 } else { 2 };
+                format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
+            }
+            None => String::new(),
+        };
+        let _ =
+            writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}{parts}", body.name.value, kind.unwrap_or("?"));
+    }
+    text
+}
+
+/// How contacts are modelled, a line each. Collective.
+pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
+    let mut text = String::new();
+    let slaves = model.slave_counts(comm);
+    for (pair, count) in model.pairs.iter().zip(slaves) {
+        let method = match pair.method {
+            Enforcement::Penalty => "penalty",
+            Enforcement::Lagrange => "Lagrange",
+            Enforcement::AugmentedLagrangian => "augmented Lagrangian",
+            Enforcement::Uzawa => "Uzawa",
+        };
+        let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
+        let friction = match pair.friction {
+            0.0 => format!("frictionless, {multipliers}, no slip history"),
+            friction => format!("friction {friction}, {multipliers}"),
+        };
+        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
+        let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
+    }
+    text
+}
+
 /// The last lines of a log: how much was done, and where to look next.
 pub fn farewell(summary: &Summary, out: &Path) -> String {
     let mean = summary.iterations as f64 / summary.increments.max(1) as f64;
@@ -186,52 +238,14 @@ pub fn check(
 ) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
-    for body in &scene.bodies {
-        let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
-            MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
-            MaterialModel::Hooke { .. } => "hooke (logarithmic strain); no plasticity",
-            MaterialModel::Plastic { hill: None, .. } => "elastic-plastic (von Mises)",
-            MaterialModel::Plastic { hill: Some(_), .. } => "elastic-plastic (Hill)",
-        });
-        let model = model.bodies.iter().find(|b| b.name == body.name.value);
-        let strain =
-            if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
-        let element = model.map_or(String::new(), |m| m.element.key().to_string());
-        let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
-        let mirrored =
-            if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
-        let parts = match &body.refine {
-            Some(times) => {
-                let directions = if strain.is_empty() { 3 } else { 2 };
-                format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
-            }
-            None => String::new(),
-        };
-        let _ =
-            writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}{parts}", body.name.value, kind.unwrap_or("?"));
-    }
+    text += &bodies(scene, model);
     for tool in &model.masters.tools {
         let _ = writeln!(text, "{}", self::tool(tool));
     }
     for surface in &model.masters.surfaces {
         let _ = writeln!(text, "{}", master(surface));
     }
-    let slaves = model.slave_counts(comm);
-    for (pair, count) in model.pairs.iter().zip(slaves) {
-        let method = match pair.method {
-            Enforcement::Penalty => "penalty",
-            Enforcement::Lagrange => "Lagrange",
-            Enforcement::AugmentedLagrangian => "augmented Lagrangian",
-            Enforcement::Uzawa => "Uzawa",
-        };
-        let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
-        let friction = match pair.friction {
-            0.0 => format!("frictionless, {multipliers}, no slip history"),
-            friction => format!("friction {friction}, {multipliers}"),
-        };
-        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
-        let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
-    }
+    text += &contacts(comm, model);
     for line in &begins {
         let _ = writeln!(text, "{line}");
     }

@@ -15,8 +15,10 @@ use crate::output::phases::{Phase, Phases};
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::output::{self, OutputFolder};
 use crate::parallel::{Sent, agree, sent, sum};
+use crate::report;
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
 use petsc::{LinearStatistics, Petsc};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -30,6 +32,8 @@ pub struct Options<'a> {
     /// Estimate the error of the increments by a second run.
     pub estimate: bool,
     pub quiet: bool,
+    /// Write a report at the end, too, however it comes.
+    pub report: bool,
     /// The scene file, which must not be overwritten.
     pub source: &'a Path,
 }
@@ -49,6 +53,8 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut log = Log::create(&folder, comm, options.quiet)?;
     let model = simulation.model();
     log.line(&describe::heading(comm, scene, model));
+    let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
+    bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
     model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
@@ -103,7 +109,18 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     if let Err(error) = &outcome {
         log.record(&format!("error: {error}"));
     }
+    if options.report {
+        written = written.and(write_report(comm, &folder, log));
+    }
     outcome.and(written)
+}
+
+/// Writes the page of a run that has ended. Collective.
+fn write_report(comm: &SimpleCommunicator, folder: &OutputFolder, log: &mut Log) -> Result<()> {
+    let page = if comm.rank() == 0 { report::page(&[folder.path()]) } else { Ok(String::new()) };
+    folder.write(comm, report::NAME, &agree(comm, page)?)?;
+    log.line(&format!("report:      {}", folder.file(report::NAME).display()));
+    Ok(())
 }
 
 /// Takes the times of the linear solver from PETSc's log, and what it has measured itself.

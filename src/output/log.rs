@@ -143,7 +143,7 @@ impl Drop for Log {
 }
 
 /// The lines that warn.
-fn warnings(text: &str) -> impl Iterator<Item = &str> {
+pub fn warnings(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim_start).filter(|line| line.starts_with("warning: ") || line.contains(": warning: "))
 }
 
@@ -171,7 +171,7 @@ fn fraction(time: f64, end: f64) -> f64 {
 }
 
 /// Six significant digits without the zeros behind them.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     format!("{rounded:?}")
 }

@@ -4,6 +4,7 @@
 //! stands in the folder is readable at any time, also after a kill.
 
 pub mod fields;
+pub mod figure;
 pub mod history;
 mod lock;
 pub mod log;
@@ -20,7 +21,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
-pub const RUN: [&str; 6] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml"];
+pub const RUN: [&str; 7] =
+    ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml", "report.html"];
+
+/// Whether a run writes into a folder now; `None` where the file system has no locks.
+pub fn is_being_written(folder: &Path) -> Option<bool> {
+    lock::is_held(folder)
+}
 
 /// The folder that a run writes to, and no other while this one lives.
 #[derive(Debug)]
