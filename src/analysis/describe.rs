@@ -123,16 +123,6 @@ pub fn farewell(summary: &Summary, out: &Path) -> String {
     text
 }
 
-/// The residuals of an increment and the status changes, for the log file.
-pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
-    let steps: Vec<String> = residuals
-        .iter()
-        .zip(changes)
-        .map(|(r, c)| if *c == 0 { format!("{r:.1e}") } else { format!("{r:.1e} ({c})") })
-        .collect();
-    format!("    residual/force (status changes): {}", steps.join(" "))
-}
-
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
 /// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for.
 pub fn failure(

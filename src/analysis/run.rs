@@ -6,7 +6,7 @@ use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
 use super::paths::{self, End};
 use super::results::Results;
-use super::{Event, Increment, Simulation, describe};
+use super::{Event, Increment, Iteration, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
 use crate::interrupt;
@@ -246,7 +246,10 @@ impl Recorder<'_> {
 
     fn hear(&mut self, event: &Event) -> Result<()> {
         match event {
-            Event::Iteration(at) => self.log.iteration(at.step, at.increment, at.number),
+            &Event::Iteration(Iteration { step, increment, number, residual, changes, touching }) => {
+                self.log.iteration(&log::Iterate { step, increment, number, residual, changes, touching });
+            }
+            Event::Jumping { number, drag } => self.log.jump(*number, *drag),
             Event::Retried(retried) => self.log.line(&describe::retried(retried)),
             Event::Jumped { step, steps } => {
                 self.log.line(&format!("  {step}: no equilibrium near; went on to another in {steps} steps"));
@@ -269,7 +272,6 @@ impl Recorder<'_> {
             iterations: *iterations,
             note: &note,
         });
-        self.log.record(&describe::trace(&increment.residuals, &increment.changes));
         if let Some(name) = &increment.calmed_node {
             self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }
