@@ -106,7 +106,8 @@ impl Log {
         self.begun = Instant::now();
         if self.talks && on_terminal() {
             let bar = ProgressBar::with_draw_target(Some(FULL), ProgressDrawTarget::stdout());
-            if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix} [{bar:30}] {percent:>3}%  {wide_msg}") {
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix} [{bar:30}] {percent:>3}%\n  {wide_msg}")
+            {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.enable_steady_tick(Duration::from_millis(500));
@@ -201,7 +202,7 @@ fn progress(at: &Iterate, jump: Option<usize>, left: Option<f64>) -> String {
     let left =
         left.map_or(String::new(), |left| format!(", about {} left", HumanDuration(Duration::from_secs_f64(left))));
     let Iterate { increment, number, residual, touching, .. } = at;
-    format!("increment {increment}, {jump}iteration {number}, residual {residual:.1e}, {touching} in contact{left}")
+    format!("increment {increment}, {jump}iteration {number}, residual {residual:.1e}, {touching} touching{left}")
 }
 
 /// The seconds that are left after so many; `None` as long as nothing tells: before a twentieth is done in five increments, and
@@ -280,9 +281,9 @@ mod tests {
     #[test]
     fn an_iterate_is_shown_as_it_is() {
         let at = Iterate { step: "press", increment: 12, number: 3, residual: 2.34e-4, changes: 0, touching: 24 };
-        assert_eq!(progress(&at, None, None), "increment 12, iteration 3, residual 2.3e-4, 24 in contact");
+        assert_eq!(progress(&at, None, None), "increment 12, iteration 3, residual 2.3e-4, 24 touching");
         let text = progress(&at, Some(4), Some(200.0));
-        let rest = "iteration 3, residual 2.3e-4, 24 in contact, about 3 minutes left";
+        let rest = "iteration 3, residual 2.3e-4, 24 touching, about 3 minutes left";
         assert_eq!(text, format!("increment 12, jump, step 4, {rest}"));
         assert_eq!([0, 2].map(|changes| residual(&Iterate { changes, ..at })), ["2.3e-4", "2.3e-4 (2)"]);
     }

@@ -24,7 +24,7 @@ pub fn color(run: usize) -> RGBColor {
 /// Pixels of the drawing for a pixel of the page: plotters rounds to whole ones.
 const FINENESS: u32 = 2;
 /// Width and height of a panel on the page.
-const SIZE: (u32, u32) = (480, 270);
+const SIZE: (u32, u32) = (440, 260);
 
 /// What a panel shows of a run.
 #[derive(Clone, Debug)]
@@ -76,7 +76,7 @@ fn drawn(size: (u32, u32), draw: impl FnOnce(&Area) -> Result<()>) -> Result<Str
 }
 
 fn font(color: &RGBColor) -> TextStyle<'_> {
-    (FONT, 13 * FINENESS).into_font().color(color)
+    (FONT, 14 * FINENESS).into_font().color(color)
 }
 
 fn curves(area: &Area, panel: &Panel) -> Result<()> {
@@ -90,7 +90,7 @@ fn curves(area: &Area, panel: &Panel) -> Result<()> {
         .margin(6 * FINENESS)
         .margin_right(16 * FINENESS)
         .x_label_area_size(36 * FINENESS)
-        .y_label_area_size(58 * FINENESS)
+        .y_label_area_size(60 * FINENESS)
         .build_cartesian_2d(left..right, bottom..top)
         .map_err(failed)?;
     chart
