@@ -7,7 +7,7 @@ use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
 use super::paths::{self, End};
 use super::results::Results;
-use super::{Event, Increment, Simulation, describe};
+use super::{Event, Increment, Iteration, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
 use crate::estimate::recovery::Recovered;
@@ -17,8 +17,10 @@ use crate::output::phases::{Phase, Phases};
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::output::{self, OutputFolder};
 use crate::parallel::{Sent, agree, sent, sum};
+use crate::report;
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
 use petsc::{LinearStatistics, Petsc};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -32,6 +34,8 @@ pub struct Options<'a> {
     /// Estimate the error of the increments by a second run.
     pub estimate: bool,
     pub quiet: bool,
+    /// Write a report at the end, too, however it comes.
+    pub report: bool,
     /// The scene file, which must not be overwritten.
     pub source: &'a Path,
 }
@@ -53,6 +57,8 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut log = Log::create(&folder, comm, options.quiet)?;
     let model = simulation.model();
     log.line(&describe::heading(comm, scene, model));
+    let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
+    bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
     model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
@@ -107,7 +113,18 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     if let Err(error) = &outcome {
         log.record(&format!("error: {error}"));
     }
+    if options.report {
+        written = written.and(write_report(comm, &folder, log));
+    }
     outcome.and(written)
+}
+
+/// Writes the page of a run that has ended. Collective.
+fn write_report(comm: &SimpleCommunicator, folder: &OutputFolder, log: &mut Log) -> Result<()> {
+    let page = if comm.rank() == 0 { report::page(&[folder.path()]) } else { Ok(String::new()) };
+    folder.write(comm, report::NAME, &agree(comm, page)?)?;
+    log.line(&format!("report:      {}", folder.file(report::NAME).display()));
+    Ok(())
 }
 
 /// Takes the times of the linear solver from PETSc's log, and what it has measured itself.
@@ -264,7 +281,10 @@ impl Recorder<'_> {
 
     fn hear(&mut self, event: &Event) -> Result<()> {
         match event {
-            Event::Iteration(at) => self.log.iteration(at.step, at.increment, at.number),
+            &Event::Iteration(Iteration { step, increment, number, residual, changes, touching }) => {
+                self.log.iteration(&log::Iterate { step, increment, number, residual, changes, touching });
+            }
+            Event::Jumping { number, drag } => self.log.jump(*number, *drag),
             Event::Retried(retried) => self.log.line(&describe::retried(retried)),
             Event::Jumped { step, steps } => {
                 self.log.line(&format!("  {step}: no equilibrium near; went on to another in {steps} steps"));
@@ -287,7 +307,6 @@ impl Recorder<'_> {
             iterations: *iterations,
             note: &note,
         });
-        self.log.record(&describe::trace(&increment.residuals, &increment.changes));
         if let Some(name) = &increment.calmed_node {
             self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }

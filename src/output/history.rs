@@ -1,5 +1,9 @@
 //! `history.csv`: one row an increment, each on disk before the next increment starts; and the tables of probes.
 
+mod read;
+
+pub use read::{Components, DISPLACEMENT, FORCE, History};
+
 use super::{OutputFolder, cannot_write};
 use crate::error::Result;
 use crate::parallel::agree;

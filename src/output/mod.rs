@@ -23,7 +23,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
-pub const RUN: [&str; 6] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml"];
+pub const RUN: [&str; 7] =
+    ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml", "report.html"];
+
+/// Whether a run writes into a folder now; `None` where the file system has no locks.
+pub fn is_being_written(folder: &Path) -> Option<bool> {
+    lock::is_held(folder)
+}
 
 /// What the next run into a folder replaces: [`RUN`], and the tables of all probes and the grids for VTK that are there.
 pub fn results_in(folder: &Path) -> Vec<String> {
