@@ -1,4 +1,4 @@
-//! The command line: `run`, `check`, `calibrate`, `surface` and `trade`.
+//! The command line: `run`, `check`, `calibrate`, `convert`, `surface` and `trade`.
 
 use crate::accuracy;
 use crate::accuracy::errors::Sampling;
@@ -7,6 +7,7 @@ use crate::accuracy::subject::{Loaded, Names};
 use crate::analysis::cost::calibrate::calibrate;
 use crate::analysis::cost::machine;
 use crate::analysis::{self, Options, describe};
+use crate::convert;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::model::Model;
@@ -71,6 +72,14 @@ enum Command {
         /// Repetitions of each kernel, of which the fastest counts.
         #[arg(long, value_name = "N", default_value = "7")]
         repeats: NonZeroUsize,
+    },
+    /// Turn a whole deck of Abaqus or CalculiX into a scene; what cannot be is refused, what is passed over is named.
+    Convert {
+        /// The deck (.inp), which stays the mesh of the scene.
+        deck: PathBuf,
+        /// The scene file; it may not exist yet [default: the deck with .toml in the place of its .inp]
+        #[arg(long, value_name = "SCENE")]
+        out: Option<PathBuf>,
     },
     /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
     Surface(SurfaceArguments),
@@ -191,7 +200,11 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. } | Command::Calibrate { .. } | Command::Surface(_) | Command::Trade(_) => &[],
+            Command::Check { .. }
+            | Command::Calibrate { .. }
+            | Command::Convert { .. }
+            | Command::Surface(_)
+            | Command::Trade(_) => &[],
         }
     }
 
@@ -229,6 +242,16 @@ impl Cli {
                 let kept = machine::keep(comm, &rates);
                 if comm.rank() == 0 {
                     let _ = write!(std::io::stdout(), "{}", describe::rates(&rates, kept.as_deref()));
+                }
+                Ok(())
+            }
+            Command::Convert { deck, out } => {
+                let converted = match comm.rank() {
+                    0 => convert::convert(deck, out.as_deref()).map(Some),
+                    _ => Ok(None),
+                };
+                if let Some(converted) = agree(comm, converted)? {
+                    tell_of(&converted);
                 }
                 Ok(())
             }
@@ -313,6 +336,13 @@ impl SceneArguments {
     fn load(&self, comm: &SimpleCommunicator) -> Result<Scene> {
         agree(comm, scene::load(&self.scene, &self.overrides))
     }
+}
+
+/// Says what was converted, and what of it is not as in the deck.
+fn tell_of(converted: &convert::Converted) {
+    converted.notes.iter().for_each(|note| eprintln!("warning: {note}"));
+    let groups = converted.groups.as_ref().map_or(String::new(), |groups| format!(" and {}", groups.display()));
+    let _ = writeln!(std::io::stdout(), "{}{groups}", converted.scene.display());
 }
 
 /// Names the options for PETSc that a run has not asked for: they are misspelt, or belong to what was not used. Some PETSc
