@@ -167,11 +167,7 @@ fn nodes_of(whole: &Whole, slot: Slot) -> Vec<u32> {
 }
 
 /// For each solid its material and the set of its section.
-fn sections<'a>(
-    whole: &'a Whole,
-    materials: &[Material],
-    owners: &[Owner],
-) -> Result<Vec<Option<(usize, &'a Card)>>> {
+fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> Result<Vec<Option<(usize, &'a Card)>>> {
     let mut sections: Vec<Option<(usize, &Card)>> = vec![None; whole.mesh.solids.len()];
     let is_rigid = |slot| {
         let nodes = nodes_of(whole, slot);
@@ -211,12 +207,7 @@ fn sections<'a>(
     Ok(sections)
 }
 
-fn body(
-    groups: &mut Groups,
-    solids: Vec<u32>,
-    sections: &[Option<(usize, &Card)>],
-    namer: &mut Namer,
-) -> Result<Body> {
+fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)>], namer: &mut Namer) -> Result<Body> {
     let mesh = &groups.whole.mesh;
     let mut materials: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
     for &solid in &solids {
@@ -232,13 +223,29 @@ fn body(
         let what = format!("elements {a} and {b} are of one part, but one is a hexahedron and one a tetrahedron");
         return Err(Error::input_anywhere(what, "mesh each connected part with one of the two"));
     }
-    let set = sections[solids[0] as usize].and_then(|(_, card)| card.keyword.get("ELSET")).unwrap_or("body");
+    let mut sets = solids.iter().filter_map(|&solid| sections[solid as usize]?.1.keyword.get("ELSET"));
+    let set = sets.next().filter(|first| sets.all(|other| other == *first));
+    let set = own_name(groups.whole, &solids).or(set).unwrap_or("body");
     let group = match solids.len() == mesh.solids.len() {
         true => None,
         false => Some(groups.solids(&solids, |_| true, set)?),
     };
     let name = namer.name(group.as_deref().unwrap_or(set), "body");
     Ok(Body { name, solids, materials, group })
+}
+
+/// The name under which the deck has just these solids: that of an instance, or of their *ELEMENT.
+fn own_name<'a>(whole: &'a Whole, solids: &[u32]) -> Option<&'a str> {
+    let name = |card: &'a Card| match card.keyword.name.as_str() {
+        "INSTANCE" => card.keyword.get("NAME"),
+        "ELEMENT" => card.keyword.get("ELSET"),
+        _ => None,
+    };
+    let has = |name: &&str| {
+        let groups = &whole.mesh.groups;
+        groups.iter().any(|(group, found)| group.eq_ignore_ascii_case(name) && found.solids == solids)
+    };
+    whole.cards.iter().filter_map(name).find(has)
 }
 
 /// Elements that are neither solids nor of a rigid body, as the facets that Gmsh writes.

@@ -23,9 +23,11 @@ const NUMERICS: &str = "it is for the solver of the deck";
 const HEAT: &str = "nagata has no temperatures";
 const STATICS: &str = "it does nothing in statics";
 const ONLY_STATIC: &str = "nagata computes static steps";
-const NO_JOINT: &str = "nagata ties no bodies or nodes to each other; mesh what is bonded as one part, with common nodes";
+const NO_JOINT: &str =
+    "nagata ties no bodies or nodes to each other; mesh what is bonded as one part, with common nodes";
 const NO_ELEMENT: &str = "nagata has solids alone";
-const NO_MODEL: &str = "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
+const NO_MODEL: &str =
+    "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
 const NO_CONDITION: &str = "no condition of a scene does this";
 
 fn fate(name: &str) -> Fate {
@@ -53,37 +55,105 @@ fn fate(name: &str) -> Fate {
         | "CONTACT OUTPUT" | "CONTACT PRINT" | "CONTACT FILE" | "SECTION PRINT" | "SECTION FILE" | "ENERGY OUTPUT"
         | "ENERGY PRINT" | "ENERGY FILE" | "INTEGRATED OUTPUT" | "PREPRINT" | "PRINT" | "MONITOR" | "FILE FORMAT"
         | "FILE OUTPUT" | "TIME POINTS" | "RESTART" | "REFERENCE" | "DIAGNOSTICS" => Fate::Output,
-        "CONTROLS" | "CONTACT CONTROLS" | "SECTION CONTROLS" | "HOURGLASS STIFFNESS" | "SOLUTION TECHNIQUE"
+        "CONTROLS"
+        | "CONTACT CONTROLS"
+        | "SECTION CONTROLS"
+        | "HOURGLASS STIFFNESS"
+        | "SOLUTION TECHNIQUE"
         | "CONTACT STABILIZATION" => Fate::Passed(NUMERICS),
-        "EXPANSION" | "CONDUCTIVITY" | "SPECIFIC HEAT" | "GAP CONDUCTANCE" | "GAP HEAT GENERATION"
-        | "INELASTIC HEAT FRACTION" | "PHYSICAL CONSTANTS" => Fate::Passed(HEAT),
+        "EXPANSION"
+        | "CONDUCTIVITY"
+        | "SPECIFIC HEAT"
+        | "GAP CONDUCTANCE"
+        | "GAP HEAT GENERATION"
+        | "INELASTIC HEAT FRACTION"
+        | "PHYSICAL CONSTANTS" => Fate::Passed(HEAT),
         "DAMPING" | "CONTACT DAMPING" => Fate::Passed(STATICS),
         "ORIENTATION" => Fate::Passed("the materials that are converted are isotropic"),
-        "DYNAMIC" | "FREQUENCY" | "BUCKLE" | "HEAT TRANSFER" | "COUPLED TEMPERATURE-DISPLACEMENT" | "VISCO"
-        | "UNCOUPLED TEMPERATURE-DISPLACEMENT" | "STEADY STATE DYNAMICS" | "MODAL DYNAMIC" | "COMPLEX FREQUENCY"
-        | "GREEN" | "ELECTROMAGNETICS" | "CFD" | "SENSITIVITY" | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
-        "TIE" | "EQUATION" | "MPC" | "COUPLING" | "KINEMATIC" | "DISTRIBUTING" | "DISTRIBUTING COUPLING"
-        | "KINEMATIC COUPLING" | "EMBEDDED ELEMENT" | "CYCLIC SYMMETRY MODEL" | "PRE-TENSION SECTION"
-        | "SHELL TO SOLID COUPLING" | "CONNECTOR SECTION" | "FASTENER" => Fate::Refused(NO_JOINT),
-        "BEAM SECTION" | "BEAM GENERAL SECTION" | "FLUID SECTION" | "SPRING" | "DASHPOT" | "GAP"
-        | "COHESIVE SECTION" | "SHELL GENERAL SECTION" | "REBAR" | "REBAR LAYER" | "FRAME SECTION" => {
-            Fate::Refused(NO_ELEMENT)
-        }
-        "CREEP" | "HYPERFOAM" | "USER MATERIAL" | "DEFORMATION PLASTICITY" | "CYCLIC HARDENING" | "POTENTIAL"
-        | "RATE DEPENDENT" | "VISCOELASTIC" | "MULLINS EFFECT" | "NO COMPRESSION" | "NO TENSION" | "DEPVAR"
-        | "DAMAGE INITIATION" | "MOHR COULOMB" | "DRUCKER PRAGER" | "CAP PLASTICITY" | "CRUSHABLE FOAM"
-        | "CONCRETE" | "CAST IRON PLASTICITY" | "ANISOTROPIC HYPERELASTIC" | "HYPOELASTIC" | "VISCOUS" => {
-            Fate::Refused(NO_MODEL)
-        }
+        "DYNAMIC"
+        | "FREQUENCY"
+        | "BUCKLE"
+        | "HEAT TRANSFER"
+        | "COUPLED TEMPERATURE-DISPLACEMENT"
+        | "VISCO"
+        | "UNCOUPLED TEMPERATURE-DISPLACEMENT"
+        | "STEADY STATE DYNAMICS"
+        | "MODAL DYNAMIC"
+        | "COMPLEX FREQUENCY"
+        | "GREEN"
+        | "ELECTROMAGNETICS"
+        | "CFD"
+        | "SENSITIVITY"
+        | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
+        "TIE"
+        | "EQUATION"
+        | "MPC"
+        | "COUPLING"
+        | "KINEMATIC"
+        | "DISTRIBUTING"
+        | "DISTRIBUTING COUPLING"
+        | "KINEMATIC COUPLING"
+        | "EMBEDDED ELEMENT"
+        | "CYCLIC SYMMETRY MODEL"
+        | "PRE-TENSION SECTION"
+        | "SHELL TO SOLID COUPLING"
+        | "CONNECTOR SECTION"
+        | "FASTENER" => Fate::Refused(NO_JOINT),
+        "BEAM SECTION"
+        | "BEAM GENERAL SECTION"
+        | "FLUID SECTION"
+        | "SPRING"
+        | "DASHPOT"
+        | "GAP"
+        | "COHESIVE SECTION"
+        | "SHELL GENERAL SECTION"
+        | "REBAR"
+        | "REBAR LAYER"
+        | "FRAME SECTION" => Fate::Refused(NO_ELEMENT),
+        "CREEP"
+        | "HYPERFOAM"
+        | "USER MATERIAL"
+        | "DEFORMATION PLASTICITY"
+        | "CYCLIC HARDENING"
+        | "POTENTIAL"
+        | "RATE DEPENDENT"
+        | "VISCOELASTIC"
+        | "MULLINS EFFECT"
+        | "NO COMPRESSION"
+        | "NO TENSION"
+        | "DEPVAR"
+        | "DAMAGE INITIATION"
+        | "MOHR COULOMB"
+        | "DRUCKER PRAGER"
+        | "CAP PLASTICITY"
+        | "CRUSHABLE FOAM"
+        | "CONCRETE"
+        | "CAST IRON PLASTICITY"
+        | "ANISOTROPIC HYPERELASTIC"
+        | "HYPOELASTIC"
+        | "VISCOUS" => Fate::Refused(NO_MODEL),
         "CONTACT" | "CONTACT INCLUSIONS" => {
             Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
         }
         "TRANSFORM" => Fate::Refused("conditions of a scene are along x, y and z"),
         "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
-        "MODEL CHANGE" | "CONTACT INTERFERENCE" | "CLEARANCE" | "CHANGE FRICTION" | "CHANGE SURFACE BEHAVIOR"
-        | "CHANGE CONTACT TYPE" | "CHANGE MATERIAL" | "CHANGE PLASTIC" | "CHANGE SOLID SECTION"
-        | "INITIAL CONDITIONS" | "SUBMODEL" | "INERTIA RELIEF" | "IMPORT" | "BOUNDARYF" | "RIGID SURFACE"
-        | "MASS FLOW" | "ANNEAL" => Fate::Refused(NO_CONDITION),
+        "MODEL CHANGE"
+        | "CONTACT INTERFERENCE"
+        | "CLEARANCE"
+        | "CHANGE FRICTION"
+        | "CHANGE SURFACE BEHAVIOR"
+        | "CHANGE CONTACT TYPE"
+        | "CHANGE MATERIAL"
+        | "CHANGE PLASTIC"
+        | "CHANGE SOLID SECTION"
+        | "INITIAL CONDITIONS"
+        | "SUBMODEL"
+        | "INERTIA RELIEF"
+        | "IMPORT"
+        | "BOUNDARYF"
+        | "RIGID SURFACE"
+        | "MASS FLOW"
+        | "ANNEAL" => Fate::Refused(NO_CONDITION),
         "PARAMETER" => Fate::Refused("write the numbers themselves"),
         _ => Fate::Unknown,
     }
@@ -133,7 +203,8 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
     }
     if !output.is_empty() {
         let lines: Vec<String> = output.iter().map(usize::to_string).collect();
-        notes.whole(format!("requests for output are passed over (lines {})", lines.join(", ")));
+        let several = if lines.len() > 1 { "s" } else { "" };
+        notes.whole(format!("requests for output are passed over (line{several} {})", lines.join(", ")));
     }
     match refused.split_first() {
         None => Ok(()),

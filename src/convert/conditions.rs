@@ -8,7 +8,7 @@ use super::groups::{Groups, nodes_are};
 use super::loads::{Clock, Load, Loads};
 use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::Slot;
 use crate::mesh::abaqus::{Card, Row, no_set};
 use std::collections::BTreeMap;
@@ -115,7 +115,14 @@ impl Conditions {
                 if nodes.is_empty() {
                     return Ok(());
                 }
-                self.supports.add(Wish { at: row.at.clone(), hint, nodes, dof, amplitude, value })
+                let twice = self.supports.add(Wish { at: row.at.clone(), hint, nodes, dof, amplitude, value })?;
+                if let Some(node) = twice {
+                    let node = setting.groups.whole.mesh.point_ids[node as usize];
+                    let what =
+                        format!("node {node} is held otherwise by an earlier line of this step: this line counts");
+                    notes.at(&row.at, what);
+                }
+                Ok::<(), Error>(())
             };
             if dof < 3 {
                 add(hint(set), of_bodies.clone(), dof)?;
@@ -175,7 +182,8 @@ impl Conditions {
             let twice = self.forces.add(load, [0, 1, 2].map(|axis| axis == dof));
             if let Some(&node) = twice.first() {
                 let node = setting.groups.whole.mesh.point_ids[node as usize];
-                let what = format!("node {node} is loaded several times in one direction and step: the forces are added");
+                let what =
+                    format!("node {node} is loaded several times in one direction and step: the forces are added");
                 notes.at(&at, what);
             }
         }
@@ -198,7 +206,8 @@ impl Conditions {
             let along = [row.number(x, 0.0)?, row.number(y, 0.0)?, row.number(z, 0.0)?];
             return self.take_gravity(card, row, set, along.map(|part| part * value), amplitude, setting);
         }
-        let side = kind.strip_prefix('P').and_then(|side| side.parse::<u8>().ok()).filter(|side| (1..=6).contains(side));
+        let side =
+            kind.strip_prefix('P').and_then(|side| side.parse::<u8>().ok()).filter(|side| (1..=6).contains(side));
         let mut load = Load::new(&row.at, format!("{}-{kind}", hint(set)), self.step, amplitude);
         match side {
             None if is_surface && kind == "P" => {
@@ -311,7 +320,8 @@ fn split(setting: &Setting, row: &Row, nodes: &[u32], notes: &mut Notes) -> Resu
                     _ if body.reference == node => of_rigids.push((rigid, false)),
                     _ if body.rotations == Some(node) => of_rigids.push((rigid, true)),
                     _ => {
-                        let what = format!("{} of the rigid body of {}", nodes_are(setting.groups.whole, &[node]), body.at);
+                        let what =
+                            format!("{} of the rigid body of {}", nodes_are(setting.groups.whole, &[node]), body.at);
                         return Err(row.error(what, "hold, move and load its reference node instead"));
                     }
                 }
@@ -319,7 +329,8 @@ fn split(setting: &Setting, row: &Row, nodes: &[u32], notes: &mut Notes) -> Resu
         }
     }
     if !of_nothing.is_empty() {
-        let what = format!("{} of no body: the condition there is passed over", nodes_are(setting.groups.whole, &of_nothing));
+        let what =
+            format!("{} of no body: the condition there is passed over", nodes_are(setting.groups.whole, &of_nothing));
         notes.at(&row.at, what);
     }
     Ok(Split { of_bodies: of_bodies.into(), of_rigids })

@@ -56,13 +56,7 @@ impl<'a> Groups<'a> {
 
     /// The group with these nodes of a body, all of whose nodes are those that `is_inside` holds for; without faces of it
     /// if it is to be `bare`. `hint` is a name that may fit.
-    pub fn nodes(
-        &mut self,
-        wanted: &[u32],
-        is_inside: impl Fn(u32) -> bool,
-        bare: bool,
-        hint: &str,
-    ) -> Result<String> {
+    pub fn nodes(&mut self, wanted: &[u32], is_inside: impl Fn(u32) -> bool, bare: bool, hint: &str) -> Result<String> {
         let fits = |groups: &Self, group: &Group| {
             group.nodes.iter().filter(|&&node| is_inside(node)).eq(wanted)
                 && !(bare && group.facets.iter().any(|&facet| groups.is_boundary(facet)))
@@ -106,8 +100,7 @@ impl<'a> Groups<'a> {
 
     /// The group with these solids, of all or, where it may hold others, of those that `counts` holds for.
     pub fn solids(&mut self, wanted: &[u32], counts: impl Fn(u32) -> bool, hint: &str) -> Result<String> {
-        let fits =
-            |_: &Self, group: &Group| group.solids.iter().filter(|&&solid| counts(solid)).eq(wanted);
+        let fits = |_: &Self, group: &Group| group.solids.iter().filter(|&&solid| counts(solid)).eq(wanted);
         if let Some(name) = self.existing(hint, fits) {
             return Ok(name);
         }

@@ -78,7 +78,8 @@ impl Load {
     /// Whether its amplitude begins with another load than the last step ended with.
     pub fn jumps(&self, clock: &Clock, amplitudes: &[Amplitude]) -> bool {
         let begin = || self.at(0.0, clock, amplitudes);
-        self.amplitude.is_some() && begin().iter().any(|(key, value)| *value != self.start.get(key).copied().unwrap_or_default())
+        self.amplitude.is_some()
+            && begin().iter().any(|(key, value)| *value != self.start.get(key).copied().unwrap_or_default())
     }
 
     /// Whether it loads something along an axis.

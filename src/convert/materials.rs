@@ -129,7 +129,9 @@ fn check(card: &Card, young: f64, poisson: f64) -> Result<()> {
     };
     match young > 0.0 && poisson > -1.0 && poisson < 0.5 {
         true => Ok(()),
-        false => Err(card.error(format!("Young's modulus {young:?} and Poisson's ratio {poisson:?} are no solid's"), help)),
+        false => {
+            Err(card.error(format!("Young's modulus {young:?} and Poisson's ratio {poisson:?} are no solid's"), help))
+        }
     }
 }
 

@@ -14,7 +14,7 @@ impl Namer {
     pub fn name(&mut self, wanted: &str, instead: &str) -> String {
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
         let name: String = wanted.chars().map(plain).collect();
-        let name = name.trim_matches('-');
+        let name = name.trim_matches(['-', '_']);
         let name = match name.chars().next() {
             None => instead.to_string(),
             Some(first) if first.is_ascii_alphabetic() => name.to_string(),

@@ -105,7 +105,8 @@ impl Lists {
             let free: String = (0..3).filter(|&axis| free[axis]).map(letter).collect();
             format!("{{ target = {}, total = {total:?}, directions = \"{free}\" }}", quoted(tool))
         });
-        let on_sets = self.forces.iter().map(|(set, total)| format!("{{ target = {}, total = {total:?} }}", quoted(set)));
+        let on_sets =
+            self.forces.iter().map(|(set, total)| format!("{{ target = {}, total = {total:?} }}", quoted(set)));
         on_tools.chain(on_sets).collect()
     }
 }
@@ -146,8 +147,7 @@ pub(super) fn step(name: &str, times: &Times, lists: &Lists) -> String {
     let pressures = lists.pressures.iter().filter(|(_, value)| *value != 0.0);
     let pressures = pressures.map(|(set, value)| format!("{{ set = {}, value = {value:?} }}", quoted(set)));
     let body_forces = lists.body_forces.iter();
-    let body_forces =
-        body_forces.map(|(body, force)| format!("{{ body = {}, per_volume = {force:?} }}", quoted(body)));
+    let body_forces = body_forces.map(|(body, force)| format!("{{ body = {}, per_volume = {force:?} }}", quoted(body)));
     for (key, items) in [
         ("fix", lists.fix()),
         ("move", lists.moves()),

@@ -56,7 +56,8 @@ pub(super) fn convert(
     let mut axes = BTreeMap::new();
     for (number, step) in steps.iter().enumerate() {
         let next = Clock { before: clock.before + clock.period, period: step.times.period };
-        let setting = Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes };
+        let setting =
+            Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes };
         if number > 0 {
             conditions.begin(&clock, &next, model.amplitudes)?;
         } else {

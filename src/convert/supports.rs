@@ -22,6 +22,8 @@ pub(super) struct Hold {
     /// are.
     value: Option<f64>,
     start: f64,
+    /// How many steps began before it.
+    step: usize,
 }
 
 impl Hold {
@@ -75,12 +77,14 @@ pub(super) struct Supports {
     /// Displacements at the end of the last step; none before the first.
     ended: Option<[HashMap<u32, f64>; DOFS]>,
     was_reset: bool,
+    step: usize,
 }
 
 impl Supports {
     /// Goes on to the next step.
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) -> Result<()> {
         self.was_reset = false;
+        self.step += 1;
         let place = |hold: usize| self.holds[hold].place(1.0, last, amplitudes);
         let ended = self.of.each_ref().map(|of| of.iter().map(|(&node, &hold)| (node, place(hold))).collect());
         let acting = self.of.each_ref().map(|of| of.values().copied().collect::<std::collections::HashSet<_>>());
@@ -104,8 +108,12 @@ impl Supports {
         }
     }
 
-    /// Holds nodes, also those that are held otherwise until now.
-    pub fn add(&mut self, wish: Wish) -> Result<()> {
+    /// Holds nodes, in the place of what holds them until now. Returns one that this step already holds otherwise.
+    pub fn add(&mut self, wish: Wish) -> Result<Option<u32>> {
+        let differs =
+            |hold: &Hold| hold.step == self.step && (hold.value, hold.amplitude) != (wish.value, wish.amplitude);
+        let is_twice = |node: &&u32| self.of(**node, wish.dof).is_some_and(differs);
+        let twice = wish.nodes.iter().find(is_twice).copied();
         // Nodes that begin at different places move by different ways.
         let mut begins: Vec<(f64, usize)> = Vec::new();
         for &node in wish.nodes.iter() {
@@ -123,6 +131,7 @@ impl Supports {
                         amplitude: *amplitude,
                         value: *value,
                         start,
+                        step: self.step,
                     });
                     begins.push((start, self.holds.len() - 1));
                     self.holds.len() - 1
@@ -130,7 +139,7 @@ impl Supports {
             };
             self.of[wish.dof].insert(node, hold);
         }
-        Ok(())
+        Ok(twice)
     }
 
     /// Where a node is when the step begins.

@@ -58,8 +58,7 @@ impl<'a> Placed<'a> {
     pub fn finish(&self, file: &mut FileMesh) -> Result<Surfaces> {
         let mut surfaces = Surfaces::default();
         let scopes = 0..self.deck.scopes.len();
-        let named: Vec<_> =
-            scopes.map(|scope| self.groups(scope, file, &mut surfaces)).collect::<Result<_>>()?;
+        let named: Vec<_> = scopes.map(|scope| self.groups(scope, file, &mut surfaces)).collect::<Result<_>>()?;
         file.groups = self.publish(named);
         let unread = || self.deck.scopes.iter().flat_map(|scope| &scope.unread);
         let first = unread().next();
