@@ -5,7 +5,7 @@ use super::groups::Groups;
 use super::materials::{self, Material};
 use super::names::Namer;
 use crate::error::{Error, Location, Result};
-use crate::mesh::abaqus::{Card, Row, Whole, no_set};
+use crate::mesh::abaqus::{Card, Whole, no_set};
 use crate::mesh::{Slot, SolidShape};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -114,13 +114,12 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
     let mut rigids = Vec::new();
     for card in whole.cards.iter().filter(|card| card.keyword.name == "RIGID BODY") {
         let place = card.place.as_deref();
-        let row = Row { at: card.at.clone(), text: String::new() };
         let (set, members) = match (card.keyword.get("ELSET"), card.keyword.get("NSET")) {
             (Some(set), None) => {
-                let elements = whole.elements(place, set).ok_or_else(|| no_set(&row, "element set", set))?;
+                let elements = whole.elements(place, set).ok_or_else(|| no_set(&card.at, "element set", set))?;
                 (set, elements.iter().flat_map(|&element| nodes_of(whole, whole.slots[element as usize])).collect())
             }
-            (None, Some(set)) => (set, whole.nodes(place, set).ok_or_else(|| no_set(&row, "node set", set))?),
+            (None, Some(set)) => (set, whole.nodes(place, set).ok_or_else(|| no_set(&card.at, "node set", set))?),
             _ => return Err(card.error("*RIGID BODY needs one of ELSET= and NSET=", "")),
         };
         let one = |key: &str| {
@@ -179,8 +178,8 @@ fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> R
             continue;
         }
         let set = card.keyword.get("ELSET").unwrap_or_default();
-        let row = Row { at: card.at.clone(), text: String::new() };
-        let elements = whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&row, "element set", set))?;
+        let elements =
+            whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&card.at, "element set", set))?;
         let material = match name {
             "SOLID SECTION" => materials::find(materials, card)?,
             _ => usize::MAX,

@@ -45,12 +45,21 @@ fn fate(name: &str) -> Fate {
         "RIGID BODY" => Fate::Read(&["ELSET", "NSET", "REF NODE", "ROT NODE"]),
         "SURFACE INTERACTION" => Fate::Read(&["NAME"]),
         "SURFACE BEHAVIOR" => Fate::Read(&["PRESSURE-OVERCLOSURE", "DIRECT", "PENALTY", "AUGMENTED LAGRANGE"]),
-        "CONTACT PAIR" => Fate::Read(&["INTERACTION", "TYPE", "ADJUST", "SMALL SLIDING", "MECHANICAL CONSTRAINT"]),
+        "CONTACT PAIR" => Fate::Read(&[
+            "INTERACTION",
+            "TYPE",
+            "ADJUST",
+            "SMALL SLIDING",
+            "MECHANICAL CONSTRAINT",
+            "NO THICKNESS",
+            "SUPPLEMENTARY CONSTRAINTS",
+            "TRACKING",
+        ]),
         "AMPLITUDE" => Fate::Read(&["NAME", "TIME", "DEFINITION", "VALUE"]),
         "BOUNDARY" => Fate::Read(&["OP", "AMPLITUDE", "FIXED", "TYPE"]),
         "CLOAD" | "DLOAD" | "DSLOAD" => Fate::Read(&["OP", "AMPLITUDE"]),
         "STEP" => Fate::Read(&["NAME", "NLGEOM", "INC", "AMPLITUDE", "EXTRAPOLATION", "UNSYMM"]),
-        "STATIC" => Fate::Read(&["DIRECT", "SOLVER"]),
+        "STATIC" => Fate::Read(&["DIRECT", "SOLVER", "STABILIZE", "FACTOR", "ALLSDTOL", "CONTINUE"]),
         "NODE PRINT" | "EL PRINT" | "NODE FILE" | "EL FILE" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "OUTPUT"
         | "CONTACT OUTPUT" | "CONTACT PRINT" | "CONTACT FILE" | "SECTION PRINT" | "SECTION FILE" | "ENERGY OUTPUT"
         | "ENERGY PRINT" | "ENERGY FILE" | "INTEGRATED OUTPUT" | "PREPRINT" | "PRINT" | "MONITOR" | "FILE FORMAT"
@@ -68,7 +77,7 @@ fn fate(name: &str) -> Fate {
         | "GAP HEAT GENERATION"
         | "INELASTIC HEAT FRACTION"
         | "PHYSICAL CONSTANTS" => Fate::Passed(HEAT),
-        "DAMPING" | "CONTACT DAMPING" => Fate::Passed(STATICS),
+        "DAMPING" | "CONTACT DAMPING" | "MASS" | "ROTARY INERTIA" | "NONSTRUCTURAL MASS" => Fate::Passed(STATICS),
         "ORIENTATION" => Fate::Passed("the materials that are converted are isotropic"),
         "DYNAMIC"
         | "FREQUENCY"
@@ -194,6 +203,8 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
             Fate::Mesh => {}
             Fate::Output => output.push(card.at.line),
             Fate::Passed(why) => notes.at(&card.at, format!("*{name} is passed over: {why}")),
+            // So PrePoMax begins each step.
+            Fate::Refused(HEAT) if card.rows.is_empty() && card.keyword.has("OP") => {}
             Fate::Refused(why) => refused.push((card, format!("*{name} cannot be converted: {why}"))),
             Fate::Unknown => {
                 let what = "is not known, and passed over: what it does is missing in the scene";

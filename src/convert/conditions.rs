@@ -239,7 +239,7 @@ impl Conditions {
     fn sides(&self, card: &Card, row: &Row, set: &str, side: u8, setting: &Setting) -> Result<Vec<u32>> {
         let whole = setting.groups.whole;
         let elements =
-            whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(row, "element or element set", set))?;
+            whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "element or element set", set))?;
         let mut faces = Vec::new();
         for element in elements {
             let Slot::Solid(solid) = whole.slots[element as usize] else {
@@ -274,7 +274,7 @@ impl Conditions {
         let whole = setting.groups.whole;
         let elements = match set {
             "" => (0..whole.slots.len() as u32).collect(),
-            _ => whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(row, "element set", set))?,
+            _ => whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "element set", set))?,
         };
         let mut has = vec![false; whole.mesh.solids.len()];
         for &element in &elements {
@@ -338,7 +338,7 @@ fn split(setting: &Setting, row: &Row, nodes: &[u32], notes: &mut Notes) -> Resu
 
 fn nodes(setting: &Setting, card: &Card, row: &Row, set: &str) -> Result<Vec<u32>> {
     let whole = setting.groups.whole;
-    whole.nodes(card.place.as_deref(), set).ok_or_else(|| no_set(row, "node or node set", set))
+    whole.nodes(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "node or node set", set))
 }
 
 /// A name for the nodes of a field.

@@ -111,7 +111,7 @@ pub(super) fn faces_by_body(
     row: &Row,
     name: &str,
 ) -> Result<BTreeMap<Option<usize>, Vec<Face>>> {
-    let facets = groups.whole.surface(name).ok_or_else(|| no_set(row, "surface of elements", name))?;
+    let facets = groups.whole.surface(name).ok_or_else(|| no_set(&row.at, "surface of elements", name))?;
     let mut found: BTreeMap<Option<usize>, Vec<Face>> = BTreeMap::new();
     for &facet in facets {
         let of = &groups.whole.mesh.facets[facet as usize];

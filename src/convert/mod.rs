@@ -70,6 +70,9 @@ pub fn convert(deck: &Path, out: Option<&Path>) -> Result<Converted> {
     if let Err(error) = crate::scene::parse(&scene.display().to_string(), &text, folder, &[]) {
         return Err(Error::System(format!("the deck makes no scene that can be run: {error}")));
     }
+    if groups.is_some() && mesh.contains(',') {
+        return Err(Error::input_anywhere(format!("the path '{mesh}' has a comma"), "rename the deck, or its folder"));
+    }
     let groups = groups.map(|cards| {
         let about = format!("** Groups for {}, beside those of the deck; made by `nagata convert`.", file_of(&scene));
         replace(&more, &format!("{about}\n*INCLUDE, INPUT={mesh}\n{cards}")).map(|()| more.clone())

@@ -141,6 +141,9 @@ fn tell_of_step(step: &Step, notes: &mut Notes) {
     if !keyword.has("NLGEOM") || is_off("NLGEOM") {
         notes.at(&step.card.at, "the step is geometrically linear in the deck: nagata takes finite displacements");
     }
+    if let Some(card) = step.cards.iter().find(|card| card.keyword.has("STABILIZE")) {
+        notes.at(&card.at, "STABILIZE is passed over: nagata adds no viscous forces");
+    }
     if keyword.get("AMPLITUDE").is_some_and(|value| value.eq_ignore_ascii_case("STEP")) {
         notes.at(&step.card.at, "AMPLITUDE=STEP is passed over: loads rise linearly over the step");
     }

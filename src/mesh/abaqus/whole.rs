@@ -302,6 +302,6 @@ fn complete(file: &mut FileMesh) {
 }
 
 /// An error about a set that is not there.
-pub(crate) fn no_set(row: &Row, what: &str, name: &str) -> Error {
-    row.error(format!("there is no {what} '{}'", message::shorten(name.as_bytes(), 60)), "")
+pub(crate) fn no_set(at: &Location, what: &str, name: &str) -> Error {
+    Error::input(at, format!("there is no {what} '{}'", message::shorten(name.as_bytes(), 60)), "")
 }
