@@ -245,19 +245,11 @@ impl Cli {
                 }
                 Ok(())
             }
-            Command::Convert { deck, out } => {
-                let converted = match comm.rank() {
-                    0 => convert::convert(deck, out.as_deref()).map(Some),
-                    _ => Ok(None),
-                };
-                if let Some(converted) = agree(comm, converted)? {
-                    tell_of(&converted);
-                }
-                Ok(())
-            }
             Command::Surface(arguments) => arguments.measure(comm),
             // In a process without MPI, see `run`.
-            Command::Trade(_) => Err(Error::System("`trade` must be the first argument".into())),
+            Command::Trade(_) | Command::Convert { .. } => {
+                Err(Error::System("`trade` and `convert` must be the first argument".into()))
+            }
         }
     }
 }
@@ -361,7 +353,7 @@ pub fn run() -> i32 {
     petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
     petsc::environment::leave_hdf5_at_exit();
     petsc::environment::return_freed_memory();
-    if std::env::args_os().nth(1).is_some_and(|command| command == "trade") {
+    if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {
         return run_alone();
     }
     let Some(universe) = mpi::initialize() else {
@@ -392,15 +384,21 @@ pub fn run() -> i32 {
     }
 }
 
-/// Runs a command that starts others: MPI is not initialized, for it hands its state down in the environment.
+/// Runs a command that needs no MPI, or that starts others, to which MPI would hand its state down in the environment.
 fn run_alone() -> i32 {
     let rank = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok());
     let outcome = match (&rank, Cli::try_parse()) {
+        (Some(_), Ok(Cli { command: Command::Convert { .. } })) => {
+            Err(Error::input_anywhere("`convert` runs in one process, not under mpirun", "start it without"))
+        }
         (Some(_), _) => {
             Err(Error::input_anywhere("`trade` starts its runs itself, not under mpirun", "give it --ranks N instead"))
         }
         (None, Ok(Cli { command: Command::Trade(arguments) })) => arguments.trade(),
-        (None, Ok(_)) => Err(Error::System("only `trade` runs alone".into())),
+        (None, Ok(Cli { command: Command::Convert { deck, out } })) => {
+            convert::convert(&deck, out.as_deref()).map(|converted| tell_of(&converted))
+        }
+        (None, Ok(_)) => Err(Error::System("only `trade` and `convert` run alone".into())),
         (None, Err(error)) => {
             let _ = error.print();
             return error.exit_code();

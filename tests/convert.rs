@@ -7,6 +7,7 @@ use nagata::convert::{Converted, convert};
 use nagata::error::Error;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 const PRESSURE: &str = include_str!("decks/prepomax-pressure.inp");
 const FRICTION: &str = include_str!("decks/freecad-friction.inp");
@@ -223,12 +224,22 @@ fn what_cannot_be_converted_is_refused() {
     }
 }
 
-/// A scene that someone may have changed stays.
+/// A scene that someone may have changed stays; the command says so with exit code 2.
 #[test]
 fn nothing_is_overwritten() {
-    let (bench, _) = converted(PRESSURE);
-    let before = scene(&bench);
-    let again = convert(&bench.path("deck.inp"), Some(&bench.path("scene.toml")));
-    assert!(again.map(|_| ()).unwrap_err().to_string().contains("exists already"));
-    assert_eq!(scene(&bench), before);
+    let bench = Bench::new("");
+    bench.write("deck.inp", PRESSURE);
+    let command = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nagata"));
+        let done = command.args(["convert", "deck.inp"]).current_dir(bench.path("")).output().unwrap();
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (done.status.code(), text(&done.stdout), text(&done.stderr))
+    };
+    let (code, stdout, stderr) = command();
+    assert_eq!((code, stdout.as_str()), (Some(0), "deck.toml\n"), "{stderr}");
+    assert!(stderr.contains("warning: deck.inp:84:1: *EXPANSION is passed over"), "{stderr}");
+    fs::write(bench.path("deck.toml"), "mine").unwrap();
+    let (code, _, stderr) = command();
+    assert!(code == Some(2) && stderr.contains("deck.toml exists already"), "{stderr}");
+    assert_eq!(fs::read_to_string(bench.path("deck.toml")).unwrap(), "mine");
 }
