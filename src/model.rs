@@ -30,19 +30,27 @@ use std::collections::BTreeMap;
 #[derive(Clone, Debug)]
 pub struct Body {
     pub name: String,
-    pub material: Material,
-    pub element: Formulation,
     pub plane_strain: bool,
     /// Largest diagonal entry of its initial stiffness, force per length; over all ranks.
     pub stiffness: f64,
 }
 
-impl Body {
-    /// Integration points of an element of the body that have states.
-    fn points_with_memory(&self, shape: SolidShape) -> usize {
+/// Elements of a body that are of one material.
+#[derive(Clone, Debug)]
+pub struct Section {
+    pub body: usize,
+    pub material: Material,
+    pub element: Formulation,
+    /// As of bodies, at the nodes that count as the section's.
+    pub stiffness: f64,
+}
+
+impl Section {
+    /// Integration points of an element of the section that have states.
+    fn points_with_memory(&self, shape: SolidShape, plane_strain: bool) -> usize {
         match shape {
             _ if !self.material.remembers() => 0,
-            _ if self.plane_strain => plane4::POINTS,
+            _ if plane_strain => plane4::POINTS,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
         }
@@ -66,6 +74,8 @@ pub struct Model {
     /// How the solids of the part have flowed until the last accepted increment.
     pub history: History,
     pub bodies: Vec<Body>,
+    /// In the order of [`Scene::sections`].
+    pub sections: Vec<Section>,
     pub symmetry: Vec<SymmetryPlane>,
     pub masters: Masters,
     pub pairs: Vec<Pair>,
@@ -102,18 +112,18 @@ impl Model {
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
-        let mut bodies = Vec::new();
-        for (body, element) in scene.bodies.iter().zip(elements) {
-            let card = scene.materials.iter().find(|m| m.name.value == body.material.value);
-            let card = card.ok_or_else(|| Error::input(&body.material.at, "no such material", ""))?;
-            bodies.push(Body {
-                name: body.name.value.clone(),
-                material: Material::new(&card.model),
-                element,
-                plane_strain: body.plane_strain.as_ref().is_some_and(|p| p.value),
-                stiffness: 0.0,
-            });
+        let mut sections = Vec::new();
+        for ((body, name), element) in scene.sections().zip(elements) {
+            let card = scene.material(&name.value);
+            let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
+            sections.push(Section { body, material: Material::new(card), element, stiffness: 0.0 });
         }
+        let body = |body: &scene::Body| Body {
+            name: body.name.value.clone(),
+            plane_strain: body.plane_strain.as_ref().is_some_and(|p| p.value),
+            stiffness: 0.0,
+        };
+        let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
         let mut tools = Vec::new();
         for tool in &scene.tools {
             tools.push(Tool::new(comm, tool, &scene.controls)?);
@@ -122,14 +132,16 @@ impl Model {
         let pairs = Vec::new();
         let warnings = Vec::new();
         let remembers = |solid: &PartSolid| {
-            let body: &Body = &bodies[solid.body as usize];
-            (body.points_with_memory(solid.shape), body.element == Formulation::Hex8Eas)
+            let section: &Section = &sections[solid.section as usize];
+            let plane_strain = bodies[solid.body as usize].plane_strain;
+            (section.points_with_memory(solid.shape, plane_strain), section.element == Formulation::Hex8Eas)
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {
             part,
             history,
             bodies,
+            sections,
             symmetry,
             masters: Masters { tools, surfaces: Vec::new() },
             pairs,
@@ -150,12 +162,15 @@ impl Model {
         let stiffness = agree(comm, elements::nodal_stiffness(&model))?;
         let volume = model.volume(comm);
         model.size = (volume / model.part.total_solids as f64).cbrt();
-        let mut largest = vec![0.0f64; model.bodies.len()];
-        for (k, body) in stiffness.iter().zip(&model.part.body) {
-            largest[*body as usize] = largest[*body as usize].max(*k);
+        let mut largest = vec![0.0f64; model.sections.len()];
+        for (k, section) in stiffness.iter().zip(&model.part.section) {
+            largest[*section as usize] = largest[*section as usize].max(*k);
         }
         max(comm, &mut largest);
-        model.bodies.iter_mut().zip(&largest).for_each(|(body, k)| body.stiffness = *k);
+        for (section, k) in model.sections.iter_mut().zip(&largest) {
+            section.stiffness = *k;
+            model.bodies[section.body].stiffness = model.bodies[section.body].stiffness.max(*k);
+        }
         model.stiffness = largest.into_iter().fold(0.0, f64::max);
         for contact in &passes {
             let pair = model.pair(comm, scene, contact, &avoided);
@@ -266,6 +281,11 @@ impl Model {
             master,
             body: body(&contact.slave.value).unwrap_or_default(),
             master_body: body(&contact.master.value).filter(|_| contact.surface.is_some()),
+            sections: self.sections_of(comm, set),
+            master_sections: match contact.surface {
+                Some(_) => self.sections_of(comm, self.set(&contact.master.value)),
+                None => Vec::new(),
+            },
             planar,
             friction: contact.friction,
             tangent: contact.tangent,
@@ -383,9 +403,11 @@ impl Model {
 
     /// Stiffness against contact forces of the owned nodes of a set.
     fn contact_stiffness(&self, set: &PartSet) -> Vec<f64> {
-        let of =
-            |body: &Body| Backing { modulus: body.material.indentation_modulus(), plane_strain: body.plane_strain };
-        let backing: Vec<Backing> = self.bodies.iter().map(of).collect();
+        let of = |section: &Section| Backing {
+            modulus: section.material.indentation_modulus(),
+            plane_strain: self.bodies[section.body].plane_strain,
+        };
+        let backing: Vec<Backing> = self.sections.iter().map(of).collect();
         contact_stiffness(&self.part, &set.facets, &backing)
     }
 
@@ -407,7 +429,25 @@ impl Model {
 
     /// Whether some body is elastic-plastic; the same on all ranks.
     pub fn can_flow(&self) -> bool {
-        self.bodies.iter().any(|body| body.material.remembers())
+        self.sections.iter().any(|section| section.material.remembers())
+    }
+
+    /// Whether some of a body is elastic-plastic; the same on all ranks.
+    pub fn body_can_flow(&self, body: usize) -> bool {
+        self.sections.iter().any(|section| section.body == body && section.material.remembers())
+    }
+
+    /// The section of an element.
+    pub fn section(&self, solid: &PartSolid) -> &Section {
+        &self.sections[solid.section as usize]
+    }
+
+    /// The sections that owned nodes of a set count as, on all ranks. Collective.
+    fn sections_of(&self, comm: &SimpleCommunicator, set: &PartSet) -> Vec<usize> {
+        let mut has = vec![0.0; self.sections.len()];
+        set.nodes.iter().for_each(|&n| has[self.part.section[n as usize] as usize] = 1.0);
+        max(comm, &mut has);
+        (0..has.len()).filter(|&section| has[section] > 0.0).collect()
     }
 
     /// Automatic penalty over the stiffness with which a slave node, or a softer master, resists contact.
@@ -442,6 +482,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
         step.moves.iter().for_each(|c| add(&c.target));
         step.forces.iter().for_each(|c| add(&c.target));
         step.pressures.iter().for_each(|c| add(&c.set));
+        step.springs.iter().for_each(|c| add(&c.set));
     }
     scene.output.history.iter().for_each(add);
     names
@@ -453,6 +494,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
 /// Meshes that cannot be read, or have not what the scene names.
 pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
     let mut global = GlobalMesh { sets: vec![GlobalSet::default(); names.len()], ..GlobalMesh::default() };
+    let mut first_section = 0;
     for (index, (body, Meshed { mut mesh, mut ties, last })) in
         scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
     {
@@ -467,6 +509,21 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
         ties.iter_mut().for_each(|tie| *tie += offset);
         mesh.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|n| *n += offset);
+        let sections = solid_sections(body, &mesh)?;
+        let young: Vec<f64> =
+            body.sections().map(|name| scene.material(&name.value).map_or(0.0, scene::MaterialModel::young)).collect();
+        let mut stiffest: Vec<Option<u32>> = vec![None; mesh.points.len()];
+        for (solid, &section) in mesh.solids.iter().zip(&sections) {
+            for &n in solid.nodes() {
+                let of_node = stiffest[n as usize].get_or_insert(section);
+                if young[section as usize] > young[*of_node as usize] {
+                    *of_node = section;
+                }
+            }
+        }
+        global.section.extend(stiffest.into_iter().map(|section| first_section + section.unwrap_or_default()));
+        global.solid_section.extend(sections.into_iter().map(|section| first_section + section));
+        first_section += young.len() as u32;
         global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
         global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
         join(&mut global.tie, ties);
@@ -634,27 +691,42 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
     set
 }
 
-/// The element of a body that asks for none: one that does not lock. Flow keeps the volume, too, and wants the balance of
-/// energy that `hex8-sri` has; its tangent is symmetric besides.
-fn default_element(scene: &Scene, body: &scene::Body, hexes: bool) -> Formulation {
-    let card = scene.materials.iter().find(|m| m.name.value == body.material.value);
-    match card.map(|card| (&card.model, card.model.keeps_volume().is_some())) {
-        _ if !hexes => Formulation::Tet4,
-        Some((scene::MaterialModel::Plastic { .. }, _)) => Formulation::Hex8Sri,
-        Some((_, true)) => Formulation::Hex8Fbar,
-        _ => Formulation::Hex8,
+/// The section of each element in those of its body: 0, or that of a group with a material of its own.
+///
+/// # Errors
+/// A group that the mesh has not, without elements, or one that shares elements with another.
+fn solid_sections(body: &scene::Body, mesh: &Mesh) -> Result<Vec<u32>> {
+    let mut sections = vec![0; mesh.solids.len()];
+    let with_elements = || mesh.groups.iter().filter(|(_, group)| !group.solids.is_empty()).map(|(name, _)| name);
+    for (section, (name, _)) in (1..).zip(&body.materials) {
+        let elements = mesh.groups.get(&name.value).map_or(&[][..], |group| &group.solids);
+        if elements.is_empty() {
+            let what = format!("body `{}` has no group `{}` of elements", body.name.value, name.value);
+            return Err(Error::input(&name.at, what, did_you_mean(&name.value, with_elements().map(String::as_str))));
+        }
+        for &element in elements {
+            let known = std::mem::replace(&mut sections[element as usize], section);
+            if known > 0 {
+                let id = mesh.solids[element as usize].id;
+                let (other, _) = &body.materials[known as usize - 1];
+                let what = format!("element {id} is in group `{}` and in group `{}`", other.value, name.value);
+                return Err(Error::input(&name.at, what, "name groups that share no elements"));
+            }
+        }
     }
+    Ok(sections)
 }
 
-/// The element formulation of each body: the user's, checked against the mesh, or the mesh's own. Collective.
+/// The element formulation of each section: the user's, checked against the mesh, or the mesh's own. Collective.
 fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Formulation>> {
-    let mut present = vec![0.0; 2 * scene.bodies.len()];
+    let mut present = vec![0.0; 2 * scene.sections().count()];
     for solid in &part.solids {
-        present[2 * solid.body as usize + usize::from(solid.shape == SolidShape::Tet4)] = 1.0;
+        present[2 * solid.section as usize + usize::from(solid.shape == SolidShape::Tet4)] = 1.0;
     }
     max(comm, &mut present);
     let mut kinds = Vec::new();
-    for (body, has) in scene.bodies.iter().zip(present.chunks_exact(2)) {
+    for ((body, material), has) in scene.sections().zip(present.chunks_exact(2)) {
+        let body = &scene.bodies[body];
         let (hexes, tets) = (has[0] > 0.0, has[1] > 0.0);
         let asked = body.element.as_ref();
         let wrong = match asked.map(|e| e.value) {
@@ -673,7 +745,8 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
             let what = format!("the mesh of body `{}` has {has}", body.name.value);
             return Err(Error::input(&asked.at, what, "leave `element` out to take each element by its shape"));
         }
-        kinds.push(asked.map_or_else(|| default_element(scene, body, hexes), |e| e.value));
+        let default = if hexes { scene.default_element(&material.value) } else { Formulation::Tet4 };
+        kinds.push(asked.map_or(default, |e| e.value));
     }
     Ok(kinds)
 }

@@ -74,6 +74,7 @@ move = [{ target = "t", by = [0, 0, 0] }, { target = "b.a", by = [0, 0, 0] }]
 force = [{ target = "m", total = [0, 0, 0] }]
 pressure = [{ set = "b.a", value = 0 }]
 body_force = [{ body = "b", per_volume = [0, 0, 0] }]
+spring = [{ set = "b.a", stiffness = [0, 0, 1] }]
 "#;
 
 /// Tables of the schema, as the headings of docs/scene.md call them, with places in the base scene where their keys can be
@@ -86,6 +87,9 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("body.NAME.block.box", "body.b.block.box", &[]),
     ("body.NAME.block.sector", "body.b.block.sector", &[SECTOR]),
     ("material.NAME", "material.h", &[]),
+    ("material.NAME", "material.h", &[MOONEY]),
+    ("material.NAME", "material.h", &["material.h={ model = \"yeoh\", c10 = 1, bulk = 9 }"]),
+    ("material.NAME", "material.h", &["material.h={ model = \"ogden\", terms = [[1, 2]], bulk = 9 }"]),
     ("material.NAME.hardening", "material.h.hardening", &["material.h.hardening={}"]),
     (
         "material.NAME.hardening",
@@ -143,6 +147,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.force", "step.s.force.0", &["step.s.force.0.target=t"]),
     ("step.pressure", "step.s.pressure.0", &[]),
     ("step.body_force", "step.s.body_force.0", &[]),
+    ("step.spring", "step.s.spring.0", &[]),
     ("output", "output", &["output={}"]),
     ("solver", "solver", &["solver={}"]),
     ("trade", "trade", &["trade={}"]),
@@ -150,6 +155,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("trade.exact", "trade.exact.0", &["trade.exact=[{}]"]),
 ];
 
+const MOONEY: &str = "material.h={ model = \"mooney-rivlin\", c10 = 1, c01 = 1, bulk = 9 }";
 const SECTOR: &str = "body.b.block={ sector = { radii = [1, 2], angles = [0, 90], length = 1 }, elements = [1, 1, 1] }";
 const SWIFT: &str = "material.h.hardening={ swift = { k = 1, n = 1 } }";
 const VOCE: &str = "material.h.hardening={ voce = { saturation = 2, rate = 1 } }";
@@ -306,6 +312,7 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.force", "step.s.force.0", "target = 't', total = [0, 0, 0], directions = 'x'"),
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
+        ("step.spring", "step.s.spring.0", "set = 'b.a', stiffness = [0, 0, 1]"),
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
     ];
     // Keys in the place of others.

@@ -290,6 +290,23 @@ fn a_reference_that_fails_ends_the_study() {
     assert!(stderr.contains("has no group `tp`"), "{stderr}");
 }
 
+/// One that nobody asked for gives its place to the next; here elements cannot be split once more.
+#[test]
+fn a_suggested_reference_that_fails_gives_its_place_to_the_next() {
+    let scene = "[body.pad]\nmaterial = \"rubber\"\nplane_strain = true\nrefine = 6\n\
+                 block = { box = { size = [1, 1, 1] }, elements = [1, 1, 1] }\n\
+                 [material.rubber]\nmodel = \"neo-hookean\"\nyoung = 6.0\npoisson = 0.4\n\
+                 [[step]]\nincrements = 2\nfix = [{ set = \"pad.ymin\" }]\n\
+                 move = [{ target = \"pad.ymax\", by = [0, -0.1, 0] }]\n[output]\nhistory = [\"pad.ymin\"]\n";
+    let bench = Bench::new(scene);
+    let (_, stderr) = succeeds(&bench, &["--vary", "solver.tolerance=1e-6", "--no-combined"]);
+    assert!(stderr.contains("`reference without split` takes its place"), "{stderr}");
+    let rows = rows(&bench);
+    assert_eq!(rows["reference"]["code"], "2");
+    assert_eq!(rows["reference without split"]["kind"], "reference");
+    assert!(rows["solver.tolerance=1e-6"]["force"].parse::<f64>().unwrap() < 0.1);
+}
+
 /// A signal ends the run under way; what is finished is not made again.
 #[test]
 fn a_signal_ends_the_run_and_keeps_the_others() {

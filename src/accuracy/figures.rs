@@ -2,20 +2,13 @@
 
 use super::errors::{Projected, SampledPiece};
 use crate::Vec3;
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::output::figure::{Area, BLUE, DARK, FINE, FONT, RED, failed, titled};
 use crate::surface::normals::tangents;
-use plotters::coord::Shift;
 use plotters::prelude::*;
 
-const FONT: &str = "sans-serif";
-const BLUE: RGBColor = RGBColor(31, 91, 143);
 const GREY: RGBColor = RGBColor(205, 214, 222);
 const ORANGE: RGBColor = RGBColor(236, 161, 55);
-const RED: RGBColor = RGBColor(176, 32, 36);
-const FINE: RGBColor = RGBColor(226, 228, 230);
-const DARK: RGBColor = RGBColor(60, 60, 60);
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// How a value is distributed: shares of the area in equal bins from `low` to `high`.
 #[derive(Clone, Debug)]
@@ -47,18 +40,11 @@ impl Histogram {
 /// # Errors
 /// [`Error::System`] when the text cannot be made.
 pub fn errors(title: &str, distance: &Histogram, normal: &Histogram) -> Result<String> {
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, (1000, 380)).into_drawing_area();
-        root.fill(&WHITE).map_err(failed)?;
-        let (head, body) = root.split_vertically(36);
-        head.draw_text(title, &(FONT, 18).into_font().color(&DARK), (16, 10)).map_err(failed)?;
+    titled(title, (1000, 380), |body| {
         let halves = body.split_evenly((1, 2));
         bars(&halves[0], distance, "distance error", "share of the area, %")?;
-        bars(&halves[1], normal, "normal error, degrees", "")?;
-        root.present().map_err(failed)?;
-    }
-    Ok(text)
+        bars(&halves[1], normal, "normal error, degrees", "")
+    })
 }
 
 fn bars(area: &Area, histogram: &Histogram, name: &str, share: &str) -> Result<()> {
@@ -203,12 +189,7 @@ pub fn dead_zones(title: &str, tiles: &[Tile], dead: &[[f64; 2]; 2]) -> Result<S
     if seen.is_empty() {
         (low, high) = ([0.0; 2], [1.0; 2]);
     }
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, (1000, 580)).into_drawing_area();
-        root.fill(&WHITE).map_err(failed)?;
-        let (head, body) = root.split_vertically(36);
-        head.draw_text(title, &(FONT, 18).into_font().color(&DARK), (16, 10)).map_err(failed)?;
+    titled(title, (1000, 580), |body| {
         let (body, foot) = body.split_vertically(510);
         for (side, (half, name)) in body.split_evenly((1, 2)).iter().zip(["outside", "inside"]).enumerate() {
             let caption = format!(
@@ -231,10 +212,8 @@ pub fn dead_zones(title: &str, tiles: &[Tile], dead: &[[f64; 2]; 2]) -> Result<S
                 half.draw(&PathElement::new([&corners[..], &corners[..1]].concat(), color)).map_err(failed)?;
             }
         }
-        legend(&foot)?;
-        root.present().map_err(failed)?;
-    }
-    Ok(text)
+        legend(&foot)
+    })
 }
 
 fn legend(area: &Area) -> Result<()> {
@@ -265,10 +244,6 @@ fn upright(view: &Vec3) -> [Vec3; 2] {
         Some(right) => [right, view.cross(&right)],
         None => tangents(view),
     }
-}
-
-fn failed(error: impl std::fmt::Display) -> Error {
-    Error::System(format!("cannot draw a figure: {error}"))
 }
 
 #[cfg(test)]

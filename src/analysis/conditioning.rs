@@ -2,7 +2,7 @@
 //! incompressible, or bodies of very unlike stiffness. Double precision leaves little of a solution then, and it looks as if
 //! something could move freely.
 
-use crate::model::Model;
+use crate::model::{Model, Section};
 use crate::parallel::max;
 use mpi::topology::SimpleCommunicator;
 
@@ -17,17 +17,22 @@ pub fn reason(comm: &SimpleCommunicator, model: &Model) -> Option<String> {
     let thin = aspects.map(|(b, aspect)| {
         (aspect * aspect, format!("the elements of body `{}` are {aspect:.1e} times as long as thick", name(b)))
     });
-    let stiff = model.bodies.iter().map(|body| {
-        let (lambda, mu) = body.material.initial_moduli();
+    let stiff = model.sections.iter().map(|section| {
+        let (lambda, mu) = section.material.initial_moduli();
         let ratio = lambda / mu + 2.0 / 3.0;
-        let text = format!("body `{}` resists volume change {ratio:.1e} times as much as shear", body.name);
+        let text = format!("body `{}` resists volume change {ratio:.1e} times as much as shear", name(section.body));
         (ratio, format!("{text}: lower its `poisson`"))
     });
-    let by_stiffness = |a: &usize, b: &usize| model.bodies[*a].stiffness.total_cmp(&model.bodies[*b].stiffness);
-    let bodies = 0..model.bodies.len();
-    let apart = bodies.clone().max_by(by_stiffness).zip(bodies.min_by(by_stiffness)).map(|(most, least)| {
-        let ratio = model.bodies[most].stiffness / model.bodies[least].stiffness;
-        (ratio, format!("body `{}` is {ratio:.1e} times as stiff as body `{}`", name(most), name(least)))
+    let sections = || model.sections.iter().filter(|section| section.stiffness > 0.0);
+    let softer = |a: &&Section, b: &&Section| a.stiffness.total_cmp(&b.stiffness);
+    let apart = sections().max_by(softer).zip(sections().min_by(softer)).map(|(most, least)| {
+        let ratio = most.stiffness / least.stiffness;
+        let [stiff, soft] = [most, least].map(|section| name(section.body));
+        let text = match most.body == least.body {
+            true => format!("one material of body `{stiff}` is {ratio:.1e} times as stiff as another"),
+            false => format!("body `{stiff}` is {ratio:.1e} times as stiff as body `{soft}`"),
+        };
+        (ratio, text)
     });
     let all = thin.chain(stiff).chain(apart).filter(|(ratio, _)| *ratio > MUCH);
     all.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, text)| text)

@@ -3,41 +3,81 @@
 //! Displacements are relative to the start of the step. A load ramps linearly from its value at the end of the last step;
 //! one that a step does not list falls to zero over it. A tool that a step hands over to a force begins with the force that
 //! it has.
+//!
+//! With a table A(s) in the place of the ramp, a motion is A(s) times what is listed, and a load L
+//!
+//! ```text
+//! f(s) = (f0 - A(0) L) (1 - s) + A(s) L = f0 (1 - s) + f1 s + [A(s) - A(0) (1 - s) - A(1) s] L,     f1 = A(1) L
+//! ```
+//!
+//! with f0 the value at the end of the last step: A(s) L where that is A(0) L, as scenes must have it; what a tool was held by
+//! before a force took it over falls to zero beside it. In brackets is the bow of the table over its chord.
 
 use crate::Vec3;
 use crate::contact::{Pair, Pose, Tool};
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Result};
 use crate::model::{Model, elements};
 use crate::parallel::sum;
-use crate::scene::{Formulation, Rotation, Step};
-use crate::system::dofs::{Prescribed, ToolFreedom};
+use crate::scene::{Amplitude, Formulation, Located, Rotation, Step};
+use crate::system::dofs::{self, Motion, Prescribed, ToolFreedom};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
+use std::ops::{Add, Mul, Sub};
+use std::sync::Arc;
 
 /// Motion of a tool over the step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ToolMotion {
     pub by: Vec3,
     pub rotation: Option<Rotation>,
+    /// The course of both, as that of a [`Motion`].
+    pub course: u32,
     pub free: [bool; 3],
 }
 
-/// A load at the start and at the end of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A load at the start and at the end of a step, and what it is above the straight line between them.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ramp<T> {
     pub from: T,
     pub to: T,
+    /// Loads with their tables.
+    bows: Vec<(Arc<Amplitude>, T)>,
 }
 
-impl Ramp<f64> {
-    pub fn at(&self, s: f64) -> f64 {
-        self.from + (self.to - self.from) * s
+impl<T> Ramp<T>
+where
+    T: Copy + Default + PartialEq + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
+{
+    /// Its value at fraction `s` of the step.
+    pub fn at(&self, s: f64) -> T {
+        let bow = |a: &Amplitude| a.at(s) - a.begin() * (1.0 - s) - a.end() * s;
+        let straight = self.from + (self.to - self.from) * s;
+        self.bows.iter().fold(straight, |sum, (table, load)| sum + *load * bow(table))
     }
-}
 
-impl Ramp<Vec3> {
-    pub fn at(&self, s: f64) -> Vec3 {
-        self.from + (self.to - self.from) * s
+    /// Adds a load, by a table if it has one.
+    fn add(&mut self, load: T, table: Option<&Arc<Amplitude>>) {
+        self.to = self.to + load * table.map_or(1.0, |table| table.end());
+        self.bows.extend(table.map(|table| (table.clone(), load)));
+    }
+
+    /// The load that goes on from it in the next step, to zero.
+    fn fading(&self) -> Self {
+        Self { from: self.to, to: T::default(), bows: Vec::new() }
+    }
+
+    /// What is left when the step ends at fraction `s`.
+    fn end_at(&mut self, s: f64) {
+        *self = Self { from: self.from, to: self.at(s), bows: Vec::new() };
+    }
+
+    pub fn is_straight(&self) -> bool {
+        self.bows.is_empty()
+    }
+
+    /// Whether it is to act, later in the step or at its end.
+    pub fn acts(&self) -> bool {
+        self.to != T::default() || !self.is_straight()
     }
 }
 
@@ -53,6 +93,10 @@ pub struct Conditions {
     pub pressures: BTreeMap<String, Ramp<f64>>,
     /// Force on each tool, N.
     pub tool_forces: Vec<Ramp<Vec3>>,
+    /// Stiffness of the springs between owned nodes and the ground, along the axes.
+    pub springs: BTreeMap<u32, Vec3>,
+    /// Tables of motions, from course 1 on.
+    courses: Vec<Amplitude>,
 }
 
 impl Conditions {
@@ -73,23 +117,25 @@ impl Conditions {
         let mut conditions = Self {
             prescribed: vec![None; 3 * model.part.owned],
             motions: vec![ToolMotion::default(); model.masters.tools.len()],
-            loads: vec![Ramp::default(); model.part.owned],
+            loads: last.loads.iter().map(Ramp::fading).collect(),
             pressures: (last.pressures.iter().filter(|(_, p)| p.to != 0.0))
-                .map(|(k, p)| (k.clone(), Ramp { from: p.to, to: 0.0 }))
+                .map(|(set, p)| (set.clone(), p.fading()))
                 .collect(),
-            tool_forces: vec![Ramp::default(); model.masters.tools.len()],
+            tool_forces: last.tool_forces.iter().map(Ramp::fading).collect(),
+            springs: BTreeMap::new(),
+            courses: Vec::new(),
         };
-        for (ramp, before) in conditions.loads.iter_mut().zip(&last.loads) {
-            ramp.from = before.to;
-        }
-        for (ramp, before) in conditions.tool_forces.iter_mut().zip(&last.tool_forces) {
-            ramp.from = before.to;
-        }
         for pressure in &step.pressures {
-            conditions.pressures.entry(pressure.set.value.clone()).or_default().to += pressure.value;
+            let ramp = conditions.pressures.entry(pressure.set.value.clone()).or_default();
+            ramp.add(pressure.value, shared(&pressure.table).as_ref());
         }
         conditions.add_body_forces(model, step);
         conditions.add_forces(comm, model, step);
+        for spring in &step.springs {
+            for (n, weight) in nodal_weights(comm, model, &spring.set.value) {
+                *conditions.springs.entry(n).or_default() += spring.stiffness * weight;
+            }
+        }
         conditions.prescribe(model, step, u)?;
         Ok(conditions)
     }
@@ -110,21 +156,52 @@ impl Conditions {
     /// directions in which forces drive them.
     pub fn place_tools(&self, tools: &mut [Tool], poses: &[Pose], offsets: &[Vec3], s: f64) {
         for (t, tool) in tools.iter_mut().enumerate() {
-            let motion = &self.motions[t];
-            tool.trial = poses[t].moved(&motion.by, motion.rotation.as_ref(), s).driven_by(&offsets[t]);
+            tool.trial = self.pose(t, &poses[t], s).driven_by(&offsets[t]);
         }
+    }
+
+    /// Where a motion prescribes to be at fraction `s` of the step.
+    pub fn place(&self, motion: &Motion, s: f64) -> f64 {
+        motion.from + motion.by * self.done(motion.course, s)
+    }
+
+    /// The pose at fraction `s` of the step of tool `t`, which began at `start`, but for what forces move it by.
+    pub fn pose(&self, t: usize, start: &Pose, s: f64) -> Pose {
+        let ToolMotion { by, rotation, course, .. } = &self.motions[t];
+        start.moved(by, rotation.as_ref(), self.done(*course, s))
+    }
+
+    /// The table of a course; `None` of a straight one.
+    pub fn course(&self, course: u32) -> Option<&Amplitude> {
+        course.checked_sub(1).map(|k| &self.courses[k as usize])
+    }
+
+    /// The share of a motion that is done at fraction `s`.
+    fn done(&self, course: u32, s: f64) -> f64 {
+        self.course(course).map_or(s, |table| table.at(s))
+    }
+
+    /// The number of the course by a table; like tables have one.
+    fn number(&mut self, table: &Option<Amplitude>) -> u32 {
+        let Some(table) = table else { return 0 };
+        let known = self.courses.iter().position(|known| known == table);
+        let k = known.unwrap_or_else(|| {
+            self.courses.push(table.clone());
+            self.courses.len() - 1
+        });
+        k as u32 + 1
     }
 
     /// What the equation numbering needs to know of the tools.
     pub fn freedoms(&self) -> Vec<ToolFreedom> {
         let moves = |m: &ToolMotion, d: usize| {
             let keeps_apart = m.rotation.is_none_or(|r| (1.0 - r.axis.normalize()[d].abs()) < 1e-14);
-            keeps_apart.then_some(m.by[d])
+            keeps_apart.then_some(dofs::way(m.by[d], m.course))
         };
         self.motions.iter().map(|m| ToolFreedom { free: m.free, moves: [0, 1, 2].map(|d| moves(m, d)) }).collect()
     }
 
-    /// How far the step moves each tool along each direction: NaN where a force does, infinite where it turns.
+    /// The way of each tool over the step along each direction: NaN where a force moves it, infinite where it turns.
     pub fn moves_of_tools(&self) -> Vec<[f64; 3]> {
         let of_tool = |tool: &ToolFreedom| {
             [0, 1, 2].map(|d| if tool.free[d] { f64::NAN } else { tool.moves[d].unwrap_or(f64::INFINITY) })
@@ -132,16 +209,15 @@ impl Conditions {
         self.freedoms().iter().map(of_tool).collect()
     }
 
-    /// How far the step moves an owned node along a direction; NaN where it is free.
+    /// The way of an owned node over the step along a direction; NaN where it is free.
     pub fn move_of(&self, node: u32, d: usize) -> f64 {
-        self.prescribed[3 * node as usize + d].map_or(f64::NAN, |(_, by)| by)
+        self.prescribed[3 * node as usize + d].map_or(f64::NAN, |motion| motion.way())
     }
 
     /// What is left when the step ends at fraction `s`, before its end.
     pub fn ended_at(mut self, s: f64) -> Self {
-        self.loads.iter_mut().for_each(|ramp| ramp.to = ramp.at(s));
-        self.tool_forces.iter_mut().for_each(|ramp| ramp.to = ramp.at(s));
-        self.pressures.values_mut().for_each(|ramp| ramp.to = ramp.at(s));
+        self.loads.iter_mut().chain(&mut self.tool_forces).for_each(|ramp| ramp.end_at(s));
+        self.pressures.values_mut().for_each(|ramp| ramp.end_at(s));
         self
     }
 
@@ -150,21 +226,32 @@ impl Conditions {
     pub fn is_symmetric(&self, model: &Model) -> bool {
         let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.tangent);
         let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
-        conservative && model.bodies.iter().all(|b| b.element != Formulation::Hex8Fbar)
+        conservative && model.sections.iter().all(|section| section.element != Formulation::Hex8Fbar)
     }
 
     fn add_body_forces(&mut self, model: &Model, step: &Step) {
-        for force in &step.body_forces {
-            for solid in &model.part.solids {
-                if model.bodies[solid.body as usize].name != force.body.value {
-                    continue;
+        for force in step.body_forces.iter().chain(&step.weights) {
+            let mut shares: BTreeMap<u32, Vec3> = BTreeMap::new();
+            let pulled = |solid: &&PartSolid| match force.section {
+                Some(section) => solid.section as usize == section,
+                None => model.bodies[solid.body as usize].name == force.body.value,
+            };
+            for solid in model.part.solids.iter().filter(pulled) {
+                let of_solid = elements::body_force(model, solid, &force.per_volume);
+                for (&n, share) in solid.nodes().iter().zip(of_solid) {
+                    *shares.entry(n).or_default() += share;
                 }
-                let shares = elements::body_force(model, solid, &force.per_volume);
-                for (&n, share) in solid.nodes().iter().zip(shares) {
-                    if (n as usize) < model.part.owned {
-                        self.loads[n as usize].to += share;
-                    }
-                }
+            }
+            self.load_nodes(shares, &force.table);
+        }
+    }
+
+    /// Loads on nodes of this rank, of which those that it owns count.
+    fn load_nodes(&mut self, loads: BTreeMap<u32, Vec3>, table: &Option<Amplitude>) {
+        let table = shared(table);
+        for (n, load) in loads {
+            if let Some(ramp) = self.loads.get_mut(n as usize) {
+                ramp.add(load, table.as_ref());
             }
         }
     }
@@ -173,39 +260,37 @@ impl Conditions {
     fn add_forces(&mut self, comm: &SimpleCommunicator, model: &Model, step: &Step) {
         for force in &step.forces {
             if let Some(tool) = model.masters.tools.iter().position(|t| t.name == force.target.value) {
-                self.tool_forces[tool].to += force.total;
+                self.tool_forces[tool].add(force.total, shared(&force.table).as_ref());
                 for d in (0..3).filter(|&d| force.directions[d]) {
                     self.motions[tool].free[d] = true;
                 }
                 continue;
             }
             let weights = nodal_weights(comm, model, &force.target.value);
-            for (&n, w) in &weights {
-                self.loads[n as usize].to += force.total * *w;
-            }
+            self.load_nodes(weights.into_iter().map(|(n, w)| (n, force.total * w)).collect(), &force.table);
         }
     }
 
     fn prescribe(&mut self, model: &Model, step: &Step, u: &[Vec3]) -> Result<()> {
         for fix in &step.fix {
-            self.prescribe_set(model, &fix.set.value, &fix.set.at, u, &fix.directions, &Vec3::zeros())?;
+            self.prescribe_set(model, &fix.set, u, &fix.directions, (&Vec3::zeros(), 0))?;
         }
         for motion in &step.moves {
+            let course = self.number(&motion.table);
             if let Some(tool) = model.masters.tools.iter().position(|t| t.name == motion.target.value) {
-                self.motions[tool].by = motion.by;
-                self.motions[tool].rotation = motion.rotate;
+                let free = self.motions[tool].free;
+                self.motions[tool] = ToolMotion { by: motion.by, rotation: motion.rotate, course, free };
             } else {
-                let target = &motion.target;
-                self.prescribe_set(model, &target.value, &target.at, u, &motion.directions, &motion.by)?;
+                self.prescribe_set(model, &motion.target, u, &motion.directions, (&motion.by, course))?;
             }
         }
         for plane in &model.symmetry {
             let across = [0, 1, 2].map(|d| d == plane.axis);
-            self.prescribe_set(model, &plane.set.value, &plane.set.at, u, &across, &Vec3::zeros())?;
+            self.prescribe_set(model, &plane.set, u, &across, (&Vec3::zeros(), 0))?;
         }
         for n in 0..model.part.owned {
             if model.bodies[model.part.body[n] as usize].plane_strain {
-                self.prescribed[3 * n + 2] = Some((u[n].z, 0.0));
+                self.prescribed[3 * n + 2] = Some(Motion::still(u[n].z));
             }
         }
         for n in 0..model.part.owned {
@@ -218,11 +303,10 @@ impl Conditions {
     fn prescribe_set(
         &mut self,
         model: &Model,
-        set: &str,
-        at: &Location,
+        Located { value: set, at }: &Located<String>,
         u: &[Vec3],
         directions: &[bool; 3],
-        by: &Vec3,
+        (by, course): (&Vec3, u32),
     ) -> Result<()> {
         for &n in &model.set(set).nodes {
             let body = &model.bodies[model.part.body[n as usize] as usize];
@@ -233,9 +317,9 @@ impl Conditions {
             // Nodes that move as one are prescribed as one.
             let one = model.part.tie[n as usize] as usize;
             for d in (0..3).filter(|&d| directions[d]) {
-                let value = (u[one][d], by[d]);
+                let motion = Motion { from: u[one][d], by: by[d], course };
                 let slot = &mut self.prescribed[3 * one + d];
-                if slot.is_some_and(|other| other.1 != value.1) {
+                if slot.is_some_and(|other| other.way() != motion.way()) {
                     let axis = ["x", "y", "z"][d];
                     let node = model.part.id[n as usize];
                     let what = format!(
@@ -247,11 +331,16 @@ impl Conditions {
                         "restrict one of them with `directions`, or take the node out of one set",
                     ));
                 }
-                *slot = Some(value);
+                *slot = Some(motion);
             }
         }
         Ok(())
     }
+}
+
+/// A table that many loads have.
+fn shared(table: &Option<Amplitude>) -> Option<Arc<Amplitude>> {
+    table.clone().map(Arc::new)
 }
 
 /// Share of each owned node in a set: by reference area over the faces, evenly over bare nodes; the sum over ranks is 1.

@@ -13,7 +13,7 @@ use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::parallel::{agree, max, sum};
-use crate::scene::{Enforcement, Linear, MaterialModel, Scene, Smoothing, Step};
+use crate::scene::{Body, Enforcement, Isochoric, Linear, MaterialModel, Scene, Smoothing, Step};
 use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -186,30 +186,7 @@ pub fn check(
 ) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
-    for body in &scene.bodies {
-        let kind = scene.materials.iter().find(|m| m.name.value == body.material.value).map(|m| match m.model {
-            MaterialModel::NeoHookean { .. } => "neo-hookean; no plasticity",
-            MaterialModel::Hooke { .. } => "hooke (logarithmic strain); no plasticity",
-            MaterialModel::Plastic { hill: None, .. } => "elastic-plastic (von Mises)",
-            MaterialModel::Plastic { hill: Some(_), .. } => "elastic-plastic (Hill)",
-        });
-        let model = model.bodies.iter().find(|b| b.name == body.name.value);
-        let strain =
-            if model.is_some_and(|m| m.plane_strain) { ", plane strain: no u_z, one plane of nodes" } else { "" };
-        let element = model.map_or(String::new(), |m| m.element.key().to_string());
-        let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
-        let mirrored =
-            if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
-        let parts = match &body.refine {
-            Some(times) => {
-                let directions = if strain.is_empty() { 3 } else { 2 };
-                format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
-            }
-            None => String::new(),
-        };
-        let _ =
-            writeln!(text, "body `{}`: {element}{strain}, {}{mirrored}{parts}", body.name.value, kind.unwrap_or("?"));
-    }
+    scene.bodies.iter().enumerate().for_each(|(b, body)| text += &self::body(scene, model, b, body));
     for tool in &model.masters.tools {
         let _ = writeln!(text, "{}", self::tool(tool));
     }
@@ -262,6 +239,42 @@ pub fn check(
     let prediction = Prediction::new(&machine, &size, &steps);
     let _ = writeln!(text, "{}", prediction.describe(&machine, machine_mb()));
     Ok(text)
+}
+
+/// What is modelled of a body, a line for each of its materials.
+fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
+    let plane = model.bodies[b].plane_strain;
+    let strain = if plane { ", plane strain: no u_z, one plane of nodes" } else { "" };
+    let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
+    let mirrored = if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
+    let parts = match &body.refine {
+        Some(times) => {
+            let directions = if plane { 2 } else { 3 };
+            format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
+        }
+        None => String::new(),
+    };
+    let mut text = String::new();
+    let sections = model.sections.iter().zip(scene.sections()).filter(|(section, _)| section.body == b);
+    let groups = std::iter::once(None).chain(body.materials.iter().map(|(group, _)| Some(&group.value)));
+    for ((section, (_, material)), group) in sections.zip(groups) {
+        let kind = match scene.material(&material.value) {
+            Some(MaterialModel::NeoHookean { .. }) => "neo-hookean; no plasticity",
+            Some(MaterialModel::Hooke { .. }) => "hooke (logarithmic strain); no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. }) => "mooney-rivlin; no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::Yeoh { .. }, .. }) => "yeoh; no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. }) => "ogden; no plasticity",
+            Some(MaterialModel::Plastic { hill: None, .. }) => "elastic-plastic (von Mises)",
+            Some(MaterialModel::Plastic { hill: Some(_), .. }) => "elastic-plastic (Hill)",
+            None => "?",
+        };
+        let (name, element) = (&body.name.value, section.element.key());
+        let _ = match group {
+            None => writeln!(text, "body `{name}`: {element}{strain}, {kind}{mirrored}{parts}"),
+            Some(group) => writeln!(text, "  its `{group}`: {element}, {kind}"),
+        };
+    }
+    text
 }
 
 /// What a step prescribes after the last one, its equations, their pattern, and systems. Collective.

@@ -1,16 +1,19 @@
 //! How long the next increment is.
 //!
 //! Increments of the largest size make a grid of times, and no increment steps over one of these: after a cut the analysis
-//! comes back to the grid, so that a run with cuts reports at the same times as one without.
+//! comes back to the grid, so that a run with cuts reports at the same times as one without. Nor does one step over a time at
+//! which a table of loads or motions turns.
 
 use crate::controls::Controls;
 use crate::scene::Increment;
 
 /// Chooses increments of a step; all in fractions of it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Increments {
     /// Fraction done.
     pub done: f64,
+    /// Fractions that none steps over, besides the grid.
+    corners: Vec<f64>,
     size: f64,
     min: f64,
     max: f64,
@@ -23,7 +26,17 @@ const SLIVER: f64 = 0.25;
 impl Increments {
     pub fn new(bounds: &Increment, duration: f64, controls: &Controls) -> Self {
         let [size, min, max] = [bounds.initial, bounds.min, bounds.max].map(|time| time / duration);
-        Self { done: 0.0, size, min, max, controls: *controls }
+        Self { done: 0.0, corners: Vec::new(), size, min, max, controls: *controls }
+    }
+
+    /// The same, which end at these fractions, too, at which loads turn; in their order.
+    pub fn meeting(self, corners: Vec<f64>) -> Self {
+        Self { corners, ..self }
+    }
+
+    /// Whether loads turn where it is.
+    pub fn is_at_corner(&self) -> bool {
+        self.corners.contains(&self.done)
     }
 
     /// The fraction of the step at the end of the next increment; `None` at the end of the step.
@@ -32,10 +45,11 @@ impl Increments {
         if self.done >= 1.0 - rounding {
             return None;
         }
-        let grid = (((self.done + rounding) / self.max).floor() + 1.0) * self.max;
-        // What would leave less than a sliver to the grid, or to the end, goes all the way.
+        // What would leave less than a sliver to the grid, to a corner, or to the end, goes all the way.
         let sliver = SLIVER * self.size.min(self.min);
-        let stop = if grid > 1.0 - sliver.max(rounding) { 1.0 } else { grid };
+        let grid = (((self.done + sliver.max(rounding)) / self.max).floor() + 1.0) * self.max;
+        let corner = self.corners.iter().copied().find(|corner| *corner > self.done + rounding).unwrap_or(1.0);
+        let stop = if grid > corner - sliver.max(rounding) { corner } else { grid };
         Some(if self.done + self.size > stop - sliver { stop } else { self.done + self.size })
     }
 
@@ -132,6 +146,19 @@ mod tests {
         let bounds = bounds(0.3333, 1e-3, 0.3333);
         let all = times(Increments::new(&bounds, 1.0, &Controls::default()), |_, _| false);
         assert_eq!((all.len(), all[2]), (3, 1.0));
+    }
+
+    /// Corners between the points of the grid, on one but for rounding, close before one, and close behind one.
+    #[test]
+    fn none_steps_over_a_corner() {
+        let bounds = bounds(0.1, 1e-3, 0.1);
+        let corners = vec![0.05, 0.3 + 1e-15, 0.49999, 0.60001, 0.999_999];
+        let increments = Increments::new(&bounds, 1.0, &Controls::default()).meeting(corners.clone());
+        let all = times(increments.clone(), |_, _| false);
+        assert!(corners.iter().all(|corner| all.contains(corner)), "{all:?}");
+        assert_eq!(all.len(), 12, "{all:?}");
+        let cut = times(increments, |from, to| to > 0.2 && to - from > 0.03 && from < 0.35);
+        assert!(corners.iter().chain(&[0.4, 1.0]).all(|corner| cut.contains(corner)), "{cut:?}");
     }
 
     #[test]

@@ -82,6 +82,13 @@ fn hastened(step: &Step) -> Step {
     step
 }
 
+/// Whether the corners of its tables keep the increments of a step from being as long as they may be.
+fn is_cut_short(step: &Step) -> bool {
+    let ends: Vec<f64> = [0.0].into_iter().chain(step.corners()).chain([1.0]).collect();
+    let shortest = ends.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    shortest * step.duration < step.sizes().max * (1.0 - 1e-9)
+}
+
 /// Runs a scene with increments twice as long, and gives for each of these ends of steps what is estimated of the errors of the
 /// increments: nothing of those in which none was left to be longer. Collective.
 ///
@@ -93,7 +100,7 @@ pub fn compare(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, ends: &[
     let mut comparable = true;
     for (step, end) in scene.steps.iter().zip(ends) {
         let hastened = hastened(step);
-        comparable &= hastened.sizes().max > step.sizes().max * (1.0 + 1e-9);
+        comparable &= hastened.sizes().max > step.sizes().max * (1.0 + 1e-9) && !is_cut_short(&hastened);
         simulation.begin(&hastened)?;
         while simulation.advance(&mut |_: &Event| Ok(()))?.is_some() {}
         let differs = end.against(&End::of(&simulation, &end.step), &simulation);

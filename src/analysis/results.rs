@@ -161,7 +161,7 @@ impl Results {
             let error = energy.map_or_else(|| vec![f64::NAN; of_body.len()], |energy| energy.shares(model, b));
             let stress = of_body.into_iter().flatten().collect();
             let mut cell = vec![("stress", 6, stress), ("von_mises", 1, von_mises), ("error", 1, error)];
-            if model.bodies[b].material.remembers() {
+            if model.body_can_flow(b) {
                 cell.push(("equivalent_plastic_strain", 1, agree(comm, states::plastic_strains(model, u, b))?));
             }
             let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
@@ -208,7 +208,7 @@ fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
 
 /// The bodies that can flow, with their numbers.
 fn plastic_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
-    model.bodies.iter().enumerate().filter(|(_, body)| body.material.remembers())
+    model.bodies.iter().enumerate().filter(|(b, _)| model.body_can_flow(*b))
 }
 
 /// Columns of the history after `step,increment,time,iterations`.

@@ -229,6 +229,7 @@ impl<'a> Simulation<'a> {
         let is_set = |name: &str| self.model.find_set(name).is_some();
         let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target));
         let sets = step.fix.iter().map(|f| &f.set).chain(step.pressures.iter().map(|p| &p.set));
+        let sets = sets.chain(step.springs.iter().map(|s| &s.set));
         let bodies = step.body_forces.iter().map(|b| &b.body);
         let unknown =
             targets.filter(|t| !is_tool(&t.value) && !is_set(&t.value)).chain(sets.filter(|s| !is_set(&s.value)));

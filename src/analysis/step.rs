@@ -22,7 +22,6 @@ use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
-use mpi::topology::SimpleCommunicator;
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
 use std::time::Instant;
 
@@ -164,7 +163,7 @@ impl<'a> Simulation<'a> {
             start: self.state.time,
             poses: self.model.masters.tools.iter().map(|t| t.committed).collect(),
             offsets: vec![Vec3::zeros(); self.model.masters.tools.len()],
-            increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls),
+            increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls).meeting(step.corners()),
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
         };
@@ -178,7 +177,6 @@ impl<'a> Simulation<'a> {
         let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
         let set_up_s = begun.elapsed().as_secs_f64();
-        self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, &pattern));
         let symmetric = conditions.is_symmetric(&self.model);
         let matrix = matrix(self.petsc, &dofs, &pattern, symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
@@ -187,6 +185,7 @@ impl<'a> Simulation<'a> {
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let linear = self.scene.solver.linear;
         let systems = Systems::new(self.comm, linear, (&dofs, &pattern), symmetric, set_up_s);
+        self.summary.count(dofs.total, dofs.total_multipliers, systems.entries as u64);
         // Whatever is near now: the same in all steps.
         let most = dofs.total + dofs.spared;
         match cost::solver(linear, most, self.model.is_plane()) {
@@ -446,7 +445,7 @@ impl<'a> Simulation<'a> {
         self.summary.growths += newton.course.growths;
         if newton.course.rebuilds + newton.course.growths > 0 {
             let System { dofs, pattern, .. } = &newton.system;
-            self.summary.count(dofs.total, dofs.total_multipliers, entries(self.comm, pattern));
+            self.summary.count(dofs.total, dofs.total_multipliers, pattern.entries(self.comm));
         }
         let attempt = match ended {
             Err(error) => Err(error),
@@ -517,9 +516,11 @@ impl<'a> Simulation<'a> {
             increments.resume();
         }
         let ends_step = increments.next().is_none();
-        if is_remedy {
+        // Where a table turns, the solution does not go on as before.
+        if is_remedy || increments.is_at_corner() {
             past.clear();
-        } else {
+        }
+        if !is_remedy {
             frame.progress.remember(end, &x.array()?);
         }
         self.commit(frame, &converged)?;
@@ -604,13 +605,6 @@ impl<'a> Simulation<'a> {
         let what = describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies);
         Failure { what, ..failure }
     }
-}
-
-/// Entries on all ranks. Collective.
-fn entries(comm: &SimpleCommunicator, pattern: &Pattern) -> u64 {
-    let mut entries = [pattern.columns.len() as f64];
-    sum(comm, &mut entries);
-    entries[0] as u64
 }
 
 /// The matrix of a step, with zeros. Collective.

@@ -107,6 +107,8 @@ pub fn wrong_way_round(
     sets: &BTreeMap<String, usize>,
 ) -> Result<Vec<WrongWayRound>> {
     let mut wrong = Vec::new();
+    let of_section = |(_, material): (usize, &scene::Located<String>)| scene.material(&material.value);
+    let moduli: Vec<f64> = scene.sections().map(|s| of_section(s).map_or(0.0, scene::MaterialModel::young)).collect();
     let one_pass =
         |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
     for contact in scene.contacts.iter().filter(one_pass) {
@@ -117,7 +119,7 @@ pub fn wrong_way_round(
             let near = boxes[1 - k].map(|(low, high)| grown((low, high), 0.1 * (high - low).norm()));
             let meets = |x: &Vec3| near.is_none_or(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
             let (facet_size, bulge) = measure(comm, part, facets[k], meets);
-            Side { name: names[k].clone(), young: young(scene, names[k]), facet_size, bulge }
+            Side { name: names[k].clone(), young: mean(comm, part, facets[k], &moduli), facet_size, bulge }
         };
         let (slave, master) = (side(0), side(1));
         if is_hopeless(&slave, &master) {
@@ -172,11 +174,22 @@ fn center_and_area(part: &Part, facet: &PartFacet) -> (Vec3, Vec3) {
     (center, 0.5 * (at(2) - at(0)).cross(&(at(3) - at(1))))
 }
 
-/// Young's modulus of the body that a set is on.
+/// The mean over facets of what belongs to the sections of their nodes. Collective.
+fn mean(comm: &SimpleCommunicator, part: &Part, facets: &[PartFacet], of_section: &[f64]) -> f64 {
+    let mut sums = [0.0; 2];
+    for facet in facets.iter().filter(|facet| facet.mine) {
+        let of_node = |&n: &u32| of_section[part.section[n as usize] as usize];
+        sums[0] += facet.nodes[..facet.count as usize].iter().map(of_node).fold(f64::INFINITY, f64::min);
+        sums[1] += 1.0;
+    }
+    sum(comm, &mut sums);
+    sums[0] / sums[1]
+}
+
+/// Young's modulus of the body that a set is on; of the first of its materials.
 fn young(scene: &Scene, set: &str) -> f64 {
     let body = scene.bodies.iter().find(|b| set.split('.').next() == Some(b.name.value.as_str()));
-    let card = body.and_then(|b| scene.materials.iter().find(|m| m.name.value == b.material.value));
-    card.map_or(0.0, |m| m.model.young())
+    body.and_then(|body| scene.material(&body.material.value)).map_or(0.0, scene::MaterialModel::young)
 }
 
 #[cfg(test)]

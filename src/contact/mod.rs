@@ -52,6 +52,9 @@ pub struct Pair {
     /// Index of the body of the slave nodes, and of that of the master.
     pub body: usize,
     pub master_body: Option<usize>,
+    /// Sections that nodes of the slave count as, and of a master on a body.
+    pub sections: Vec<usize>,
+    pub master_sections: Vec<usize>,
     /// Both sides are bodies in plane strain: nothing happens along z.
     pub planar: bool,
     /// Coulomb coefficient.

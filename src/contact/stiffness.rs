@@ -29,41 +29,43 @@ pub struct Backing {
 /// The surface around a node.
 #[derive(Clone, Copy, Debug)]
 struct Around {
-    area: f64,
     longest: f64,
     height: f64,
-    modulus: f64,
+    /// Sum of modulus times area, force.
+    borne: f64,
 }
 
-/// Stiffness of each owned node of the facets of a surface, force per length; `backing` is by body. 0 for other nodes;
+/// Stiffness of each owned node of the facets of a surface, force per length; `backing` is by section. 0 for other nodes;
 /// tied nodes count for the node that they follow.
 pub fn contact_stiffness(part: &Part, facets: &[PartFacet], backing: &[Backing]) -> Vec<f64> {
-    let nothing = Around { area: 0.0, longest: 0.0, height: f64::INFINITY, modulus: 0.0 };
+    let nothing = Around { longest: 0.0, height: f64::INFINITY, borne: 0.0 };
     let mut around = vec![nothing; part.points.len()];
     let solids = solids_by_node(part, facets);
     for facet in facets {
         let nodes = &facet.nodes[..facet.count as usize];
-        let Backing { modulus, plane_strain } = backing[part.body[nodes[0] as usize] as usize];
         let areas = nodal_areas(part, facet);
-        let along = |v: Vec3| if plane_strain { v.xy().norm() } else { v.norm() };
-        let edge =
-            |k: usize| along(part.points[nodes[(k + 1) % nodes.len()] as usize] - part.points[nodes[k] as usize]);
-        let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
         let under = nodes.iter().find_map(|&n| {
             let has_all = |e: &&u32| nodes.iter().all(|n| part.solids[**e as usize].nodes().contains(n));
             solids[n as usize].iter().find(has_all)
         });
-        let height = under.map_or(f64::INFINITY, |&e| height(part, &part.solids[e as usize], areas.iter().sum()));
+        let under = under.map(|&e| &part.solids[e as usize]);
+        let section = under.map_or(part.section[nodes[0] as usize], |solid| solid.section);
+        let Backing { modulus, plane_strain } = backing[section as usize];
+        let along = |v: Vec3| if plane_strain { v.xy().norm() } else { v.norm() };
+        let edge =
+            |k: usize| along(part.points[nodes[(k + 1) % nodes.len()] as usize] - part.points[nodes[k] as usize]);
+        let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
+        let height = under.map_or(f64::INFINITY, |solid| height(part, solid, areas.iter().sum()));
         for (&n, area) in nodes.iter().zip(areas) {
             let at = &mut around[part.tie[n as usize] as usize];
-            at.area += area;
-            (at.longest, at.height, at.modulus) = (at.longest.max(longest), at.height.min(height), modulus);
+            (at.longest, at.height) = (at.longest.max(longest), at.height.min(height));
+            at.borne += modulus * area;
         }
     }
     around.truncate(part.owned);
     let of = |a: &Around| match a.longest {
         0.0 => 0.0,
-        longest => a.modulus * a.area / longest * (a.height / longest).min(1.0),
+        longest => a.borne / longest * (a.height / longest).min(1.0),
     };
     around.iter().map(of).collect()
 }
@@ -104,11 +106,19 @@ mod tests {
     fn brick([a, b, c]: [f64; 3]) -> (Part, Vec<PartFacet>) {
         let corner =
             |k: usize| Vec3::new(a * [0.0, 1.0, 1.0, 0.0][k % 4], b * [0.0, 0.0, 1.0, 1.0][k % 4], c * (k / 4) as f64);
-        let solid = PartSolid { shape: SolidShape::Hex8, nodes: [0, 1, 2, 3, 4, 5, 6, 7], body: 0, id: 1, mine: true };
+        let solid = PartSolid {
+            shape: SolidShape::Hex8,
+            nodes: [0, 1, 2, 3, 4, 5, 6, 7],
+            body: 0,
+            section: 0,
+            id: 1,
+            mine: true,
+        };
         let part = Part {
             owned: 8,
             points: (0..8).map(corner).collect(),
             body: vec![0; 8],
+            section: vec![0; 8],
             tie: (0..8).collect(),
             solids: vec![solid],
             ..Part::default()

@@ -30,10 +30,10 @@ impl Scratch {
     /// Evaluates element `e` of the part at displacements `u`.
     pub fn evaluate(&mut self, model: &Model, e: usize, u: &[Vec3], want_tangent: bool) -> Outcome {
         let solid = &model.part.solids[e];
-        let body = &model.bodies[solid.body as usize];
+        let element = model.section(solid).element;
         let (points, medium) = (&model.part.points, medium(model, e));
-        if body.plane_strain {
-            let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, body.element));
+        if model.bodies[solid.body as usize].plane_strain {
+            let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, element));
             return plane4::evaluate(nodes, thickness(model, solid), medium, how, &mut self.of_four);
         }
         match solid.shape {
@@ -43,7 +43,7 @@ impl Scratch {
             }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
-                let evaluate = match body.element {
+                let evaluate = match element {
                     Formulation::Hex8Fbar => hex8_fbar::evaluate,
                     Formulation::Hex8Sri => hex8_sri::evaluate,
                     Formulation::Hex8Eas => hex8_eas::evaluate,
@@ -76,7 +76,7 @@ impl Scratch {
 
 /// What fills element `e` of the part.
 pub fn medium(model: &Model, e: usize) -> Medium<'_> {
-    let material = &model.bodies[model.part.solids[e].body as usize].material;
+    let material = &model.section(&model.part.solids[e]).material;
     Medium { material, states: model.history.of(e), amplitudes: model.history.amplitudes(e) }
 }
 
@@ -110,17 +110,17 @@ impl Deref for Samples {
 /// The integration points of element `e` of the part at displacements `u`.
 pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted> {
     let solid = &model.part.solids[e];
-    let (body, points) = (&model.bodies[solid.body as usize], &model.part.points);
+    let (element, points) = (model.section(solid).element, &model.part.points);
     let medium = medium(model, e);
-    if body.plane_strain {
+    if model.bodies[solid.body as usize].plane_strain {
         let nodes = (&gather(points, solid), &gather(u, solid));
-        return Ok(plane4::samples(nodes, thickness(model, solid), medium, body.element)?.into());
+        return Ok(plane4::samples(nodes, thickness(model, solid), medium, element)?.into());
     }
     if solid.shape == SolidShape::Tet4 {
         return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.into());
     }
     let (x, u) = (gather(points, solid), gather(u, solid));
-    let samples = match body.element {
+    let samples = match element {
         Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
         Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
         Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),

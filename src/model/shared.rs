@@ -77,7 +77,7 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
             if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
         );
         if shared {
-            let help = "take what belongs together as one body (a group with both), or add a contact between the faces";
+            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact between the faces";
             return Err(Error::input(&other.name.at, what, help));
         }
         warnings.push(what + "; add a contact, or mesh them as one body");

@@ -26,7 +26,7 @@ pub fn flown(model: &mut Model, u: &[Vec3]) -> Result<Vec<State>> {
         if states.is_empty() {
             continue;
         }
-        let material = &model.bodies[model.part.solids[e].body as usize].material;
+        let material = &model.section(&model.part.solids[e]).material;
         let advanced = samples(model, e, u).and_then(|samples| advance(&samples, material, states));
         advanced.map_err(|_| lost(model, e))?;
     }

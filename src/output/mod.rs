@@ -4,6 +4,7 @@
 //! stands in the folder is readable at any time, also after a kill.
 
 pub mod fields;
+pub mod figure;
 pub mod history;
 mod lock;
 pub mod log;

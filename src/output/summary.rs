@@ -192,8 +192,12 @@ impl Summary {
 
 /// The most memory this process has held, MB of 10^6 bytes; 0 where the system does not say.
 pub fn peak_memory_mb() -> f64 {
-    std::fs::read_to_string("/proc/self/status").ok().and_then(|status| high_water_kib(&status)).unwrap_or(0.0)
-        * 1.024e-3
+    memory_mb("/proc/self/status", "VmHWM:").unwrap_or(0.0)
+}
+
+/// The memory that a file of `/proc` has behind a key, MB of 10^6 bytes, where the system says.
+pub fn memory_mb(file: &str, key: &str) -> Option<f64> {
+    std::fs::read_to_string(file).ok().and_then(|text| kibibytes(&text, key)).map(|kib| 1.024e-3 * kib)
 }
 
 /// The processor time that this process has taken so far, in user and kernel mode, s; 0 where the system does not say.
@@ -211,8 +215,8 @@ fn ticks(stat: &str) -> Option<f64> {
     Some(times.next()?.ok()? + times.next()?.ok()?)
 }
 
-fn high_water_kib(status: &str) -> Option<f64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+fn kibibytes(text: &str, key: &str) -> Option<f64> {
+    let line = text.lines().find_map(|line| line.strip_prefix(key))?;
     line.trim().strip_suffix("kB")?.trim().parse().ok()
 }
 
@@ -261,8 +265,8 @@ mod tests {
 
     #[test]
     fn memory_is_the_high_water_mark() {
-        assert_eq!(high_water_kib("Name:\tx\nVmPeak:\t 9 kB\nVmHWM:\t    2048 kB\n"), Some(2048.0));
-        assert_eq!(high_water_kib("Name:\tx\n"), None);
+        assert_eq!(kibibytes("Name:\tx\nVmPeak:\t 9 kB\nVmHWM:\t    2048 kB\n", "VmHWM:"), Some(2048.0));
+        assert_eq!(kibibytes("Name:\tx\n", "VmHWM:"), None);
         assert!(peak_memory_mb() > 1.0);
     }
 

@@ -18,6 +18,8 @@ pub struct GlobalMesh {
     pub points: Vec<Vec3>,
     /// Body of each node.
     pub body: Vec<u32>,
+    /// Section of each node: of those around it the stiffest.
+    pub section: Vec<u32>,
     /// Number of each node in its file.
     pub id: Vec<u64>,
     /// Node whose displacement a node shares; mostly itself.
@@ -25,6 +27,8 @@ pub struct GlobalMesh {
     pub solids: Vec<Solid>,
     /// Body of each element.
     pub solid_body: Vec<u32>,
+    /// Section of each element.
+    pub solid_section: Vec<u32>,
     pub sets: Vec<GlobalSet>,
     /// Extra work that a node brings to its elements, for the balance: slave nodes have some.
     pub node_work: Vec<i32>,
@@ -182,13 +186,15 @@ impl<'a> Cut<'a> {
         let mut p = Vec::with_capacity(8 * held.len() + 12 * solids.len());
         p.extend([owned, held.len(), mesh.points.len(), mesh.solids.len(), solids.len()].map(|n| n as u64));
         for n in held.iter().map(|&n| n as usize) {
-            p.extend([owner[n] as u64, u64::from(place[n]), u64::from(mesh.body[n]), mesh.id[n], at(mesh.tie[n])]);
+            p.extend([owner[n] as u64, u64::from(place[n]), u64::from(mesh.body[n]), u64::from(mesh.section[n])]);
+            p.extend([mesh.id[n], at(mesh.tie[n])]);
             p.extend(mesh.points[n].iter().map(|x| x.to_bits()));
         }
         for e in solids {
             let solid = &mesh.solids[e];
             let mine = u64::from(is_own(solid.nodes[0]));
-            p.extend([solid.nodes().len() as u64, u64::from(mesh.solid_body[e]), solid.id, mine]);
+            p.extend([solid.nodes().len() as u64, u64::from(mesh.solid_body[e]), u64::from(mesh.solid_section[e])]);
+            p.extend([solid.id, mine]);
             p.extend(solid.nodes().iter().map(|&n| at(n)));
         }
         p.push(mesh.sets.len() as u64);
@@ -222,6 +228,7 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
             wanted.entry(of).or_insert_with(Vec::new).push((local as u32, place));
         }
         part.body.push(next() as u32);
+        part.section.push(next() as u32);
         part.id.push(next());
         part.tie.push(next() as u32);
         part.points.push(Vec3::from_fn(|_, _| f64::from_bits(next())));
@@ -229,10 +236,11 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     for _ in 0..solids {
         let count = next() as usize;
         let shape = if count == 4 { SolidShape::Tet4 } else { SolidShape::Hex8 };
-        let (body, id, mine) = (next() as u32, next(), next() == 1);
+        let [body, section] = [next() as u32, next() as u32];
+        let (id, mine) = (next(), next() == 1);
         let mut nodes = [0; 8];
         nodes[..count].fill_with(|| next() as u32);
-        part.solids.push(PartSolid { shape, nodes, body, id, mine });
+        part.solids.push(PartSolid { shape, nodes, body, section, id, mine });
     }
     for _ in 0..next() {
         let (node_count, facet_count) = (next(), next());
@@ -266,11 +274,13 @@ mod tests {
         let count = points.len();
         let mesh = GlobalMesh {
             body: vec![0; count],
+            section: vec![0; count],
             id: (0..count as u64).collect(),
             tie: (0..count as u32).collect(),
             node_work: vec![0; count],
             solids: all(N).map(hex).collect(),
             solid_body: vec![0; (N * N * N) as usize],
+            solid_section: vec![0; (N * N * N) as usize],
             points,
             ..GlobalMesh::default()
         };

@@ -32,6 +32,8 @@ pub struct PartSolid {
     pub nodes: [u32; 8],
     /// Index of its body in the scene.
     pub body: u32,
+    /// Index of its section in those of the scene.
+    pub section: u32,
     /// Its number in the mesh file, for messages.
     pub id: u64,
     /// This rank counts it in sums and writes it: it owns the element's first node.
@@ -88,6 +90,8 @@ pub struct Part {
     pub points: Vec<Vec3>,
     /// Index of the body that a node belongs to.
     pub body: Vec<u32>,
+    /// Index of the section of a node: of those around it the stiffest.
+    pub section: Vec<u32>,
     /// The number a node has in its mesh file, for messages.
     pub id: Vec<u64>,
     /// The local node whose displacement this node shares (plane strain); mostly itself.

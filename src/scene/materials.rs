@@ -1,7 +1,7 @@
 //! Reads material cards: elastic constants, yield criteria and hardening.
 
 use super::reader::{Item, Table};
-use super::{Hardening, Hill, Located, Material, MaterialModel};
+use super::{Body, Formulation, Hardening, Hill, Isochoric, Located, Material, MaterialModel, Scene};
 use crate::error::Result;
 use crate::{Mat3, Vec3};
 
@@ -11,42 +11,151 @@ enum Kind {
     Hooke,
     J2,
     Hill,
+    MooneyRivlin,
+    Yeoh,
+    Ogden,
 }
 
-const KINDS: [(&str, Kind); 4] =
-    [("neo-hookean", Kind::NeoHookean), ("hooke", Kind::Hooke), ("j2", Kind::J2), ("hill", Kind::Hill)];
+const KINDS: [(&str, Kind); 7] = [
+    ("neo-hookean", Kind::NeoHookean),
+    ("hooke", Kind::Hooke),
+    ("j2", Kind::J2),
+    ("hill", Kind::Hill),
+    ("mooney-rivlin", Kind::MooneyRivlin),
+    ("yeoh", Kind::Yeoh),
+    ("ogden", Kind::Ogden),
+];
+
+const ELASTIC: [Kind; 4] = [Kind::NeoHookean, Kind::Hooke, Kind::J2, Kind::Hill];
+const PLASTIC: [Kind; 2] = [Kind::J2, Kind::Hill];
+const HYPERELASTIC: [Kind; 3] = [Kind::MooneyRivlin, Kind::Yeoh, Kind::Ogden];
+
+/// The keys that some models have and others not, and what helps those who give them to others.
+const OF_MODELS: [(&str, &[Kind], &str); 11] = [
+    ("young", &ELASTIC, "the moduli follow from the constants of the model and its bulk modulus"),
+    ("yield_stress", &PLASTIC, "write model = \"j2\" or \"hill\""),
+    ("hardening", &PLASTIC, "write model = \"j2\" or \"hill\""),
+    ("hill", &[Kind::Hill], "write model = \"hill\""),
+    ("c10", &[Kind::MooneyRivlin, Kind::Yeoh], "write model = \"mooney-rivlin\" or \"yeoh\""),
+    ("c01", &[Kind::MooneyRivlin], "write model = \"mooney-rivlin\""),
+    ("c20", &[Kind::Yeoh], "write model = \"yeoh\""),
+    ("c30", &[Kind::Yeoh], "write model = \"yeoh\""),
+    ("terms", &[Kind::Ogden], "write model = \"ogden\""),
+    ("bulk", &HYPERELASTIC, "it follows from `young` and `poisson`"),
+    ("d", &HYPERELASTIC, "it follows from `young` and `poisson`"),
+];
 
 /// The material of a card.
 ///
 /// # Errors
 /// What is not a material, with its place.
 pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
-    let table = item.table(&["model", "young", "poisson", "yield_stress", "hardening", "hill"])?;
+    let keys: Vec<&str> = ["model", "poisson", "density"].into_iter().chain(OF_MODELS.map(|(key, ..)| key)).collect();
+    let table = item.table(&keys)?;
     let kind = table.require("model", "\"neo-hookean\"")?.choice(&KINDS)?;
-    let young = table.require("young", "210000.0")?.positive()?;
-    let poisson = table.require("poisson", "0.3")?;
-    let incompressible = poisson.number()? >= 0.5;
-    let help =
-        if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
-    let poisson = poisson.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)?;
-    let plastic = matches!(kind, Kind::J2 | Kind::Hill);
-    let belongs = [("yield_stress", plastic), ("hardening", plastic), ("hill", kind == Kind::Hill)];
-    for (key, _) in belongs.iter().filter(|(_, belongs)| !belongs) {
+    for (key, _, help) in OF_MODELS.iter().filter(|(_, kinds, _)| !kinds.contains(&kind)) {
         if let Some(extra) = table.get(key) {
-            let help = if *key == "hill" { "write model = \"hill\"" } else { "write model = \"j2\" or \"hill\"" };
-            return Err(extra.error("does not belong to this model", help));
+            return Err(extra.error("does not belong to this model", *help));
         }
     }
-    let model = match kind {
-        Kind::NeoHookean => MaterialModel::NeoHookean { young, poisson },
-        Kind::Hooke => MaterialModel::Hooke { young, poisson },
-        Kind::J2 => MaterialModel::Plastic { young, poisson, hill: None, hardening: hardening(&table)? },
+    let no_less = |item: &Item| item.number_that_is("0 or more", |value| value >= 0.0, "");
+    let density = table.optional("density", no_less)?;
+    let model = if HYPERELASTIC.contains(&kind) { hyperelastic(kind, &table)? } else { elastic(kind, &table)? };
+    Ok(Material { name, model, density })
+}
+
+/// Those that begin with Young's modulus and Poisson's ratio.
+fn elastic(kind: Kind, table: &Table) -> Result<MaterialModel> {
+    let young = table.require("young", "210000.0")?.positive()?;
+    let poisson = poisson(&table.require("poisson", "0.3")?)?;
+    Ok(match kind {
+        Kind::J2 => MaterialModel::Plastic { young, poisson, hill: None, hardening: hardening(table)? },
         Kind::Hill => {
             let criterion = hill(&table.require("hill", "{ f = 0.5, g = 0.5, h = 0.5, n = 1.5 }")?)?;
-            MaterialModel::Plastic { young, poisson, hill: Some(criterion), hardening: hardening(&table)? }
+            MaterialModel::Plastic { young, poisson, hill: Some(criterion), hardening: hardening(table)? }
         }
+        Kind::NeoHookean => MaterialModel::NeoHookean { young, poisson },
+        _ => MaterialModel::Hooke { young, poisson },
+    })
+}
+
+fn poisson(item: &Item) -> Result<f64> {
+    let incompressible = item.number()? >= 0.5;
+    let help =
+        if incompressible { "use 0.4999 with element = \"hex8-fbar\" for an incompressible material" } else { "" };
+    item.number_that_is("above -1 and below 0.5", |value| value > -1.0 && value < 0.5, help)
+}
+
+/// An isochoric law and its bulk modulus.
+fn hyperelastic(kind: Kind, table: &Table) -> Result<MaterialModel> {
+    let first = || table.require("c10", "0.4")?.number();
+    let more = |key: &str| table.optional(key, Item::number).map(|given| given.unwrap_or(0.0));
+    let law = match kind {
+        Kind::MooneyRivlin => Isochoric::MooneyRivlin { c10: first()?, c01: table.require("c01", "0.1")?.number()? },
+        Kind::Yeoh => Isochoric::Yeoh { c10: first()?, c20: more("c20")?, c30: more("c30")? },
+        _ => Isochoric::Ogden(terms(&table.require("terms", "[[0.6, 1.3], [0.01, 5.0]]")?)?),
     };
-    Ok(Material { name, model })
+    let shear = law.shear();
+    if shear <= 0.0 {
+        let of = match kind {
+            Kind::MooneyRivlin => "2 (c10 + c01)",
+            Kind::Yeoh => "2 c10",
+            _ => "the sum of the mu",
+        };
+        return Err(table.error(format!("has the shear modulus {shear:?}"), format!("{of} must be above 0")));
+    }
+    Ok(MaterialModel::Hyperelastic { law, bulk: bulk(table, shear)? })
+}
+
+/// The bulk modulus, or what it follows from.
+fn bulk(table: &Table, shear: f64) -> Result<f64> {
+    let of_poisson = |item: &Item| poisson(item).map(|nu| 2.0 / 3.0 * shear * (1.0 + nu) / (1.0 - 2.0 * nu));
+    let of_d = |item: &Item| item.positive().map(|d| 2.0 / d);
+    let given =
+        [table.optional("bulk", Item::positive)?, table.optional("poisson", of_poisson)?, table.optional("d", of_d)?];
+    let mut given = given.into_iter().flatten();
+    match (given.next(), given.next()) {
+        (Some(bulk), None) => Ok(bulk),
+        _ => Err(table.error("must have one of `bulk`, `poisson` and `d`", "for example `poisson = 0.499`")),
+    }
+}
+
+/// Moduli and exponents of Ogden's law.
+fn terms(item: &Item) -> Result<Vec<[f64; 2]>> {
+    let term = |row: &Item| {
+        let [mu, alpha] = row.array::<f64, 2>(Item::number, "[0.6, 1.3]")?;
+        if alpha == 0.0 { Err(row.error("must have an exponent other than 0", "")) } else { Ok([mu, alpha]) }
+    };
+    item.filled_list()?.iter().map(term).collect()
+}
+
+impl Body {
+    /// Its materials: the one that it names, then those of groups of its elements.
+    pub fn sections(&self) -> impl Iterator<Item = &Located<String>> {
+        std::iter::once(&self.material).chain(self.materials.iter().map(|(_, material)| material))
+    }
+}
+
+impl Scene {
+    /// The materials that bodies are made of, with the numbers of these; see [`Body::sections`].
+    pub fn sections(&self) -> impl Iterator<Item = (usize, &Located<String>)> {
+        self.bodies.iter().enumerate().flat_map(|(b, body)| body.sections().map(move |material| (b, material)))
+    }
+
+    /// The material of this name.
+    pub fn material(&self, name: &str) -> Option<&MaterialModel> {
+        self.materials.iter().find(|card| card.name.value == name).map(|card| &card.model)
+    }
+
+    /// The element of hexahedra of a material that are asked for none: one that does not lock. Flow keeps the volume, too,
+    /// and wants the balance of energy that `hex8-sri` has; its tangent is symmetric besides.
+    pub fn default_element(&self, material: &str) -> Formulation {
+        match self.material(material) {
+            Some(MaterialModel::Plastic { .. }) => Formulation::Hex8Sri,
+            Some(model) if model.keeps_volume().is_some() => Formulation::Hex8Fbar,
+            _ => Formulation::Hex8,
+        }
+    }
 }
 
 /// Hill's coefficients and axes.

@@ -6,8 +6,11 @@
 //!
 #![doc = include_str!("../../docs/scene.md")]
 
+mod amplitude;
 mod contacts;
 mod descriptions;
+mod gravity;
+mod keep;
 mod materials;
 mod names;
 mod overrides;
@@ -22,6 +25,7 @@ mod tools;
 mod trade;
 mod tree;
 
+pub use amplitude::Amplitude;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
@@ -33,7 +37,7 @@ pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, T
 use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::solid::element::Formulation;
-pub use crate::solid::material::{Hardening, Hill, MaterialModel};
+pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel};
 pub use crate::surface::{Smoothing, Transfer, Weight};
 use std::path::PathBuf;
 
@@ -79,6 +83,8 @@ pub struct Body {
     pub mesh: MeshSource,
     /// Name of a material in [`Scene::materials`].
     pub material: Located<String>,
+    /// Groups of its elements that are of other materials, with these.
+    pub materials: Vec<(Located<String>, Located<String>)>,
     /// `None`: chosen by mesh and material.
     pub element: Option<Located<Formulation>>,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
@@ -137,6 +143,8 @@ pub enum BlockShape {
 pub struct Material {
     pub name: Located<String>,
     pub model: MaterialModel,
+    /// Mass per reference volume.
+    pub density: Option<f64>,
 }
 
 /// A contact pair.
@@ -175,7 +183,7 @@ impl Contact {
     }
 }
 
-/// A step: the conditions listed act during it, and only they do.
+/// A step: the conditions listed act during it, and only they do. What it keeps of the one before is listed, too.
 #[derive(Clone, Debug)]
 pub struct Step {
     pub name: Located<String>,
@@ -186,6 +194,11 @@ pub struct Step {
     pub forces: Vec<Force>,
     pub pressures: Vec<Pressure>,
     pub body_forces: Vec<BodyForce>,
+    pub springs: Vec<Spring>,
+    /// Acceleration of all bodies.
+    pub gravity: Option<Located<Vec3>>,
+    /// What gravity makes of the densities.
+    pub weights: Vec<BodyForce>,
 }
 
 impl Step {
@@ -212,6 +225,9 @@ impl Step {
             forces: Vec::new(),
             pressures: Vec::new(),
             body_forces: Vec::new(),
+            springs: Vec::new(),
+            gravity: None,
+            weights: Vec::new(),
         }
     }
 
@@ -223,27 +239,28 @@ impl Step {
 
     /// Moves a tool, or the nodes of a set.
     pub fn moving(mut self, target: &str, by: [f64; 3]) -> Self {
-        self.moves.push(Move { target: Located::given(target), by: by.into(), directions: [true; 3], rotate: None });
+        let (target, by) = (Located::given(target), by.into());
+        self.moves.push(Move { target, by, directions: [true; 3], rotate: None, table: None });
         self
     }
 
     /// Turns a tool by degrees about an axis through a point.
     pub fn turning(mut self, tool: &str, point: [f64; 3], axis: [f64; 3], angle: f64) -> Self {
         let rotation = Rotation { point: point.into(), axis: Vec3::from(axis).normalize(), angle };
-        let by = Vec3::zeros();
-        self.moves.push(Move { target: Located::given(tool), by, directions: [true; 3], rotate: Some(rotation) });
+        let (target, by) = (Located::given(tool), Vec3::zeros());
+        self.moves.push(Move { target, by, directions: [true; 3], rotate: Some(rotation), table: None });
         self
     }
 
     /// Pushes a tool, which is free along the `directions`, or a set, where they do not count.
     pub fn pushing(mut self, target: &str, total: [f64; 3], directions: [bool; 3]) -> Self {
-        self.forces.push(Force { target: Located::given(target), total: total.into(), directions });
+        self.forces.push(Force { target: Located::given(target), total: total.into(), directions, table: None });
         self
     }
 
     /// Presses on faces.
     pub fn pressing(mut self, set: &str, value: f64) -> Self {
-        self.pressures.push(Pressure { set: Located::given(set), value });
+        self.pressures.push(Pressure { set: Located::given(set), value, table: None });
         self
     }
 
@@ -253,11 +270,26 @@ impl Step {
 
     /// Increment sizes by which no tool turns too far at once.
     pub fn sizes(&self) -> Increment {
-        let angle = |m: &Move| m.rotate.map_or(0.0, |r| r.angle.abs());
+        let fastest = |m: &Move| m.table.as_ref().map_or(1.0, Amplitude::steepest);
+        let angle = |m: &Move| m.rotate.map_or(0.0, |r| r.angle.abs() * fastest(m));
         let parts = (self.moves.iter().map(angle).fold(0.0, f64::max) / Self::TURN - 1e-9).ceil().max(1.0);
         let Increment { initial, min, max, limits } = self.increment;
         let max = max.min(self.duration / parts);
         Increment { initial: initial.min(max), min: min.min(max), max, limits }
+    }
+
+    /// Fractions of the step at which a table turns, in their order; no increment steps over one.
+    pub fn corners(&self) -> Vec<f64> {
+        /// Fractions that differ by less are one.
+        const ONE: f64 = 1e-9;
+        let tables = (self.moves.iter().filter_map(|m| m.table.as_ref()))
+            .chain(self.forces.iter().filter_map(|f| f.table.as_ref()))
+            .chain(self.pressures.iter().filter_map(|p| p.table.as_ref()))
+            .chain(self.body_forces.iter().filter_map(|b| b.table.as_ref()));
+        let mut corners: Vec<f64> = tables.flat_map(Amplitude::corners).collect();
+        corners.sort_by(f64::total_cmp);
+        corners.dedup_by(|later, earlier| *later - *earlier < ONE);
+        corners
     }
 }
 
@@ -287,7 +319,7 @@ pub struct Fix {
     pub directions: [bool; 3],
 }
 
-/// Moves a tool or the nodes of a set over the step, linearly in time.
+/// Moves a tool or the nodes of a set over the step.
 #[derive(Clone, Debug)]
 pub struct Move {
     /// A tool, `body.group` or `body`.
@@ -298,6 +330,8 @@ pub struct Move {
     pub directions: [bool; 3],
     /// Rotation over the step about an axis through a point (tools only).
     pub rotate: Option<Rotation>,
+    /// The share of both that is done; `None` for a straight ramp.
+    pub table: Option<Amplitude>,
 }
 
 /// A total force on a set (spread by area, or evenly over bare nodes), or on a tool, which is then free to
@@ -309,6 +343,8 @@ pub struct Force {
     pub total: Vec3,
     /// Free directions of a tool; ignored for sets.
     pub directions: [bool; 3],
+    /// The share of `total` that acts; `None` for a straight ramp from what acted before.
+    pub table: Option<Amplitude>,
 }
 
 /// A follower pressure on faces, positive when it pushes into the body.
@@ -316,13 +352,28 @@ pub struct Force {
 pub struct Pressure {
     pub set: Located<String>,
     pub value: f64,
+    /// As that of a force.
+    pub table: Option<Amplitude>,
 }
 
 /// A force per reference volume on a body.
 #[derive(Clone, Debug)]
 pub struct BodyForce {
     pub body: Located<String>,
+    /// On one of [`Scene::sections`] alone.
+    pub section: Option<usize>,
     pub per_volume: Vec3,
+    /// As that of a force.
+    pub table: Option<Amplitude>,
+}
+
+/// Springs between the nodes of a set and the ground, at rest where the nodes are meshed.
+#[derive(Clone, Debug)]
+pub struct Spring {
+    /// `body.group` or `body`.
+    pub set: Located<String>,
+    /// Of all of them together along x, y and z, force per length.
+    pub stiffness: Vec3,
 }
 
 /// What is written, and how often.

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, materials,
-    overrides, solver, steps, tools, trade,
+    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, gravity,
+    materials, overrides, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -96,15 +96,19 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let materials = materials.into_iter().map(|(name, item)| materials::read(name, &item));
     let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
     let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
-    let (steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
+    let (mut steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
     let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
+    let materials = materials.collect::<Result<Vec<_>>>()?;
+    let tools = tools.collect::<Result<_>>()?;
+    let bodies = bodies.collect::<Result<Vec<_>>>()?;
+    gravity::weigh(&mut steps, &bodies, &materials)?;
     Ok(Scene {
         name,
         title,
         text: String::new(),
-        materials: materials.collect::<Result<_>>()?,
-        tools: tools.collect::<Result<_>>()?,
-        bodies: bodies.collect::<Result<_>>()?,
+        materials,
+        tools,
+        bodies,
         contacts: contacts::read(contacts, &names)?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output(&root, &names)?,
@@ -115,7 +119,17 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
 }
 
 fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> Result<Body> {
-    let table = item.table(&["mesh", "group", "block", "material", "element", "plane_strain", "symmetry", "refine"])?;
+    let table = item.table(&[
+        "mesh",
+        "group",
+        "block",
+        "material",
+        "materials",
+        "element",
+        "plane_strain",
+        "symmetry",
+        "refine",
+    ])?;
     let mesh = match (table.get("mesh"), table.get("block")) {
         (Some(_), Some(block)) => return Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
         (Some(file), None) => mesh_file(&table, &file, directory)?,
@@ -126,15 +140,27 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         return Err(group.error("needs a mesh file", "the groups of a block are its `faces`"));
     }
     let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()))?;
+    let (material, materials) = (names.material(&material)?, materials(&table, &mesh, names)?);
     let elements = Formulation::ALL.map(|e| (e.key(), e));
     let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)))?;
     let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
     let symmetry = table.each("symmetry", group)?;
     let refine = table.optional("refine", Item::splits)?.flatten();
-    let body = Body { name, mesh, material: names.material(&material)?, element, plane_strain, symmetry, refine };
+    let body = Body { name, mesh, material, materials, element, plane_strain, symmetry, refine };
     check_block_use(&body)?;
     Ok(body)
+}
+
+/// What groups of elements of a mesh file are made of.
+fn materials(table: &Table, mesh: &MeshSource, names: &Names) -> Result<Vec<(Located<String>, Located<String>)>> {
+    let of_group = |(group, material): (Located<String>, Item)| Ok((group, names.material(&material)?));
+    match (mesh, table.get("materials")) {
+        (MeshSource::Block(_), Some(item)) => {
+            Err(item.error("needs a mesh file", "the elements of a block have no groups; make two bodies"))
+        }
+        (_, item) => item.map_or(Ok(Vec::new()), |item| item.named()?.into_iter().map(of_group).collect()),
+    }
 }
 
 /// A block is made of hexahedra, and of one layer of them in plane strain.

@@ -1,8 +1,10 @@
 //! Reads the steps of a scene: increments, and the conditions that act in each.
 
+use super::amplitude;
+use super::keep::keep;
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
-use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Step};
+use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
 
@@ -18,7 +20,7 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
     })?;
     let mut steps: Vec<Step> = Vec::new();
     for item in items {
-        let step = step(&item, steps.len() + 1, names)?;
+        let step = step(&item, steps.len() + 1, names, steps.last())?;
         if steps.iter().any(|other| other.name.value == step.name.value) {
             return Err(Error::input(
                 &step.name.at,
@@ -31,27 +33,46 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
     Ok(steps)
 }
 
-fn step(item: &Item, number: usize, names: &Names) -> Result<Step> {
-    let keys = ["name", "duration", "increment", "increments", "fix", "move", "force", "pressure", "body_force"];
-    let table = item.table(&keys)?;
+/// The keys of a step.
+const KEYS: [&str; 13] = [
+    "name",
+    "duration",
+    "increment",
+    "increments",
+    "keep",
+    "release",
+    "fix",
+    "move",
+    "force",
+    "pressure",
+    "body_force",
+    "spring",
+    "gravity",
+];
+
+fn step(item: &Item, number: usize, names: &Names, before: Option<&Step>) -> Result<Step> {
+    let table = item.table(&KEYS)?;
     let name = match table.optional("name", Item::located_string)? {
         Some(name) => check_name(&name.value, &name.at).map(|()| name)?,
         None => item.located(format!("step {number}")),
     };
     let duration = table.optional("duration", Item::positive)?.unwrap_or(1.0);
-    let forces = table.each("force", |item| force(item, names))?;
-    let moves = table.each("move", |item| movement(item, names))?;
-    let step = Step {
+    let mut step = Step {
         name,
         duration,
         increment: increment(&table, duration)?,
         fix: table.each("fix", |item| fix(item, names))?,
-        pressures: table.each("pressure", |item| pressure(item, names))?,
-        body_forces: table.each("body_force", |item| body_force(item, names))?,
-        moves: moves.iter().map(|(movement, _)| movement.clone()).collect(),
-        forces: forces.iter().map(|(force, _)| force.clone()).collect(),
+        pressures: table.each("pressure", |item| pressure(item, names, duration))?,
+        body_forces: table.each("body_force", |item| body_force(item, names, duration))?,
+        moves: table.each("move", |item| movement(item, names, duration))?,
+        forces: table.each("force", |item| force(item, names, duration))?,
+        springs: table.each("spring", |item| spring(item, names))?,
+        gravity: table.optional("gravity", |item| Ok(item.located(item.vector()?)))?,
+        weights: Vec::new(),
     };
-    step.check(|name| forces.iter().any(|(force, target)| force.target.value == name && *target == Target::Tool))?;
+    keep(&mut step, before, &table, |name| names.is_tool(name))?;
+    step.check(|name| names.is_tool(name))?;
+    amplitude::check_beginnings(&step, before)?;
     Ok(step)
 }
 
@@ -106,8 +127,8 @@ fn fix(item: &Item, names: &Names) -> Result<Fix> {
     Ok(Fix { set, directions: table.optional("directions", Item::directions)?.unwrap_or([true; 3]) })
 }
 
-fn movement(item: &Item, names: &Names) -> Result<(Move, Target)> {
-    let table = item.table(&["target", "by", "directions", "rotate"])?;
+fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
+    let table = item.table(&["target", "by", "directions", "rotate", "table"])?;
     let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
     let (by, rotate) = (table.optional("by", Item::vector)?, table.optional("rotate", rotation)?);
     if by.is_none() && rotate.is_none() {
@@ -126,7 +147,13 @@ fn movement(item: &Item, names: &Names) -> Result<(Move, Target)> {
         let what = format!("moves in {}, which `directions` leaves free", letter(axis));
         return Err(item.error(what, "make it 0, or add the direction"));
     }
-    Ok((Move { target, by, directions, rotate }, kind))
+    let begins_at_rest = |item: &Item| {
+        let table = amplitude::read(item, duration)?;
+        let help = "make the first factor 0: a motion begins where its target is";
+        if table.begin() == 0.0 { Ok(table) } else { Err(item.error("begins away from where its target is", help)) }
+    };
+    let table = table.optional("table", begins_at_rest)?;
+    Ok(Move { target, by, directions, rotate, table })
 }
 
 fn rotation(item: &Item) -> Result<Rotation> {
@@ -138,8 +165,8 @@ fn rotation(item: &Item) -> Result<Rotation> {
     })
 }
 
-fn force(item: &Item, names: &Names) -> Result<(Force, Target)> {
-    let table = item.table(&["target", "total", "directions"])?;
+fn force(item: &Item, names: &Names, duration: f64) -> Result<Force> {
+    let table = item.table(&["target", "total", "directions", "table"])?;
     let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
     let total_item = table.require("total", "[0.0, 0.0, -1.0]")?;
     let total = total_item.vector()?;
@@ -156,19 +183,34 @@ fn force(item: &Item, names: &Names) -> Result<(Force, Target)> {
         let what = format!("acts in {}, in which `directions` does not free the tool", letter(axis));
         return Err(total_item.error(what, "make it 0, or add the direction"));
     }
-    Ok((Force { target, total, directions }, kind))
+    let table = table.optional("table", |item| amplitude::read(item, duration))?;
+    Ok(Force { target, total, directions, table })
 }
 
-fn pressure(item: &Item, names: &Names) -> Result<Pressure> {
-    let table = item.table(&["set", "value"])?;
+fn pressure(item: &Item, names: &Names, duration: f64) -> Result<Pressure> {
+    let table = item.table(&["set", "value", "table"])?;
     let set = names.faces(&table.require("set", "\"BODY.GROUP\"")?)?;
-    Ok(Pressure { set, value: table.require("value", "1.0")?.number()? })
+    let value = table.require("value", "1.0")?.number()?;
+    Ok(Pressure { set, value, table: table.optional("table", |item| amplitude::read(item, duration))? })
 }
 
-fn body_force(item: &Item, names: &Names) -> Result<BodyForce> {
-    let table = item.table(&["body", "per_volume"])?;
+fn body_force(item: &Item, names: &Names, duration: f64) -> Result<BodyForce> {
+    let table = item.table(&["body", "per_volume", "table"])?;
     let body = names.body(&table.require("body", "\"BODY\"")?)?;
-    Ok(BodyForce { body, per_volume: table.require("per_volume", "[0.0, 0.0, -1.0]")?.vector()? })
+    let per_volume = table.require("per_volume", "[0.0, 0.0, -1.0]")?.vector()?;
+    let table = table.optional("table", |item| amplitude::read(item, duration))?;
+    Ok(BodyForce { body, section: None, per_volume, table })
+}
+
+fn spring(item: &Item, names: &Names) -> Result<Spring> {
+    let table = item.table(&["set", "stiffness"])?;
+    let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a spring holds nodes of a body")?;
+    let stiffness = table.require("stiffness", "[0.0, 0.0, 100.0]")?;
+    let along = stiffness.vector()?;
+    if along.min() < 0.0 || along.max() == 0.0 {
+        return Err(stiffness.error("must be 0 or more along x, y and z, and above 0 along one of them", ""));
+    }
+    Ok(Spring { set, stiffness: along })
 }
 
 /// A target is moved once and loaded once in a step.

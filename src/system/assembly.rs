@@ -32,7 +32,7 @@ pub fn internal_forces(
             largest = largest.max(force.amax());
             forces[n as usize] += force;
         }
-        of_element(solid.body, largest);
+        of_element(solid.section, largest);
         if let Some((pattern, values)) = &mut tangent {
             scatter(pattern, values, e, nodes, &scratch);
         }

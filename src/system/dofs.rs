@@ -15,8 +15,36 @@ use petsc::{Multipliers, Node, Unknowns};
 /// No equation.
 pub const NONE: i64 = -1;
 
-/// How a displacement component is prescribed over a step: at its start, and by how much it moves.
-pub type Prescribed = Option<(f64, f64)>;
+/// How a displacement component moves over a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// At its start.
+    pub from: f64,
+    /// By how much it moves, as often as its course says.
+    pub by: f64,
+    /// The course over time, by its number in the step; 0 is straight.
+    pub course: u32,
+}
+
+impl Motion {
+    /// Stays where it is.
+    pub fn still(from: f64) -> Self {
+        Self { from, by: 0.0, course: 0 }
+    }
+
+    /// A number that two motions share only where they go alike: how far, if they go straight.
+    pub fn way(&self) -> f64 {
+        way(self.by, self.course)
+    }
+}
+
+/// That of a motion by so much on a course. The last bits tell courses from each other.
+pub fn way(by: f64, course: u32) -> f64 {
+    if by == 0.0 { 0.0 } else { f64::from_bits(by.to_bits() ^ u64::from(course)) }
+}
+
+/// The motion of a displacement component that is prescribed.
+pub type Prescribed = Option<Motion>;
 
 /// The equations of one step on this rank.
 #[derive(Clone, Debug)]
@@ -47,7 +75,7 @@ pub struct DofMap {
 pub struct ToolFreedom {
     /// Directions in which a force moves it.
     pub free: [bool; 3],
-    /// How far all its points move along each direction over the step; `None` where it turns.
+    /// The [`way`] of all its points along each direction over the step; `None` where it turns.
     pub moves: [Option<f64>; 3],
 }
 
@@ -267,7 +295,8 @@ pub fn node_name(model: &Model, node: u32) -> String {
 /// direction; with friction not those along which it stands still relative to the tool.
 fn carried(prescribed: &[Prescribed; 3], tool: &ToolFreedom, frictional: bool) -> [bool; 3] {
     let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !tool.free[d]);
-    let held = |d: usize| locked[d] && tool.moves[d].is_some() && prescribed[d].map(|(_, by)| by) == tool.moves[d];
+    let held =
+        |d: usize| locked[d] && tool.moves[d].is_some() && prescribed[d].map(|motion| motion.way()) == tool.moves[d];
     match (locked, frictional) {
         ([true, true, true], _) => [false; 3],
         (_, false) => [true; 3],

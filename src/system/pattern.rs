@@ -12,7 +12,7 @@ use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::elements::carrying;
-use crate::parallel::agree;
+use crate::parallel::{agree, sum};
 use crate::partition::Lists;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -46,6 +46,13 @@ pub struct Pattern {
 }
 
 impl Pattern {
+    /// Entries on all ranks. Collective.
+    pub fn entries(&self, comm: &SimpleCommunicator) -> u64 {
+        let mut entries = [self.columns.len() as f64];
+        sum(comm, &mut entries);
+        entries[0] as u64
+    }
+
     /// Builds the pattern for elements and contact, with slave nodes at `place` and deformable masters as they are.
     /// Collective.
     ///

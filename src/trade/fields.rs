@@ -3,6 +3,7 @@
 use super::history::History;
 use crate::Vec3;
 use crate::error::{Error, Result};
+use crate::solid::element::{hex8, tet4};
 use hdf5::{File, Group};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -30,10 +31,6 @@ pub struct BodyState {
     /// Equivalent plastic strain, where the body can flow.
     strain: Option<Vec<f64>>,
 }
-
-/// Nodes of a hexahedron, and of the six tetrahedra about its diagonal.
-const TETRAHEDRA: [[usize; 4]; 6] =
-    [[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]];
 
 /// Codes of XDMF.
 const TETRAHEDRON: i64 = 6;
@@ -94,11 +91,12 @@ fn at_rest(file: &File, body: &str) -> hdf5::Result<BodyState> {
     let (shape, nodes) = (cells.shape(), cells.read_raw::<i64>()?);
     let mut state = BodyState::default();
     let mut add = |nodes: &[i64]| {
-        let x: Vec<Vec3> = nodes.iter().map(|&node| points[node as usize]).collect();
-        let volume = |[a, b, c, d]: [usize; 4]| (x[b] - x[a]).cross(&(x[c] - x[a])).dot(&(x[d] - x[a])) / 6.0;
-        let volume = if x.len() == 4 { volume([0, 1, 2, 3]) } else { TETRAHEDRA.into_iter().map(volume).sum() };
-        state.volumes.push(volume);
-        state.centroids.push((x.iter().sum::<Vec3>() / x.len() as f64).into());
+        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| points[node as usize].into()).collect();
+        state.volumes.push(match x.as_array() {
+            Some(hexahedron) => hex8::volume(hexahedron),
+            None => x.as_array().map_or(0.0, tet4::volume),
+        });
+        state.centroids.push([0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64));
     };
     match shape.get(1) {
         Some(&width) => nodes.chunks(width).for_each(&mut add),

@@ -2,26 +2,18 @@
 
 use super::errors::Quantity;
 use super::sheet::{Price, Row, Sheet};
-use crate::error::{Error, Result};
-use plotters::coord::Shift;
+use crate::error::Result;
+use crate::output::figure::{Area, BLUE, DARK, FINE, FONT, HEAD, RED, failed, titled};
 use plotters::prelude::*;
 
-const FONT: &str = "sans-serif";
-const BLUE: RGBColor = RGBColor(31, 91, 143);
 const GREY: RGBColor = RGBColor(150, 158, 166);
 const ORANGE: RGBColor = RGBColor(214, 126, 20);
-const RED: RGBColor = RGBColor(176, 32, 36);
-const FINE: RGBColor = RGBColor(226, 228, 230);
 const BAND: RGBColor = RGBColor(243, 236, 224);
-const DARK: RGBColor = RGBColor(60, 60, 60);
 
 /// Width and height of a panel, width of the list of runs, and height of one of its lines.
 const PANEL: (u32, u32) = (430, 300);
 const LIST: u32 = 340;
 const LINE: u32 = 18;
-const HEAD: u32 = 36;
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Draws the errors of all quantities for people against a price.
 ///
@@ -33,22 +25,14 @@ pub fn fronts(title: &str, sheet: &Sheet, price: Price) -> Result<String> {
     let lines = quantities.len().div_ceil(columns).max(1);
     let runs = (sheet.rows.len() + sheet.failures.len() + 5) as u32;
     let height = HEAD + (PANEL.1 * lines as u32).max(LINE * runs);
-    let mut text = String::new();
-    {
-        let size = (PANEL.0 * columns as u32 + LIST, height);
-        let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
-        root.fill(&WHITE).map_err(failed)?;
-        let (head, body) = root.split_vertically(HEAD);
-        head.draw_text(title, &(FONT, 18).into_font().color(&DARK), (16, 10)).map_err(failed)?;
+    titled(title, (PANEL.0 * columns as u32 + LIST, height), |body| {
         let (panels, list) = body.split_horizontally(PANEL.0 * columns as u32);
         let (panels, _) = panels.split_vertically(PANEL.1 * lines as u32);
         for (area, of) in panels.split_evenly((lines, columns)).iter().zip(quantities) {
             panel(area, sheet, price, of)?;
         }
-        legend(&list, sheet, price)?;
-        root.present().map_err(failed)?;
-    }
-    Ok(text)
+        legend(&list, sheet, price)
+    })
 }
 
 /// The least and the largest that a logarithmic axis shows: all values, and a little more.
@@ -176,10 +160,6 @@ fn tick(value: f64) -> String {
     }
     let text = format!("{value:.1e}");
     text.replace(".0e", "e")
-}
-
-fn failed(error: impl std::fmt::Display) -> Error {
-    Error::System(format!("cannot draw a figure: {error}"))
 }
 
 #[cfg(test)]

@@ -93,7 +93,8 @@ pub fn run(options: &Options) -> Result<()> {
     let total = plan.runs.len();
     for (k, number) in plan.order().into_iter().enumerate() {
         study.perform(&plan.runs[number], &format!("{} of {total}", k + 1))?;
-        if number == 0 || study.chain.first().is_some_and(|first| first.0 == number) {
+        let is_reference = study.chain.first().is_some_and(|first| first.0 == number);
+        if number == 0 || is_reference && !study.takes_next_reference() {
             study.must_have_converged()?;
         }
         study.write()?;
@@ -173,8 +174,27 @@ impl<'a> Study<'a> {
     /// Seconds that a run may take.
     fn limit(&self, variant: &Variant) -> Option<f64> {
         let of_scene = self.runs.first().and_then(|base| base.cost()).map(|cost| cost.wall_s);
+        let most = match self.plan.reference.is_suggested && self.number_in_chain(variant).is_some() {
+            true => self.options.wishes.budget,
+            false => f64::INFINITY,
+        };
         let long = variant.cost.zip(of_scene);
-        self.options.limit.or(long.map(|(cost, wall)| LONGEST * cost.max(1.0) * wall + GRACE_S))
+        self.options.limit.or(long.map(|(cost, wall)| (LONGEST * cost.max(1.0)).min(most) * wall + GRACE_S))
+    }
+
+    /// Takes the next of the chain for the reference, if the run just made was that, failed or took too long, and nobody asked
+    /// for it.
+    fn takes_next_reference(&mut self) -> bool {
+        let failed = self.runs.last().is_some_and(|made| made.cost().is_none());
+        let can = failed && self.plan.reference.is_suggested && self.chain.len() > 1;
+        if can {
+            self.chain.remove(0);
+            let label = &self.plan.runs[self.chain[0].0].label;
+            eprintln!(
+                "`{label}` takes its place: errors that it shares with the scene, such as the mesh's, do not count"
+            );
+        }
+        can
     }
 
     /// 0 for the reference, 1 for the next to it, ...

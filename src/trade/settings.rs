@@ -2,7 +2,7 @@
 
 use super::plan::Variant;
 use crate::scene::{
-    Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, MaterialModel, MeshSource, Scene,
+    Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, Located, MeshSource, Scene,
     Smoothing, Tangent, Tool,
 };
 
@@ -96,7 +96,7 @@ pub fn references(scene: &Scene, budget: f64) -> Vec<(Variant, f64)> {
     let split: Vec<String> = scene
         .bodies
         .iter()
-        .map(|body| format!("body.{}.refine={}", body.name.value, splits(scene, body) + 1))
+        .map(|body| format!("body.{}.refine={}", body.name.value, splits(&body.refine) + 1))
         .collect();
     let pace = vec![format!("solver.pace={:?}", 0.5 * scene.solver.pace)];
     let mut fixed: Vec<String> = scene.tools.iter().filter_map(best).collect();
@@ -128,16 +128,9 @@ pub fn references(scene: &Scene, budget: f64) -> Vec<(Variant, f64)> {
 /// The tolerance of references.
 const TIGHT: f64 = 1e-10;
 
-/// How often a body's elements are split in the scene.
-fn splits(scene: &Scene, body: &Body) -> i64 {
-    number(scene, "body", &body.name.value)
-}
-
-/// The key `refine` of a body or tool.
-fn number(scene: &Scene, kind: &str, name: &str) -> i64 {
-    let table: toml::Table = scene.text.parse().unwrap_or_default();
-    let entry = table.get(kind).and_then(|kind| kind.get(name)?.get("refine")?.as_integer());
-    entry.unwrap_or_default()
+/// How often elements or facets are split in the scene.
+fn splits(refine: &Option<Located<u32>>) -> u32 {
+    refine.as_ref().map_or(0, |times| times.value)
 }
 
 /// The override that makes a tool's surface the best that is described, unless it is.
@@ -206,15 +199,9 @@ fn surface(scene: &Scene) -> Setting {
         others.map(|tool| format!("tool.{}.smoothing={key}", tool.name.value)).collect::<Vec<_>>()
     };
     let facets = to("facet");
-    let split = |times: i64| {
-        let tools = scene.tools.iter().filter(|tool| tool.mesh.is_some());
-        let refine = tools
-            .map(|tool| format!("tool.{}.refine={}", tool.name.value, number(scene, "tool", &tool.name.value) + times));
-        refine.collect::<Vec<_>>()
-    };
     setting.add("tools: facet", facets.clone(), 1.0);
     if scene.tools.iter().any(|tool| tool.mesh.is_some()) {
-        let patched = [facets, split(2)].concat();
+        let patched = [facets, split_tools(scene, 2)].concat();
         setting.add("tools: facet, split twice", patched, 1.0);
     }
     for key in keys.into_iter().filter(|&key| key != "facet") {
@@ -224,10 +211,9 @@ fn surface(scene: &Scene) -> Setting {
 }
 
 /// Tools made of meshes with each facet split so many times more.
-fn split_tools(scene: &Scene, times: i64) -> Vec<String> {
-    let name = |tool: &Tool| tool.name.value.clone();
-    let tools = scene.tools.iter().filter(|tool| tool.mesh.is_some()).map(name);
-    tools.map(|name| format!("tool.{name}.refine={}", number(scene, "tool", &name) + times)).collect()
+fn split_tools(scene: &Scene, times: u32) -> Vec<String> {
+    let meshes = scene.tools.iter().filter_map(|tool| Some((&tool.name.value, tool.mesh.as_ref()?)));
+    meshes.map(|(name, mesh)| format!("tool.{name}.refine={}", splits(&mesh.refine) + times)).collect()
 }
 
 /// More patches, where tools are made of them.
@@ -287,34 +273,17 @@ fn element(scene: &Scene) -> Setting {
     let mut setting = Setting::new("element");
     for element in [Formulation::Hex8Fbar, Formulation::Hex8Sri, Formulation::Hex8Eas, Formulation::Hex8] {
         let others = scene.bodies.iter().filter(|body| {
-            let is_block = matches!(body.mesh, MeshSource::Block(_));
             let given = body.element.as_ref().map(|element| element.value);
+            let now = given.unwrap_or_else(|| scene.default_element(&body.material.value));
+            let is_block = matches!(body.mesh, MeshSource::Block(_));
             let hexahedra = is_block || given.is_some_and(|given| given != Formulation::Tet4);
-            let locks = keeps_volume(scene, body);
-            let now = given.unwrap_or(match (is_plastic(scene, body), locks) {
-                (true, _) => Formulation::Hex8Sri,
-                (false, true) => Formulation::Hex8Fbar,
-                (false, false) => Formulation::Hex8,
-            });
+            let locks = scene.material(&body.material.value).is_some_and(|model| model.keeps_volume().is_some());
             hexahedra && now != element && (element != Formulation::Hex8 || !locks)
         });
         let others = others.map(|body| format!("body.{}.element={}", body.name.value, element.key())).collect();
         setting.add(&format!("elements: {}", element.key()), others, 1.0);
     }
     setting
-}
-
-fn material<'a>(scene: &'a Scene, body: &Body) -> Option<&'a MaterialModel> {
-    scene.materials.iter().find(|material| material.name.value == body.material.value).map(|material| &material.model)
-}
-
-/// Whether elements with full integration lock.
-fn keeps_volume(scene: &Scene, body: &Body) -> bool {
-    material(scene, body).is_some_and(|model| model.keeps_volume().is_some())
-}
-
-fn is_plastic(scene: &Scene, body: &Body) -> bool {
-    matches!(material(scene, body), Some(MaterialModel::Plastic { .. }))
 }
 
 fn tangent(scene: &Scene) -> Setting {

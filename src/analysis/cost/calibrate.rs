@@ -9,6 +9,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{max, sum};
 use crate::scene::{self, Scene};
 use crate::system::assembly::internal_forces;
+use crate::system::dofs::Motion;
 use crate::system::{DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -90,7 +91,7 @@ impl Bench<'_> {
         ))?;
         let model = Model::new(self.comm, &scene, &Phases::default())?;
         let owned = model.part.points.iter().take(model.part.owned);
-        let held = |x: &Vec3| [0, 1, 2].map(|d| (x.y == 0.0 || plane && d == 2).then_some((0.0, 0.0)));
+        let held = |x: &Vec3| [0, 1, 2].map(|d| (x.y == 0.0 || plane && d == 2).then_some(Motion::still(0.0)));
         let prescribed: Vec<_> = owned.flat_map(held).collect();
         let dofs = DofMap::new(self.comm, &model, &prescribed, &[], near::everywhere(&model.pairs));
         let pattern = Pattern::new(self.comm, &model, &dofs, |n| model.part.points[n as usize])?;

@@ -6,9 +6,10 @@ use crate::Vec3;
 use crate::contact::Pair;
 use crate::error::Result;
 use crate::mesh::SolidShape;
-use crate::model::Model;
+use crate::model::{Model, Section};
+use crate::output::summary::memory_mb;
 use crate::parallel::{max, sum};
-use crate::scene::{Linear, Scene, Step};
+use crate::scene::{Linear, Located, Scene, Step};
 use crate::system::assembly::internal_forces;
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
@@ -63,18 +64,17 @@ pub struct Increments {
 impl Size {
     /// Of a model that has been set up in so many seconds. Collective.
     pub fn new(comm: &SimpleCommunicator, scene: &Scene, model: &Model, seconds: f64) -> Self {
-        let works: Vec<Option<Work>> = (model.bodies.iter().zip(&scene.bodies))
-            .map(|(body, given)| {
-                let card = scene.materials.iter().find(|card| card.name.value == given.material.value);
-                card.map(|card| Work::element(body.element, body.plane_strain, &card.model))
-            })
-            .collect();
+        let work = |(section, (body, material)): (&Section, (usize, &Located<String>))| {
+            let plane_strain = model.bodies[body].plane_strain;
+            Some(Work::element(section.element, plane_strain, scene.material(&material.value)?))
+        };
+        let works: Vec<Option<Work>> = model.sections.iter().zip(scene.sections()).map(work).collect();
         let all = Work::all();
         let mut counts = vec![0.0; all.len()];
         let mut hexahedra = 0.0;
         for solid in &model.part.solids {
             hexahedra += f64::from(solid.shape == SolidShape::Hex8 && solid.mine);
-            let work = works[solid.body as usize];
+            let work = works[solid.section as usize];
             counts.iter_mut().zip(&all).filter(|(_, kind)| Some(**kind) == work).for_each(|(count, _)| *count += 1.0);
         }
         let slaves = model.pairs.iter().map(|pair| pair.slaves.len()).sum::<usize>() as f64;
@@ -115,9 +115,8 @@ impl Systems {
         is_symmetric: bool,
         set_up_s: f64,
     ) -> Self {
-        let mut entries = [pattern.columns.len() as f64];
-        sum(comm, &mut entries);
-        Self { unknowns: dofs.total as f64, entries: entries[0], is_symmetric, factors: None, linear, set_up_s }
+        let entries = pattern.entries(comm) as f64;
+        Self { unknowns: dofs.total as f64, entries, is_symmetric, factors: None, linear, set_up_s }
     }
 
     /// Whether the pattern is the same, as far as its size tells.
@@ -167,24 +166,24 @@ impl Increments {
         let growing = (sizes.max / sizes.initial).ln() / 1.5f64.ln();
         let spent = (sizes.max - sizes.initial) / 0.5 / sizes.max;
         let asked = if vary { (grid - spent).max(0.0) + growing } else { grid };
-        Self { asked: (asked - 1e-9).ceil().max(1.0), vary }
+        // Corners of tables that lie on no increment's end make one more each.
+        let off_grid = |corner: &&f64| {
+            let increments = **corner * grid;
+            (increments - increments.round()).abs() > 1e-6
+        };
+        let corners = step.corners().iter().filter(off_grid).count();
+        Self { asked: (asked - 1e-9).ceil().max(1.0) + corners as f64, vary }
     }
 }
 
 /// The memory of this machine, MB of 10^6 bytes, where the system says.
 pub fn machine_mb() -> Option<f64> {
-    kibibytes("/proc/meminfo", "MemTotal:").map(|kib| 1.024e-3 * kib)
+    memory_mb("/proc/meminfo", "MemTotal:")
 }
 
 /// The memory that this process holds now, MB of 10^6 bytes; 0 where the system does not say.
 fn resident_mb() -> f64 {
-    kibibytes("/proc/self/status", "VmRSS:").map_or(0.0, |kib| 1.024e-3 * kib)
-}
-
-/// What a file of the system has behind a key.
-fn kibibytes(file: &str, key: &str) -> Option<f64> {
-    let text = std::fs::read_to_string(file).ok()?;
-    text.lines().find_map(|line| line.strip_prefix(key))?.trim().strip_suffix("kB")?.trim().parse().ok()
+    memory_mb("/proc/self/status", "VmRSS:").unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Kinds of work, and what each takes on a machine.
 
-use crate::scene::{Formulation, MaterialModel};
+use crate::scene::{Formulation, Isochoric, MaterialModel};
 use std::collections::BTreeMap;
 
 /// How an element is evaluated, as far as it decides its cost.
@@ -45,7 +45,11 @@ impl Work {
         let shape = if plane { Shape::Plane(element.key()) } else { Shape::Solid(element.key()) };
         let law = match material {
             MaterialModel::NeoHookean { .. } => MATERIALS[0],
-            MaterialModel::Hooke { .. } => MATERIALS[1],
+            // As long as others of invariants, or of principal stretches.
+            MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. } | Isochoric::Yeoh { .. }, .. } => {
+                MATERIALS[0]
+            }
+            MaterialModel::Hooke { .. } | MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. } => MATERIALS[1],
             MaterialModel::Plastic { hill: None, .. } => MATERIALS[2],
             MaterialModel::Plastic { hill: Some(_), .. } => MATERIALS[3],
         };

@@ -15,7 +15,7 @@
 
 use super::Newton;
 use crate::contact::{Pair, Slave, Status};
-use crate::model::Model;
+use crate::model::{Model, Section};
 use crate::parallel::{max, sum};
 use crate::system::DofMap;
 use mpi::topology::SimpleCommunicator;
@@ -31,13 +31,14 @@ struct Group {
     far: f64,
     penalty: f64,
     measure: f64,
-    /// Largest load on a body, or force that drives a tool.
+    /// Largest load on a section, or force that drives a tool; contact force on nodes of a section.
     load: f64,
+    contact: f64,
 }
 
-const FIELDS: usize = 7;
+const FIELDS: usize = 8;
 
-/// Forces and residuals of an iterate, by bodies, then contacts, then tools.
+/// Forces and residuals of an iterate, by sections of bodies, then contacts, then tools.
 #[derive(Clone, Debug, Default)]
 pub struct Balance {
     groups: Vec<Group>,
@@ -58,14 +59,14 @@ impl Balance {
     /// is its augmentation: a thin sheet is much stiffer across than what it rests on feels. Collective.
     pub fn floors(comm: &SimpleCommunicator, model: &Model, given: Option<f64>) -> Vec<f64> {
         let share = model.controls.force_floor_share;
-        let of_body = |b: usize| given.unwrap_or(share * model.bodies[b].stiffness * model.size);
-        let largest = (0..model.bodies.len()).map(of_body).fold(0.0, f64::max);
-        let bodies = (0..model.bodies.len()).map(of_body);
+        let of = |section: &Section| given.unwrap_or(share * section.stiffness * model.size);
+        let largest = model.sections.iter().map(of).fold(0.0, f64::max);
+        let sections = model.sections.iter().map(of);
         let largest_of = |pair: &Pair| pair.slaves.iter().map(|slave| slave.automatic).fold(0.0, f64::max);
         let mut augmentations: Vec<f64> = model.pairs.iter().map(largest_of).collect();
         max(comm, &mut augmentations);
         let pairs = augmentations.into_iter().map(|a| given.unwrap_or(share * a * model.size));
-        bodies.chain(pairs).chain(model.masters.tools.iter().map(|_| largest)).collect()
+        sections.chain(pairs).chain(model.masters.tools.iter().map(|_| largest)).collect()
     }
 
     pub fn new(model: &Model, dofs: &DofMap, seen: Vec<f64>, floors: Vec<f64>) -> Self {
@@ -86,13 +87,13 @@ impl Balance {
             }
         };
         for n in 0..model.part.owned {
-            dofs.node[n].iter().for_each(|&e| give(e, model.part.body[n] as usize));
+            dofs.node[n].iter().for_each(|&e| give(e, model.part.section[n] as usize));
         }
         for (p, of_pair) in dofs.multiplier.iter().enumerate() {
-            of_pair.iter().flatten().for_each(|&e| give(e, model.bodies.len() + p));
+            of_pair.iter().flatten().for_each(|&e| give(e, model.sections.len() + p));
         }
         for (t, of_tool) in dofs.tool.iter().enumerate() {
-            of_tool.iter().for_each(|&e| give(e, model.bodies.len() + model.pairs.len() + t));
+            of_tool.iter().for_each(|&e| give(e, model.sections.len() + model.pairs.len() + t));
         }
         self.group_of = group_of;
     }
@@ -102,20 +103,26 @@ impl Balance {
         self.groups.fill(Group::default());
     }
 
-    /// A force on a node of a body, N.
+    /// A force on a node of a section, N.
     pub fn force(&mut self, group: usize, force: f64) {
         self.groups[group].force = self.groups[group].force.max(force);
     }
 
-    /// A load on a node of a body, or the force that drives a tool, N.
+    /// A load on a node of a section, or the force that drives a tool, N.
     pub fn load(&mut self, group: usize, force: f64) {
         self.force(group, force);
         self.groups[group].load = self.groups[group].load.max(force);
     }
 
-    /// The force of an element on a node of a body, N.
-    pub fn element(&mut self, body: usize, force: f64) {
-        self.groups[body].element = self.groups[body].element.max(force);
+    /// A contact force on a node of a section, N.
+    pub fn contact(&mut self, section: usize, force: f64) {
+        self.force(section, force);
+        self.groups[section].contact = self.groups[section].contact.max(force);
+    }
+
+    /// The force of an element on a node of a section, N.
+    pub fn element(&mut self, section: usize, force: f64) {
+        self.groups[section].element = self.groups[section].element.max(force);
     }
 
     fn residual(&mut self, group: usize, residual: f64) {
@@ -170,19 +177,19 @@ impl Balance {
 impl Newton<'_> {
     /// Judges the residuals `r` of an iterate, and names the worst. Collective.
     pub(super) fn judge(&mut self, r: &[f64]) {
-        let bodies = self.system.model.bodies.len();
+        let sections = self.system.model.sections.len();
         for (k, value) in r.iter().enumerate() {
             let group = self.found.balance.group_of[k] as usize;
-            if !(bodies..bodies + self.system.model.pairs.len()).contains(&group) {
+            if !(sections..sections + self.system.model.pairs.len()).contains(&group) {
                 self.found.balance.residual(group, value.abs());
             }
         }
         for n in 0..self.system.model.part.owned {
-            let own = &mut self.found.balance.groups[self.system.model.part.body[n] as usize];
+            let own = &mut self.found.balance.groups[self.system.model.part.section[n] as usize];
             own.far = own.far.max(self.found.u[n].amax());
         }
         for (p, pair) in self.system.model.pairs.iter().enumerate() {
-            let group = bodies + p;
+            let group = sections + p;
             for slave in &pair.slaves {
                 let x = self.system.model.part.points[slave.node as usize] + self.found.u[slave.node as usize];
                 self.found.balance.residual(group, violation(pair, slave));
@@ -205,14 +212,14 @@ impl Newton<'_> {
         let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
         let one = |g: &Group| {
             let residual = if g.residual.is_nan() { f64::INFINITY } else { g.residual };
-            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.load]
+            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.load, g.contact]
         };
         let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
         max(self.system.comm, &mut flat);
         for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
             let residual = if broken { f64::INFINITY } else { all[2] };
-            let [force, element, _, far, penalty, measure, load] = all.try_into().unwrap_or_default();
-            *group = Group { force, element, residual, far, penalty, measure, load };
+            let [force, element, _, far, penalty, measure, load, contact] = all.try_into().unwrap_or_default();
+            *group = Group { force, element, residual, far, penalty, measure, load, contact };
         }
     }
 
@@ -221,31 +228,31 @@ impl Newton<'_> {
         self.system.model.controls.rounding * f64::EPSILON
     }
 
-    /// What rounding leaves of the internal forces of a body, N.
-    fn own_rounding(&self, body: usize) -> f64 {
+    /// What rounding leaves of the internal forces of a section, N.
+    fn own_rounding(&self, section: usize) -> f64 {
         self.epsilon()
-            * self.system.model.bodies[body].stiffness
-            * self.found.balance.groups[body].far.max(self.system.model.size)
+            * self.system.model.sections[section].stiffness
+            * self.found.balance.groups[section].far.max(self.system.model.size)
     }
 
     /// What rounding leaves of the residuals of a group, N.
     pub(super) fn rounding(&self, group: usize) -> f64 {
-        let bodies = self.system.model.bodies.len();
+        let sections = self.system.model.sections.len();
         let groups = &self.found.balance.groups;
-        let of_pair = |p: usize| self.epsilon() * groups[bodies + p].penalty * groups[bodies + p].far;
+        let of_pair = |p: usize| self.epsilon() * groups[sections + p].penalty * groups[sections + p].far;
         let pairs = 0..self.system.model.pairs.len();
-        if group < bodies {
-            let body = self.own_rounding(group);
-            let acts = |p: &usize| groups[bodies + p].force > 0.0;
-            return pairs.filter(|p| self.touches(*p, group) && acts(p)).map(of_pair).fold(body, f64::max);
+        if group < sections {
+            let own = self.own_rounding(group);
+            let acts = |p: &usize| groups[sections + p].force > 0.0;
+            return pairs.filter(|p| self.touches(*p, group) && acts(p)).map(of_pair).fold(own, f64::max);
         }
-        if group < bodies + self.system.model.pairs.len() {
+        if group < sections + self.system.model.pairs.len() {
             return self.epsilon() * groups[group].measure * groups[group].far;
         }
-        let tool = group - bodies - self.system.model.pairs.len();
+        let tool = group - sections - self.system.model.pairs.len();
         pairs
             .filter(|p| self.system.model.pairs[*p].master.tool() == Some(tool))
-            .map(|p| self.rounding(self.system.model.pairs[p].body))
+            .flat_map(|p| self.system.model.pairs[p].sections.iter().map(|&section| self.rounding(section)))
             .fold(0.0, f64::max)
     }
 
@@ -256,9 +263,9 @@ impl Newton<'_> {
 
     /// The residual that is let through at each contact, N.
     pub fn limits(&self) -> Vec<f64> {
-        let bodies = self.system.model.bodies.len();
+        let sections = self.system.model.sections.len();
         (0..self.system.model.pairs.len())
-            .map(|p| self.found.balance.limit(bodies + p, self.strategy.tolerance))
+            .map(|p| self.found.balance.limit(sections + p, self.strategy.tolerance))
             .collect()
     }
 
@@ -273,65 +280,67 @@ impl Newton<'_> {
         self.found.balance.limits = groups.map(capped).collect();
     }
 
-    /// Whether a contact may act on a body or a tool.
+    /// Whether a contact may act on a section or a tool.
     fn touches(&self, p: usize, group: usize) -> bool {
-        let Model { bodies, pairs, .. } = &*self.system.model;
-        let tool = pairs[p].master.tool().map(|t| bodies.len() + pairs.len() + t);
-        pairs[p].body == group || pairs[p].master_body == Some(group) || tool == Some(group)
+        let Model { sections, pairs, .. } = &*self.system.model;
+        let Pair { sections: own, master_sections, master, .. } = &pairs[p];
+        let tool = master.tool().map(|t| sections.len() + pairs.len() + t);
+        own.contains(&group) || master_sections.contains(&group) || tool == Some(group)
     }
 
-    /// The largest force of the contacts that touch a body or a tool, of those that bear more than rounding, N.
+    /// The largest force of the contacts that touch a section or a tool, of those that bear more than rounding, N.
     fn borne(&self, group: usize) -> f64 {
-        let (bodies, pairs) = (self.system.model.bodies.len(), 0..self.system.model.pairs.len());
+        let (sections, pairs) = (self.system.model.sections.len(), 0..self.system.model.pairs.len());
         let real = pairs.filter(|p| self.touches(*p, group) && self.is_real(*p));
-        real.map(|p| self.found.balance.groups[bodies + p].force).fold(0.0, f64::max)
+        real.map(|p| self.found.balance.groups[sections + p].force).fold(0.0, f64::max)
     }
 
     /// Whether a contact bears more than its gaps round to, or a share of what drives its tool, however little that is.
     fn is_real(&self, p: usize) -> bool {
-        let (balance, Model { bodies, pairs, controls, .. }) = (&self.found.balance, &*self.system.model);
-        let Group { force, penalty, far, .. } = balance.groups[bodies.len() + p];
-        let driving = pairs[p].master.tool().map_or(0.0, |t| balance.groups[bodies.len() + pairs.len() + t].load);
-        let rounding = (self.epsilon() * penalty * far).max(self.strategy.tolerance * balance.floors[bodies.len() + p]);
+        let (balance, Model { sections, pairs, controls, .. }) = (&self.found.balance, &*self.system.model);
+        let Group { force, penalty, far, .. } = balance.groups[sections.len() + p];
+        let driving = pairs[p].master.tool().map_or(0.0, |t| balance.groups[sections.len() + pairs.len() + t].load);
+        let rounding =
+            (self.epsilon() * penalty * far).max(self.strategy.tolerance * balance.floors[sections.len() + p]);
         force > rounding || driving > 0.0 && force > controls.rounding_cap * driving
     }
 
-    /// Whether a load acts on a body, a contact with more than rounding, or on a tool a force that drives it, by more than
+    /// Whether a load acts on a section, a contact with more than rounding, or on a tool a force that drives it, by more than
     /// what contacts bear across it rounds to. Says nothing of a stiff body's own rounding: what acts on it is as true,
     /// however little it strains it.
     fn is_loaded(&self, group: usize) -> bool {
-        let (bodies, pairs) = (self.system.model.bodies.len(), self.system.model.pairs.len());
-        let load = self.found.balance.groups[group].load;
-        if group < bodies {
-            return load > 0.0 || self.borne(group) > 0.0;
+        let (sections, pairs) = (self.system.model.sections.len(), self.system.model.pairs.len());
+        let Group { load, contact, .. } = self.found.balance.groups[group];
+        if group < sections {
+            return load > 0.0 || contact > 0.0 && self.borne(group) > 0.0;
         }
-        group >= bodies + pairs && load > self.epsilon() * self.borne(group)
+        group >= sections + pairs && load > self.epsilon() * self.borne(group)
     }
 
     /// The forces of which no more than `rounding_cap` may be lost, N; `None` where there are none.
     fn at_stake(&self, group: usize) -> Option<f64> {
         let (balance, model) = (&self.found.balance, &self.system.model);
-        let bodies = model.bodies.len();
+        let sections = model.sections.len();
         if balance.loaded[group] {
             return Some(balance.actual(group));
         }
-        if group >= bodies {
+        if group >= sections {
             // A tool that floats between contacts, along which they bear nothing.
-            let is_tool = group >= bodies + model.pairs.len();
+            let is_tool = group >= sections + model.pairs.len();
             return Some(self.borne(group)).filter(|borne| is_tool && *borne > 0.0);
         }
         // Contacts of which each bears but rounding.
-        let acts = |p: usize| self.touches(p, group) && balance.groups[bodies + p].force > 0.0;
+        let acts = |p: usize| self.touches(p, group) && balance.groups[sections + p].force > 0.0;
         let is_strained = balance.groups[group].element > model.controls.strained * self.own_rounding(group);
         (is_strained && (0..model.pairs.len()).any(acts)).then(|| balance.actual(group))
     }
 
-    /// Whether a body is strained by so much that its strains, other than its forces, are resolved to `rounding_cap`: the
+    /// Whether a section is strained by so much that its strains, other than its forces, are resolved to `rounding_cap`: the
     /// length of a line between two nodes of an element has changed so far beyond what its coordinates round to. Collective.
-    fn is_stretched(&self, body: usize) -> bool {
+    fn is_stretched(&self, section: usize) -> bool {
         let part = &self.system.model.part;
         let mut most = [0.0f64];
-        for solid in part.solids.iter().filter(|solid| solid.body as usize == body) {
+        for solid in part.solids.iter().filter(|solid| solid.section as usize == section) {
             for (k, &a) in solid.nodes.iter().enumerate() {
                 for &b in &solid.nodes[..k] {
                     let (a, b) = (a as usize, b as usize);
@@ -354,10 +363,18 @@ impl Newton<'_> {
         let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
         sum(self.system.comm, &mut sums);
         let rest = |group: usize| {
-            sums.chunks_exact(3).nth(group).map_or(0.0, |s| s.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
+            // Of a body of several materials it counts against the largest forces in it.
+            let force = |g: usize| self.found.balance.actual(g);
+            let is_largest = |own: &Section| {
+                let others = model.sections.iter().enumerate().filter(|(_, other)| other.body == own.body);
+                others.map(|(g, _)| force(g)).fold(0.0, f64::max) <= force(group)
+            };
+            let body = model.sections.get(group).filter(|own| is_largest(own)).map(|own| own.body);
+            let sum = body.and_then(|body| sums.chunks_exact(3).nth(body));
+            sum.map_or(0.0, |s| s.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
         };
-        let first_tool = model.bodies.len() + model.pairs.len();
-        let groups = (0..model.bodies.len()).chain(first_tool..first_tool + model.masters.tools.len());
+        let first_tool = model.sections.len() + model.pairs.len();
+        let groups = (0..model.sections.len()).chain(first_tool..first_tool + model.masters.tools.len());
         // What its supports alone strain has forces, which the stiffness against a change of volume may have drowned.
         let by_supports = |g: usize| {
             let Group { force, residual, .. } = self.found.balance.groups[g];
@@ -371,8 +388,8 @@ impl Newton<'_> {
             let rounds = residual > allowed && residual <= self.rounding(g);
             let lost = if rounds { residual } else { rest };
             (rounds || converged && rest > model.controls.rounding_cap * forces).then(|| {
-                let what = match model.bodies.get(g) {
-                    Some(body) => format!("body `{}`", body.name),
+                let what = match model.sections.get(g) {
+                    Some(section) => format!("body `{}`", model.bodies[section.body].name),
                     None => format!("tool `{}`", model.masters.tools[g - first_tool].name),
                 };
                 let why = if g >= first_tool {

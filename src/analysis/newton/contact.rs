@@ -41,8 +41,8 @@ impl Newton<'_> {
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
         self.follow(ahead);
         let first = self.is_first();
-        let Model { part, masters, pairs, bodies, .. } = &mut *self.system.model;
-        let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, bodies.len());
+        let Model { part, masters, pairs, sections, .. } = &mut *self.system.model;
+        let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, sections.len());
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         let mut on_tools = vec![0.0; 3 * masters.tools.len()];
         let mut nearest = vec![f64::NEG_INFINITY; pairs.len()];
@@ -66,9 +66,10 @@ impl Newton<'_> {
                 trial.update(&e);
                 nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
                 self.found.forces[node] += e.load;
-                for group in [Some(pair.body), pair.master_body, Some(group + p)].into_iter().flatten() {
-                    balance.force(group, e.force.amax());
-                }
+                let force = e.force.amax();
+                balance.force(group + p, force);
+                balance.contact(part.section[node] as usize, force);
+                pair.master_sections.iter().for_each(|&section| balance.contact(section, force));
                 if !dofs.near[p][s] {
                     self.touching.left_out += e.constraint.norm_squared();
                 }
@@ -102,17 +103,17 @@ impl Newton<'_> {
 
     /// Balance of the tools that forces drive, with the contact forces on all tools.
     fn add_tool_forces(&mut self, on_tools: &[f64], r: &mut [f64]) {
-        let first = self.system.model.bodies.len() + self.system.model.pairs.len();
+        let first = self.system.model.sections.len() + self.system.model.pairs.len();
         for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
             *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
-            let ramp = self.system.conditions.tool_forces[t];
+            let ramp = &self.system.conditions.tool_forces[t];
             let driving = ramp.at(self.s);
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.tool[t][d]) {
                     r[k] -= force[d] + driving[d];
                     self.found.balance.force(first + t, driving[d].abs().max(force[d].abs()));
                     // A force that is to vanish may be the rounding of the one that held the tool.
-                    let load = if ramp.to[d] == 0.0 { 0.0 } else { driving[d].abs() };
+                    let load = if ramp.to[d] == 0.0 && ramp.is_straight() { 0.0 } else { driving[d].abs() };
                     self.found.balance.load(first + t, load);
                 }
             }

@@ -14,6 +14,7 @@ mod drag;
 mod growth;
 mod rounds;
 mod share;
+mod springs;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -156,7 +157,7 @@ impl<'a> Newton<'a> {
         let System { comm, model, dofs, pattern, conditions, committed, .. } = &system;
         let values = vec![0.0; pattern.columns.len()];
         let away =
-            |(k, p): (usize, &Prescribed)| p.is_some_and(|(from, by)| from + by * start.s != committed[k / 3][k % 3]);
+            |(k, p): (usize, &Prescribed)| p.is_some_and(|p| conditions.place(&p, start.s) != committed[k / 3][k % 3]);
         let strategy = Strategy {
             share: start.share,
             tolerance: start.tolerance,
@@ -247,8 +248,10 @@ impl<'a> Newton<'a> {
 
     /// The value that a prescribed displacement has in this evaluation, or its linear part that is still to come.
     fn prescribed(&self, node: usize, d: usize) -> Option<f64> {
-        self.system.conditions.prescribed[3 * node + d].map(|(start, by)| {
-            if self.strategy.predicting { self.system.committed[node][d] } else { start + by * self.s }
+        let conditions = self.system.conditions;
+        conditions.prescribed[3 * node + d].map(|motion| match self.strategy.predicting {
+            true => self.system.committed[node][d],
+            false => conditions.place(&motion, self.s),
         })
     }
 
@@ -303,10 +306,10 @@ impl<'a> Newton<'a> {
         let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
         self.found.balance.clear();
         let balance = &mut self.found.balance;
-        let of_element = |body: u32, force: f64| balance.element(body as usize, force);
+        let of_element = |section: u32, force: f64| balance.element(section as usize, force);
         let model = &*self.system.model;
         // Enhanced strain goes on from the last tangent: one that is not used must not be it.
-        let with_tangent = will_go_on && model.bodies.iter().all(|body| body.element != Formulation::Hex8Eas);
+        let with_tangent = will_go_on && model.sections.iter().all(|section| section.element != Formulation::Hex8Eas);
         let tangent = with_tangent.then(|| {
             self.values.fill(0.0);
             (&*self.system.pattern, &mut self.values[..])
@@ -314,9 +317,10 @@ impl<'a> Newton<'a> {
         let sound = assembly::internal_forces(model, &self.found.u, &mut forces, tangent, of_element).is_ok();
         self.holds_elements = with_tangent && sound;
         self.found.internal.fill(Vec3::zeros());
-        for (force, body) in forces.iter().zip(&self.system.model.part.body).take(self.system.model.part.owned) {
-            self.found.balance.force(*body as usize, force.amax());
-            self.found.internal[*body as usize] += force;
+        let part = &model.part;
+        for (n, force) in forces.iter().enumerate().take(part.owned) {
+            self.found.balance.force(part.section[n] as usize, force.amax());
+            self.found.internal[part.body[n] as usize] += force;
         }
         let ahead = (self.strategy.predicting && self.strategy.moves).then(|| self.prescribed_increments());
         if let Some(ahead) = &ahead {
@@ -339,6 +343,7 @@ impl<'a> Newton<'a> {
                 }
             }
         }
+        self.add_springs(r);
         self.add_drag(x, r);
         self.judge(r);
         if self.line_search.is_wanted {
@@ -359,8 +364,8 @@ impl<'a> Newton<'a> {
         let mut ahead = vec![Vec3::zeros(); self.system.model.part.points.len()];
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
-                if let Some((start, by)) = self.system.conditions.prescribed[3 * n + d] {
-                    ahead[n][d] = start + by * self.s - self.system.committed[n][d];
+                if let Some(motion) = self.system.conditions.prescribed[3 * n + d] {
+                    ahead[n][d] = self.system.conditions.place(&motion, self.s) - self.system.committed[n][d];
                 }
             }
         }
@@ -372,7 +377,7 @@ impl<'a> Newton<'a> {
         for (n, (force, load)) in forces.iter_mut().zip(&self.system.conditions.loads).enumerate() {
             let load = load.at(self.s);
             *force -= load;
-            self.found.balance.load(self.system.model.part.body[n] as usize, load.amax());
+            self.found.balance.load(self.system.model.part.section[n] as usize, load.amax());
         }
         if self.system.conditions.pressures.is_empty() {
             return;
@@ -383,7 +388,7 @@ impl<'a> Newton<'a> {
         }
         let part = &self.system.model.part;
         for (n, (force, before)) in forces.iter().zip(&before).enumerate().take(part.owned) {
-            self.found.balance.load(part.body[n] as usize, (force - before).amax());
+            self.found.balance.load(part.section[n] as usize, (force - before).amax());
         }
     }
 }
@@ -408,6 +413,7 @@ impl Newton<'_> {
         if !self.system.model.is_alone() {
             self.add_contact_tangent();
         }
+        self.add_spring_tangent();
         self.add_drag_tangent();
     }
 }

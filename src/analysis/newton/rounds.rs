@@ -63,7 +63,7 @@ impl Newton<'_> {
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.system.model.pairs.iter().enumerate() {
-            let limit = self.found.balance.limit(self.system.model.bodies.len() + p, tolerance);
+            let limit = self.found.balance.limit(self.system.model.sections.len() + p, tolerance);
             let (worst, allowed) = match pair.method {
                 Enforcement::Uzawa => {
                     (&mut open, pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.system.model.stiffness))
@@ -106,13 +106,13 @@ impl Newton<'_> {
     /// all. Collective.
     pub fn tighten(&mut self, x: &[f64]) -> Round {
         let multipliers = self.multipliers(x);
-        let (tolerance, bodies) = (self.tolerance_now(), self.system.model.bodies.len());
+        let (tolerance, sections) = (self.tolerance_now(), self.system.model.sections.len());
         let Controls { slack: narrow, outer_rounds, .. } = self.system.model.controls;
         let rounds = if self.strategy.yields { 2 } else { 1 };
         let (mut repeats, mut left, mut worst) = (false, 0.0, None);
         let pairs = self.system.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
         for (p, (pair, multipliers)) in pairs {
-            let limit = self.found.balance.limit(bodies + p, tolerance);
+            let limit = self.found.balance.limit(sections + p, tolerance);
             for (s, (slave, multiplier)) in pair.slaves.iter_mut().zip(multipliers).enumerate() {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
@@ -186,11 +186,11 @@ impl Newton<'_> {
 
     /// Gives nodes of which the violation is above so many limits the status that they ask for.
     fn take_asked(&mut self, tolerance: f64, times: f64) {
-        let bodies = self.system.model.bodies.len();
+        let sections = self.system.model.sections.len();
         for (p, pair) in
             self.system.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.method == Enforcement::Lagrange)
         {
-            let limit = times * self.found.balance.limit(bodies + p, tolerance);
+            let limit = times * self.found.balance.limit(sections + p, tolerance);
             let wrong = pair.slaves.iter_mut().filter(|s| s.trial.violation > limit);
             wrong.for_each(|slave| slave.trial.status = slave.trial.asked);
         }

@@ -17,36 +17,34 @@ const AUXETIC: f64 = -0.9;
 /// # Errors
 /// A body whose elements have no stable solution.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<()> {
-    let mut has_tets = vec![0.0; model.bodies.len()];
-    model.part.solids.iter().filter(|s| s.shape == SolidShape::Tet4).for_each(|s| has_tets[s.body as usize] = 1.0);
-    max(comm, &mut has_tets);
-    for (b, body) in model.bodies.iter().enumerate() {
-        let card = scene.materials.iter().find(|m| m.name.value == scene.bodies[b].material.value);
-        let poisson = match card.map(|card| &card.model) {
-            Some(MaterialModel::NeoHookean { poisson, .. } | MaterialModel::Hooke { poisson, .. }) => *poisson,
-            _ => 0.0,
-        };
+    let mut has = vec![0.0; 2 * model.sections.len()];
+    model.part.solids.iter().for_each(|s| has[2 * s.section as usize + usize::from(s.shape == SolidShape::Tet4)] = 1.0);
+    max(comm, &mut has);
+    for ((section, (b, material)), has) in model.sections.iter().zip(scene.sections()).zip(has.chunks_exact(2)) {
+        let (body, card) = (&scene.bodies[b], scene.material(&material.value));
+        let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
+        let poisson = elastic.map_or(0.0, MaterialModel::poisson);
         if let Some(asked) =
-            scene.bodies[b].element.as_ref().filter(|_| body.element == Formulation::Hex8Eas && poisson < AUXETIC)
+            body.element.as_ref().filter(|_| section.element == Formulation::Hex8Eas && poisson < AUXETIC)
         {
             let what = format!(
                 "body `{}`: elements with enhanced strain buckle in a material with Poisson's ratio {poisson}",
-                body.name
+                body.name.value
             );
             return Err(Error::input(&asked.at, what, "leave `element` out: such materials do not lock"));
         }
-        let Some(reason) = card.and_then(|card| card.model.keeps_volume()) else { continue };
-        if has_tets[b] > 0.0 {
+        let Some(reason) = card.and_then(MaterialModel::keeps_volume) else { continue };
+        if has[1] > 0.0 {
             model.warnings.push(format!(
                 "body `{}`: tetrahedra are too stiff for a material {reason}, and have no cure: mesh with hexahedra",
-                body.name
+                body.name.value
             ));
         }
-        if body.element == Formulation::Hex8 {
+        if has[0] > 0.0 && section.element == Formulation::Hex8 {
             model.warnings.push(format!(
                 "body `{}`: `hex8` is too stiff for a material {reason}: leave `element` out, or take \"hex8-fbar\", \
                  \"hex8-sri\" or \"hex8-eas\"",
-                body.name
+                body.name.value
             ));
         }
     }

@@ -24,7 +24,8 @@ pub fn check(
 ) -> Result<()> {
     let sides = sides(model, scene);
     for (step, conditions) in scene.steps.iter().zip(steps) {
-        let supports = supports(comm, model, conditions);
+        let times: Vec<f64> = [0.0, 1.0].into_iter().chain(step.corners()).collect();
+        let supports = supports(comm, model, conditions, &times);
         for (b, (body, Support { free, loads, pressed })) in model.bodies.iter().zip(supports).enumerate() {
             if pressed || free == Vec3::zeros() {
                 continue;
@@ -57,7 +58,7 @@ pub fn check(
                 return Err(Error::input(
                     &step.name.at,
                     what,
-                    "`fix` it on the other side, or let a load act; a step holds only what it lists",
+                    "`fix` it on the other side, or let a load act; without `keep` a step holds only what it lists",
                 ));
             }
         }
@@ -67,32 +68,36 @@ pub fn check(
 
 /// What acts on a body besides contacts, on all ranks.
 struct Support {
-    /// 1 along x, y, z where no node is prescribed, else 0.
+    /// 1 along x, y, z where no node is prescribed or on a spring, else 0.
     free: Vec3,
-    /// Sum of the loads at the beginning and at the end of the step, N.
-    loads: [Vec3; 2],
+    /// Sum of the loads at the beginning and at the end of the step, and where tables turn, N.
+    loads: Vec<Vec3>,
     /// A pressure acts.
     pressed: bool,
 }
 
-/// What acts on each body. Collective.
-fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions) -> Vec<Support> {
+/// What acts on each body, with its loads at these fractions of the step. Collective.
+fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, times: &[f64]) -> Vec<Support> {
     let mut set = vec![0.0f64; 3 * model.bodies.len()];
-    let mut loads = vec![0.0f64; 6 * model.bodies.len()];
+    let width = 3 * times.len();
+    let mut loads = vec![0.0f64; width * model.bodies.len()];
     for n in 0..model.part.owned {
         let b = model.part.body[n] as usize;
-        for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_some()) {
+        let spring = conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
+        for d in (0..3).filter(|&d| conditions.prescribed[3 * n + d].is_some() || spring[d] > 0.0) {
             set[3 * b + d] = 1.0;
         }
-        let load = conditions.loads[n];
-        loads[6 * b..].iter_mut().zip(load.from.iter().chain(&load.to)).for_each(|(sum, f)| *sum += f);
+        for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {
+            let load = conditions.loads[n].at(*s);
+            (0..3).for_each(|d| sum[d] += load[d]);
+        }
     }
     max(comm, &mut set);
     sum(comm, &mut loads);
     let pressed = |b: usize| conditions.pressures.keys().any(|set| body_of(set) == model.bodies[b].name);
     let one = |b: usize| Support {
         free: Vec3::from_column_slice(&set[3 * b..3 * b + 3]).map(|set| 1.0 - set),
-        loads: [0, 3].map(|k| Vec3::from_column_slice(&loads[6 * b + k..6 * b + k + 3])),
+        loads: loads[width * b..width * (b + 1)].chunks_exact(3).map(Vec3::from_column_slice).collect(),
         pressed: pressed(b),
     };
     (0..model.bodies.len()).map(one).collect()

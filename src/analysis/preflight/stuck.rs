@@ -3,7 +3,7 @@
 //! gap that is right, inside the tool it is not.
 //!
 //! Motions of such nodes and tools are known beforehand, as far as no force or equilibrium has had a part in them; where
-//! one had, nothing is said here. They are looked at in [`LOOKS`] places of each step.
+//! one had, nothing is said here. They are looked at in [`LOOKS`] places of each step, and where tables turn.
 
 use super::super::conditions::Conditions;
 use super::worst;
@@ -12,7 +12,7 @@ use crate::contact::{Pair, Pose};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
-use crate::scene::Scene;
+use crate::scene::{Amplitude, Scene, Step};
 use mpi::topology::SimpleCommunicator;
 
 /// Fractions of a step that are looked at, evenly.
@@ -31,9 +31,15 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
     let mut found = Ok(());
     for (step, conditions) in scene.steps.iter().zip(steps) {
         let before = moved.clone();
-        for (n, u) in moved.iter_mut().enumerate() {
-            (0..3).for_each(|d| u[d] += conditions.prescribed[3 * n + d].map_or(f64::NAN, |(_, by)| by));
-        }
+        // How far a node has moved at a fraction of the step.
+        let moves = |n: usize, s: f64| {
+            Vec3::from_fn(|d, _| {
+                let motion = conditions.prescribed[3 * n + d];
+                motion.map_or(f64::NAN, |motion| conditions.place(&motion, s) - motion.from)
+            })
+        };
+        moved.iter_mut().enumerate().for_each(|(n, u)| *u += moves(n, 1.0));
+        let looks = looks(step);
         for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
             *pose = pose.filter(|_| motion.free == [false; 3]);
         }
@@ -47,26 +53,24 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             let motion = &conditions.motions[t];
             let tool = &mut model.masters.tools[t];
             let mut deep: Vec<(u32, f64)> = Vec::new();
-            for look in 0..=LOOKS {
-                let s = look as f64 / LOOKS as f64;
-                tool.trial = start.moved(&motion.by, motion.rotation.as_ref(), s);
+            // The farthest between two looks, as they are at most 1/LOOKS apart.
+            let farthest = |by: f64, course: u32| by.abs() * conditions.course(course).map_or(1.0, Amplitude::steepest);
+            for &s in &looks {
+                tool.trial = conditions.pose(t, &start, s);
                 let place = |k: usize| {
                     let n = pair.slaves[k].node as usize;
-                    let u = before[n] + (moved[n] - before[n]) * s;
+                    let u = before[n] + moves(n, s);
                     (model.part.points[n] + u.map(|u| if u.is_nan() { 0.0 } else { u }), u)
                 };
                 let points: Vec<Vec3> = watched.iter().map(|&k| tool.trial.inward(&place(k).0)).collect();
                 // As deep as a look may find it for the first time.
-                let mut reach = [watched
-                    .iter()
-                    .map(|&k| {
-                        (moved[pair.slaves[k].node as usize] - before[pair.slaves[k].node as usize])
-                            .map(|u| if u.is_nan() { 0.0 } else { u })
-                            .norm()
-                    })
-                    .fold(0.0, f64::max)];
+                let way = |k: usize| {
+                    let motions = |d| conditions.prescribed[3 * pair.slaves[k].node as usize + d];
+                    Vec3::from_fn(|d, _| motions(d).map_or(0.0, |m| farthest(m.by, m.course))).norm()
+                };
+                let mut reach = [watched.iter().map(|&k| way(k)).fold(0.0, f64::max)];
                 max(comm, &mut reach);
-                let reach = pair.reach + (reach[0] + motion.by.norm()) / LOOKS as f64;
+                let reach = pair.reach + (reach[0] + farthest(motion.by.norm(), motion.course)) / LOOKS as f64;
                 tool.surface.watch(comm, &points, reach);
                 for &k in &watched {
                     let (x, u) = place(k);
@@ -94,11 +98,18 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             }
         }
         found.clone()?;
-        for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
-            *pose = pose.map(|pose| pose.moved(&motion.by, motion.rotation.as_ref(), 1.0));
+        for (t, pose) in poses.iter_mut().enumerate() {
+            *pose = pose.map(|pose| conditions.pose(t, &pose, 1.0));
         }
     }
     found
+}
+
+/// The fractions of a step that are looked at, with those at which motions turn.
+fn looks(step: &Step) -> Vec<f64> {
+    let mut looks: Vec<f64> = (0..=LOOKS).map(|look| look as f64 / LOOKS as f64).chain(step.corners()).collect();
+    looks.sort_by(f64::total_cmp);
+    looks
 }
 
 /// Whether a support sets where slave node `s` of a pair is along a direction.

@@ -12,7 +12,7 @@
 //! With friction a contact that touches sticks. A force-driven tool counts as held then: the solver takes it over a gap to
 //! where it meets something.
 
-use super::super::conditions::Conditions;
+use super::super::conditions::{Conditions, Ramp};
 use super::rigid::{Free, RigidMotions, Side, sides};
 use super::sight::Standing;
 use crate::Vec3;
@@ -49,7 +49,7 @@ pub fn check(
             continue;
         }
         let first = step.sizes().initial / step.duration;
-        let drifts = drifts(comm, model, conditions);
+        let drifts = drifts(comm, model, conditions, first);
         let mut touched = supported(comm, model, conditions, &vec![[false; 3]; model.masters.tools.len()], still);
         for (p, pair) in model.pairs.iter().enumerate() {
             let (body, side) = sides[p];
@@ -57,17 +57,12 @@ pub fn check(
                 let x = model.part.points[pair.slaves[s].node as usize];
                 let at = sights[p][s].contact?;
                 let master = match side {
-                    Side::Body(other) => drifts[other] * first,
+                    Side::Body(other) => drifts[other],
                     Side::Tool(t) => {
-                        let motion = &conditions.motions[t];
-                        model.masters.tools[t]
-                            .committed
-                            .moved(&motion.by, motion.rotation.as_ref(), first)
-                            .outward(&at.point)
-                            - at.point
+                        conditions.pose(t, &model.masters.tools[t].committed, first).outward(&at.point) - at.point
                     }
                 };
-                let comes = at.normal.dot(&(drifts[body] * first - master)).min(0.0);
+                let comes = at.normal.dot(&(drifts[body] - master)).min(0.0);
                 (at.gap + comes <= pair.controls.touching_gap * pair.facet_size).then_some((
                     x,
                     at.normal,
@@ -107,16 +102,22 @@ pub fn supported(
             motions.hold(model.part.body[n] as usize, &place(n), &Vec3::ith(d, 1.0));
         }
     }
+    for (&n, stiffness) in &conditions.springs {
+        for d in (0..3).filter(|&d| stiffness[d] > 0.0) {
+            motions.hold(model.part.body[n as usize] as usize, &place(n as usize), &Vec3::ith(d, 1.0));
+        }
+    }
     motions
 }
 
-/// How far the supports of a step move each body: along each direction the farthest that they move a node. Collective.
-fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions) -> Vec<Vec3> {
+/// How far the supports of a step have moved each body at fraction `s`: along each direction the farthest that they move a
+/// node. Collective.
+fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, s: f64) -> Vec<Vec3> {
     let mut ends = vec![0.0f64; 6 * model.bodies.len()];
     for n in 0..model.part.owned {
         let own = &mut ends[6 * model.part.body[n] as usize..];
         for d in 0..3 {
-            let by = conditions.prescribed[3 * n + d].map_or(0.0, |(_, by)| by);
+            let by = conditions.prescribed[3 * n + d].map_or(0.0, |motion| conditions.place(&motion, s) - motion.from);
             (own[d], own[3 + d]) = (own[d].max(by), own[3 + d].max(-by));
         }
     }
@@ -130,7 +131,11 @@ fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> 
     let what = format!("step `{}`: {}: no support and no contact could hold that", step.name.value, told(free));
     let lists = |fix: &crate::scene::Fix| step.fix.iter().any(|own| own.set.value == fix.set.value);
     let dropped = k > 0 && !scene.steps[k - 1].fix.iter().all(lists);
-    let forgotten = if dropped { "; a step holds only what it lists: repeat the `fix` of the step before" } else { "" };
+    let forgotten = if dropped {
+        "; a step holds only what it lists: add `keep = true`, or repeat the `fix` of the step before"
+    } else {
+        ""
+    };
     if free.iter().all(|f| f.is_tool) {
         return Error::input(
             &step.name.at,
@@ -176,11 +181,9 @@ fn apart(
 
 /// Whether some load acts. Collective.
 fn is_loaded(comm: &SimpleCommunicator, conditions: &Conditions) -> bool {
-    let mut loads = [conditions.loads.iter().filter(|l| l.to != Vec3::zeros()).count() as f64];
+    let mut loads = [conditions.loads.iter().filter(|l| l.acts()).count() as f64];
     sum(comm, &mut loads);
-    loads[0] > 0.0
-        || conditions.pressures.values().any(|p| p.to != 0.0)
-        || conditions.tool_forces.iter().any(|f| f.to != Vec3::zeros())
+    loads[0] > 0.0 || conditions.pressures.values().any(Ramp::acts) || conditions.tool_forces.iter().any(Ramp::acts)
 }
 
 fn told(free: &[Free]) -> String {

@@ -2,7 +2,7 @@ use super::super::testing::{Random, add, affine, derivative, relative_error, rot
 use super::super::voigt::to_matrix;
 use super::*;
 use crate::Vec3;
-use crate::scene::{Hardening, Hill, MaterialModel};
+use crate::scene::{Hardening, Hill, Isochoric, MaterialModel};
 use nalgebra::{DMatrix, DVector};
 
 const CUBE: [[f64; 3]; 8] = [
@@ -31,11 +31,14 @@ const SAMPLES: [HexSamples; 4] = [
 /// Those whose forces derive from an energy.
 const WITH_ENERGY: [usize; 3] = [0, 2, 3];
 
-fn materials() -> [Material; 3] {
+fn materials() -> [Material; 5] {
+    let rubber = |law| Material::new(&MaterialModel::Hyperelastic { law, bulk: 20.0 });
     [
         Material::new(&MaterialModel::NeoHookean { young: 10.0, poisson: 0.3 }),
         Material::new(&MaterialModel::Hooke { young: 10.0, poisson: 0.3 }),
         Material::new(&MaterialModel::NeoHookean { young: 10.0, poisson: 0.4999 }),
+        rubber(Isochoric::MooneyRivlin { c10: 0.8, c01: 0.2 }),
+        rubber(Isochoric::Ogden(vec![[1.5, 1.3], [0.5, 4.0]])),
     ]
 }
 
@@ -309,6 +312,7 @@ fn confined_compression_of_one_element() {
         let tau = match material {
             Material::NeoHookean(_) => mu * (s * s - 1.0) + lambda * s.ln(),
             Material::Hencky(_) | Material::Plastic(_) => (lambda + 2.0 * mu) * s.ln(),
+            Material::Hyperelastic(_) => continue,
         };
         let residual = matrices(hex, &x0, &u, material).residual;
         for (n, x) in x0.iter().enumerate() {

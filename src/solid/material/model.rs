@@ -9,6 +9,8 @@ pub enum MaterialModel {
     NeoHookean { young: f64, poisson: f64 },
     /// Kirchhoff stress linear in the logarithmic strain.
     Hooke { young: f64, poisson: f64 },
+    /// An isochoric law, and K/2 (J - 1)^2 with the bulk modulus K.
+    Hyperelastic { law: Isochoric, bulk: f64 },
     /// Elastic-plastic in logarithmic strain, by von Mises or, when given, by Hill.
     Plastic { young: f64, poisson: f64, hill: Option<Hill>, hardening: Hardening },
 }
@@ -18,6 +20,18 @@ impl MaterialModel {
     pub fn young(&self) -> f64 {
         match *self {
             Self::NeoHookean { young, .. } | Self::Hooke { young, .. } | Self::Plastic { young, .. } => young,
+            Self::Hyperelastic { ref law, bulk } => 9.0 * bulk * law.shear() / (3.0 * bulk + law.shear()),
+        }
+    }
+
+    /// Poisson's ratio in the undeformed state.
+    pub fn poisson(&self) -> f64 {
+        match *self {
+            Self::NeoHookean { poisson, .. } | Self::Hooke { poisson, .. } | Self::Plastic { poisson, .. } => poisson,
+            Self::Hyperelastic { ref law, bulk } => {
+                let shear = law.shear();
+                0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear)
+            }
         }
     }
 
@@ -27,10 +41,30 @@ impl MaterialModel {
         const STIFF: f64 = 0.45;
         match *self {
             Self::Plastic { .. } => Some("that flows plastically"),
-            Self::NeoHookean { poisson, .. } | Self::Hooke { poisson, .. } if poisson > STIFF => {
-                Some("with Poisson's ratio above 0.45")
-            }
+            _ if self.poisson() > STIFF => Some("with Poisson's ratio above 0.45"),
             _ => None,
+        }
+    }
+}
+
+/// What resists a change of shape, by the isochoric left Cauchy-Green tensor with the invariants I1 and I2.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Isochoric {
+    /// c10 (I1 - 3) + c01 (I2 - 3).
+    MooneyRivlin { c10: f64, c01: f64 },
+    /// c10 (I1 - 3) + c20 (I1 - 3)^2 + c30 (I1 - 3)^3.
+    Yeoh { c10: f64, c20: f64, c30: f64 },
+    /// Terms (mu, alpha) of 2 mu / alpha^2 (l1^alpha + l2^alpha + l3^alpha - 3), with the isochoric stretches l.
+    Ogden(Vec<[f64; 2]>),
+}
+
+impl Isochoric {
+    /// Shear modulus in the undeformed state.
+    pub fn shear(&self) -> f64 {
+        match self {
+            Self::MooneyRivlin { c10, c01 } => 2.0 * (c10 + c01),
+            Self::Yeoh { c10, .. } => 2.0 * c10,
+            Self::Ogden(terms) => terms.iter().map(|term| term[0]).sum(),
         }
     }
 }

@@ -1,0 +1,228 @@
+//! Conditions that stay, loads and motions by tables, weights.
+
+mod common;
+
+use common::{Bench, History, assert_close, assert_small};
+
+/// Linear between points.
+fn factor(table: &[[f64; 2]], time: f64) -> f64 {
+    let k = table.iter().position(|point| time <= point[0] + 1e-12).unwrap().max(1);
+    let ([from, low], [to, high]) = (table[k - 1], table[k]);
+    low + (high - low) * (time - from) / (to - from)
+}
+
+/// ```text
+///    ( O )  pressed, then driven by a force, then drawn along
+///   |_____| fixed below           |=====| pulled, pressed from above, with a body force
+/// ```
+#[test]
+fn what_is_kept_is_as_if_written_again() {
+    let scene = |load: &str, drag: &str| {
+        format!(
+            r#"
+            body.pad.block = {{ box = {{ origin = [-4, -4, 0], size = [8, 8, 4] }}, elements = [4, 4, 2] }}
+            body.pad.material = "soft"
+            body.bar.block = {{ box = {{ origin = [20, 0, 0], size = [4, 1, 1] }}, elements = [4, 1, 1] }}
+            body.bar.material = "soft"
+            material.soft = {{ model = "neo-hookean", young = 10, poisson = 0.3, density = 0.01 }}
+            tool.ball.sphere = {{ center = [0, 0, 14], radius = 10 }}
+            contact.top = {{ slave = "pad.zmax", master = "ball", friction = 0.3 }}
+            output.history = ["pad.zmin", "bar.xmin", "bar.xmax"]
+            [[step]]
+            increments = 4
+            fix = [{{ set = "pad.zmin" }}, {{ set = "bar.xmin" }}]
+            move = [
+              {{ target = "ball", by = [0, 0, -0.3] }},
+              {{ target = "bar.xmax", by = [0.4, 0, 0.1], directions = "xz", table = [[0, 0], [0.5, 1], [1, 0.5]] }},
+            ]
+            pressure = [{{ set = "bar.zmax", value = 0.4, table = [[0, 0], [0.25, 1], [1, 0.5]] }}]
+            body_force = [{{ body = "bar", per_volume = [0, 0.05, 0] }}]
+            gravity = [0, 0, -2]
+            [[step]]
+            increments = 3
+            {load}
+            force = [{{ target = "ball", total = [0, 0, -8], directions = "z" }}]
+            [[step]]
+            increments = 3
+            {drag}
+            move = [{{ target = "ball", by = [0.5, 0, 0] }}]
+            "#
+        )
+    };
+    let fix = r#"fix = [{ set = "pad.zmin" }, { set = "bar.xmin" }, { set = "bar.xmax", directions = "xz" }]"#;
+    let pressure = r#"pressure = [{ set = "bar.zmax", value = 0.2 }]"#;
+    let pull = r#"body_force = [{ body = "bar", per_volume = [0, 0.05, 0] }]"#;
+    let again = scene(
+        &format!("{fix}\n{pressure}\n{pull}\ngravity = [0, 0, -2]"),
+        &format!(
+            "{fix}\n{pressure}\nforce = [{{ target = \"ball\", total = [0, 0, -8], directions = \"z\" }}]\ngravity = [0, 0, -1]"
+        ),
+    );
+    let again = Bench::new(&again).solve(1, &[]).history();
+    let kept = Bench::new(&scene("keep = true", "keep = true\nrelease = [\"bar\"]\ngravity = [0, 0, -1]"));
+    let one = kept.solve(1, &[]).history();
+    assert_small("kept and written again", one.difference(&again), 1e-14);
+    assert_small("two ranks", kept.solve(2, &[]).history().difference(&one), 1e-9);
+    let end = one.len() - 1;
+    assert_close("a set that was moved stays", one.column("bar.xmax.ux")[end], 0.2, 1e-14);
+    assert_close("the force on the tool stays", one.column("ball.fz")[end], -8.0, 1e-9);
+    let pulled = |row: usize| one.column("bar.xmin.fy")[row];
+    assert!(pulled(6) < -0.05 && pulled(end).abs() < 1e-9, "released: {} {}", pulled(6), pulled(end));
+}
+
+const RISE: [[f64; 2]; 3] = [[0.0, 0.0], [0.5, 1.0], [2.0, 0.2]];
+const SWAY: [[f64; 2]; 3] = [[0.0, 0.0], [1.5, -1.0], [2.0, 0.5]];
+const LATER: [[f64; 2]; 3] = [[0.0, 0.2], [0.3, 0.7], [1.0, 0.0]];
+const TAKEN: [[f64; 2]; 3] = [[0.0, 0.0], [0.3, 0.5], [1.0, 1.0]];
+
+/// Cubes side by side, fixed below: one pushed, one pressed on, one with a body force, one whose top is moved, one under a
+/// plane that a force drives from the beginning, one under a plane that a force takes over.
+#[test]
+fn loads_and_motions_follow_their_tables() {
+    let mut scene = String::from("material.m = { model = \"hooke\", young = 1000, poisson = 0.3 }\n");
+    for (k, name) in ["a", "b", "c", "d", "e", "g"].iter().enumerate() {
+        scene += &format!(
+            "body.{name} = {{ material = \"m\", block = {{ box = {{ origin = [{}, 0, 0], size = [1, 1, 1] }}, elements = [2, 2, 2] }} }}\n",
+            3 * k
+        );
+    }
+    for (slave, tool) in [("e", "press"), ("g", "late")] {
+        scene += &format!(
+            "tool.{tool}.plane = {{ point = [0, 0, 1], normal = [0, 0, -1] }}\n\
+             contact.{tool} = {{ slave = \"{slave}.zmax\", master = \"{tool}\" }}\n"
+        );
+    }
+    let held = |bodies: &[&str]| {
+        let all: Vec<String> =
+            bodies.iter().map(|body| format!("{{ set = \"{body}\", directions = \"xy\" }}")).collect();
+        let below = ["a", "b", "c", "d", "e", "g"].map(|body| format!("{{ set = \"{body}.zmin\" }}"));
+        format!("fix = [{}, {}]", below.join(", "), all.join(", "))
+    };
+    scene += &format!(
+        r#"
+        output.history = ["a.zmin", "b.zmin", "c.zmin", "d.zmax", "e.zmin", "g.zmin"]
+        [[step]]
+        duration = 2
+        increments = 3
+        {held}
+        force = [
+          {{ target = "a.zmax", total = [0, 0, -6], table = {RISE:?} }},
+          {{ target = "press", total = [0, 0, -5], directions = "z", table = {RISE:?} }},
+        ]
+        pressure = [{{ set = "b.zmax", value = 4, table = {RISE:?} }}]
+        body_force = [{{ body = "c", per_volume = [0, 0, -7], table = {SWAY:?} }}]
+        move = [
+          {{ target = "d.zmax", by = [0, 0, 0.01], table = {SWAY:?} }},
+          {{ target = "late", by = [0, 0, -0.002] }},
+        ]
+        [[step]]
+        increments = 2
+        {held}
+        force = [
+          {{ target = "a.zmax", total = [0, 0, -6], table = {LATER:?} }},
+          {{ target = "press", total = [0, 0, -3], directions = "z" }},
+          {{ target = "late", total = [0, 0, -9], directions = "z", table = {TAKEN:?} }},
+        ]
+        pressure = [{{ set = "b.zmax", value = 2 }}]
+        "#,
+        held = held(&["a", "b", "c", "d", "e", "g"])
+    );
+    let bench = Bench::new(&scene);
+    let history = bench.solve(2, &[]).history();
+    assert_small("one rank", bench.solve(1, &[]).history().difference(&history), 1e-9);
+    let expected = [0.5, 2.0 / 3.0, 4.0 / 3.0, 1.5, 2.0, 2.3, 2.5, 3.0];
+    let times = history.column("time");
+    assert_eq!(times.len(), expected.len(), "{times:?}");
+    let taken_over = history.column("g.zmin.fz")[4];
+    assert!(taken_over > 1.0, "{taken_over}");
+    for (row, time) in expected.into_iter().enumerate() {
+        assert_small("increments end where tables turn", times[row] - time, 1e-12);
+        let check = |column: &str, value: f64| follows(&history, row, column, value);
+        if time <= 2.0 {
+            check("a.zmin.fz", 6.0 * factor(&RISE, time));
+            check("b.zmin.fz", 4.0 * factor(&RISE, time));
+            check("c.zmin.fz", 7.0 * factor(&SWAY, time));
+            check("d.zmax.uz", 0.01 * factor(&SWAY, time));
+            check("e.zmin.fz", 5.0 * factor(&RISE, time));
+            check("late.uz", -0.001 * time);
+        } else {
+            let s = time - 2.0;
+            check("a.zmin.fz", 6.0 * factor(&LATER, s));
+            check("b.zmin.fz", 0.8 + (2.0 - 0.8) * s);
+            check("c.zmin.fz", 3.5 * (1.0 - s));
+            check("e.zmin.fz", 1.0 + 2.0 * s);
+            check("g.zmin.fz", taken_over * (1.0 - s) + 9.0 * factor(&TAKEN, s));
+        }
+    }
+}
+
+fn follows(history: &History, row: usize, column: &str, value: f64) {
+    assert_small(column, history.column(column)[row] - value, 1e-8 * value.abs().max(1.0));
+}
+
+/// Supports bear the weights of bodies of unlike densities, of hexahedra and in plane strain; one body has none.
+#[test]
+fn supports_bear_the_weight() {
+    let scene = r#"
+        body.tower = { material = "heavy", block = { box = { size = [1, 2, 3] }, elements = [1, 2, 3] } }
+        body.sheet = { material = "light", plane_strain = true, block = { box = { origin = [5, 0, 0], size = [2, 1, 0.5] }, elements = [4, 2, 1] } }
+        body.air = { material = "none", block = { box = { origin = [9, 0, 0], size = [1, 1, 1] }, elements = [1, 1, 1] } }
+        material.heavy = { model = "hooke", young = 1000, poisson = 0.3, density = 0.8 }
+        material.light = { model = "neo-hookean", young = 1000, poisson = 0.3, density = 0.1 }
+        material.none = { model = "neo-hookean", young = 1000, poisson = 0.3, density = 0 }
+        step = [{ increments = 2, gravity = [0.5, -10, 2], fix = [{ set = "tower.zmin" }, { set = "sheet.ymin" }, { set = "air.zmin" }] }]
+        output.history = ["tower.zmin", "sheet.ymin", "air.zmin"]
+        "#;
+    let history = Bench::new(scene).solve(2, &[]).history();
+    for (set, mass, directions) in [("tower.zmin", 4.8, 3), ("sheet.ymin", 0.1, 2), ("air.zmin", 0.0, 3)] {
+        for (name, gravity) in ["fx", "fy", "fz"].iter().zip([0.5, -10.0, 2.0]).take(directions) {
+            let column = format!("{set}.{name}");
+            assert_small(&column, history.column(&column)[0] + 0.5 * mass * gravity, 1e-9);
+            assert_small(&column, history.last(&column) + mass * gravity, 1e-9);
+        }
+    }
+}
+
+/// ```text
+///      v v v F       The springs give way by F / k below, whatever the block does, and bear F; a tool that pushes aside meets
+///     |_____|        springs of k along x.
+///      z z z
+/// ```
+#[test]
+fn springs_bear_by_their_stiffness() {
+    let scene = r#"
+        body.block = { material = "m", block = { box = { size = [2, 2, 1] }, elements = [2, 2, 2] } }
+        body.sheet = { material = "m", plane_strain = true, block = { box = { origin = [5, 0, 0], size = [2, 1, 0.5] }, elements = [4, 2, 1] } }
+        material.m = { model = "neo-hookean", young = 100, poisson = 0 }
+        tool.side.plane = { point = [-0.05, 0, 0], normal = [1, 0, 0] }
+        contact.side = { slave = "block.xmin", master = "side" }
+        output.history = ["block.zmin", "block.xmax", "sheet.ymin", "sheet.ymax"]
+        [[step]]
+        increments = 2
+        spring = [
+          { set = "block.zmin", stiffness = [0, 0, 40] },
+          { set = "block.xmax", stiffness = [30, 0, 0] },
+          { set = "sheet.ymin", stiffness = [10, 20, 0] },
+        ]
+        fix = [{ set = "block.ymin", directions = "y" }, { set = "sheet.ymax", directions = "x" }]
+        force = [{ target = "block.zmax", total = [0, 0, -8] }, { target = "sheet.ymax", total = [0, -2, 0] }]
+        [[step]]
+        increments = 2
+        keep = true
+        move = [{ target = "side", by = [0.15, 0, 0] }]
+        "#;
+    let bench = Bench::new(scene);
+    let history = bench.solve(2, &[]).history();
+    assert_small("one rank", bench.solve(1, &[]).history().difference(&history), 1e-9);
+    let read = |row: usize, column: &str| history.column(column)[row];
+    for (row, share) in [(0, 0.5), (1, 1.0), (3, 1.0)] {
+        assert_small("bears", read(row, "block.zmin.fz") - 8.0 * share, 1e-9);
+        assert_small("gives way", read(row, "sheet.ymin.uy") + 0.1 * share, 1e-9);
+        assert_small("bears in plane strain", read(row, "sheet.ymin.fy") - 2.0 * share, 1e-9);
+    }
+    assert_small("gives way", read(1, "block.zmin.uz") + 0.2, 1e-9);
+    // The plane, the block, and the springs are in series.
+    assert!(read(3, "side.fx") > 0.5);
+    assert_small("pushed aside", read(3, "side.fx") + read(3, "block.xmax.fx"), 1e-9);
+    assert_small("springs", read(3, "block.xmax.fx") + 30.0 * read(3, "block.xmax.ux"), 1e-9);
+}

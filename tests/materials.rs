@@ -1,0 +1,152 @@
+//! Several materials in one body: groups of elements of its mesh.
+
+mod common;
+
+use common::{Bench, Run, assert_close, root};
+use std::fmt::Write;
+
+/// A bar of 4 x 2 x 2 unit cubes, its elements in the groups `near` and `far` by x, and `lower` by z; ends and top.
+fn deck() -> String {
+    let node = |i: usize, j: usize, k: usize| 1 + i + 5 * (j + 3 * k);
+    let mut deck = "*NODE\n".to_string();
+    for (k, j, i) in (0..3).flat_map(|k| (0..3).flat_map(move |j| (0..5).map(move |i| (k, j, i)))) {
+        let _ = writeln!(deck, "{}, {i}, {j}, {k}", node(i, j, k));
+    }
+    let cubes = || (0..2).flat_map(|k| (0..2).flat_map(move |j| (0..4).map(move |i| (i, j, k))));
+    let number = |i: usize, j: usize, k: usize| 1 + i + 4 * (j + 2 * k);
+    for (name, half) in [("near", 0), ("far", 1)] {
+        let _ = writeln!(deck, "*ELEMENT, TYPE=C3D8, ELSET={name}");
+        for (i, j, k) in cubes().filter(|(i, ..)| i / 2 == half) {
+            let face = |k| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
+            let nodes: Vec<String> = [face(k), face(k + 1)].concat().iter().map(usize::to_string).collect();
+            let _ = writeln!(deck, "{}, {}", number(i, j, k), nodes.join(", "));
+        }
+    }
+    let lower: Vec<String> = cubes().filter(|(.., k)| *k == 0).map(|(i, j, k)| number(i, j, k).to_string()).collect();
+    let _ = writeln!(deck, "*ELSET, ELSET=lower\n{}", lower.join(","));
+    for (name, axis, at) in [("left", 0, 0), ("right", 0, 4), ("floor", 2, 0), ("top", 2, 2)] {
+        let face = |(i, j, k): (usize, usize, usize)| [i, j, k][axis] == if at > 0 { at - 1 } else { 0 };
+        let side = [["S6", "S4"], ["S3", "S5"], ["S1", "S2"]][axis][usize::from(at > 0)];
+        let _ = writeln!(deck, "*SURFACE, NAME={name}");
+        cubes().filter(|c| face(*c)).for_each(|(i, j, k)| {
+            let _ = writeln!(deck, "{}, {side}", number(i, j, k));
+        });
+    }
+    deck
+}
+
+fn bench(body: &str, cards: &str, rest: &str) -> Bench {
+    let bench = Bench::new(&format!("[body.bar]\nmesh = \"bar.inp\"\n{body}\n{cards}\n{rest}"));
+    bench.write("bar.inp", &deck());
+    bench
+}
+
+fn card(name: &str, model: &str, young: f64, poisson: f64) -> String {
+    format!("[material.{name}]\nmodel = \"{model}\"\nyoung = {young:?}\npoisson = {poisson:?}\n")
+}
+
+const PULL: &str = "[[step]]\nincrements = 2\nfix = [{ set = \"bar.left\", directions = \"x\" }, \
+                    { set = \"bar.floor\", directions = \"yz\" }]\n\
+                    move = [{ target = \"bar.right\", by = [0.4, 0.0, 0.0], directions = \"x\" }]\n\
+                    [output]\nhistory = [\"bar.right\"]\n";
+
+/// P(l) = E ln l / l of a bar that does not become thinner, linear in the logarithmic strain.
+fn stress(young: f64, stretch: f64) -> f64 {
+    young * stretch.ln() / stretch
+}
+
+#[test]
+fn halves_in_a_row_and_side_by_side() {
+    let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
+    let force = |group: &str, ranks: usize| {
+        let body = format!("material = \"soft\"\nmaterials = {{ {group} = \"hard\" }}");
+        bench(&body, &cards, PULL).solve(ranks, &[]).history().last("bar.right.fx")
+    };
+    // Lengths of 2 and 2, pulled by 0.4: the stretches of equal stress.
+    let hard = root(1.0, 1.2, |hard| stress(250.0, hard) - stress(10.0, 2.2 - hard));
+    for ranks in [1, 2] {
+        assert_close("in a row", force("far", ranks), 4.0 * stress(250.0, hard), 1e-9);
+        assert_close("side by side", force("lower", ranks), 2.0 * (stress(250.0, 1.1) + stress(10.0, 1.1)), 1e-9);
+    }
+}
+
+const PRESS: &str = "[tool.roller]\ncylinder = { point = [2.0, 0.0, 4.0], axis = [0, 1, 0], radius = 2.0 }\n\
+                     [contact.c]\nslave = \"bar.top\"\nmaster = \"roller\"\nfriction = 0.2\n\
+                     [[step]]\nincrements = 4\nfix = [{ set = \"bar.floor\" }]\n\
+                     move = [{ target = \"roller\", by = [0.2, 0.0, -0.2] }]\n\
+                     [output]\nhistory = [\"bar.floor\"]\n";
+
+/// Two cards that say the same are one material, also where a tool presses and rubs.
+#[test]
+fn equal_materials_are_one() {
+    let flow = "yield_stress = 3.0\nhardening = { linear = 20.0 }\n";
+    for (model, more) in [("neo-hookean", ""), ("j2", flow)] {
+        let cards = card("one", model, 100.0, 0.3) + more + &card("same", model, 100.0, 0.3) + more;
+        let whole = bench("material = \"one\"", &cards, PRESS).solve(1, &[]);
+        let parts = bench("material = \"one\"\nmaterials = { far = \"same\" }", &cards, PRESS);
+        let run = parts.solve(1, &[]);
+        for field in ["node/displacement", "cell/stress"] {
+            let field = format!("increments/000004/body_bar/{field}");
+            let (a, b) = (whole.field(&field), run.field(&field));
+            assert!(a.len() == b.len() && a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-11), "{model}: {field}");
+        }
+        let (one, two) = (whole.history(), parts.solve(2, &[]).history());
+        ["roller.fx", "roller.fz"].map(|name| assert_close(name, two.last(name), one.last(name), 1e-10));
+    }
+}
+
+/// A layer as hard as steel in rubber: each material counts by its own forces, and all that acts is borne.
+#[test]
+fn unlike_materials_are_as_exact_as_each_alone() {
+    let cards = card("rubber", "neo-hookean", 1.0, 0.49) + &card("steel", "neo-hookean", 1e5, 0.3);
+    for group in ["lower", "far"] {
+        let bench = bench(&format!("material = \"rubber\"\nmaterials = {{ {group} = \"steel\" }}"), &cards, PRESS);
+        let (loose, tight) = (bench.solve(1, &[]), bench.solve(2, &["--set", "solver.tolerance=1e-12"]));
+        let last = |run: &Run, name: &str| run.history().last(name);
+        for name in ["roller.fx", "roller.fz"] {
+            assert_close(name, last(&loose, name), last(&tight, name), 1e-7);
+            assert_close(name, -last(&tight, &name.replace("roller", "bar.floor")), last(&tight, name), 1e-7);
+        }
+    }
+}
+
+/// Only what can flow does, and each material has the element that suits it.
+#[test]
+fn each_material_has_its_own_element_and_history() {
+    let cards = card("rubber", "neo-hookean", 20.0, 0.49)
+        + &card("lead", "j2", 200.0, 0.3)
+        + "yield_stress = 1.0\nhardening = { linear = 20.0 }\n";
+    let bench = bench("material = \"rubber\"\nmaterials = { far = \"lead\" }", &cards, PRESS);
+    let check = common::nagata(&bench.path(""), 1, &["check", "scene.toml"], bench.path(""));
+    let lines =
+        "body `bar`: hex8-fbar, neo-hookean; no plasticity\n  its `far`: hex8-sri, elastic-plastic (von Mises)\n";
+    assert!(check.stdout.contains(lines), "{}{}", check.stdout, check.stderr);
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let strain = run.field("increments/000004/body_bar/cell/equivalent_plastic_strain");
+        let flown = strain.iter().filter(|strain| **strain > 0.0).count();
+        assert!(flown > 0 && flown <= 8 && strain.iter().all(|strain| strain.is_finite()), "{strain:?}");
+    }
+}
+
+#[test]
+fn wrong_groups_are_named() {
+    let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
+    for (body, what, help) in [
+        ("materials = { fr = \"hard\" }", "body `bar` has no group `fr` of elements", "known: far, lower, near"),
+        ("materials = { top = \"hard\" }", "body `bar` has no group `top` of elements", "known: far, lower, near"),
+        ("materials = { far = \"hrd\" }", "", "hard"),
+        (
+            "materials = { far = \"hard\", lower = \"soft\" }",
+            "in group `far` and in group `lower`",
+            "share no elements",
+        ),
+    ] {
+        let run = bench(&format!("material = \"soft\"\n{body}"), &cards, PRESS).run(2, &[]);
+        assert!(run.code == 2 && run.stderr.contains(what) && run.stderr.contains(help), "{}", run.stderr);
+    }
+    let block = "[body.bar]\nmaterial = \"soft\"\nmaterials = { far = \"hard\" }\n\
+                 block = { box = { size = [4, 2, 2] }, elements = [4, 2, 2] }\n";
+    let run = Bench::new(&format!("{block}{cards}[[step]]\nincrements = 1\n")).run(1, &[]);
+    assert!(run.code == 2 && run.stderr.contains("needs a mesh file"), "{}", run.stderr);
+}
