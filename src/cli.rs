@@ -1,4 +1,4 @@
-//! The command line: `run`, `report`, `check`, `calibrate`, `surface` and `trade`.
+//! The command line: `new`, `schema`, `convert`, `run`, `report`, `check`, `calibrate`, `surface` and `trade`.
 
 use crate::accuracy;
 use crate::accuracy::errors::Sampling;
@@ -7,6 +7,7 @@ use crate::accuracy::subject::{Loaded, Names};
 use crate::analysis::cost::calibrate::calibrate;
 use crate::analysis::cost::machine;
 use crate::analysis::{self, Options, describe};
+use crate::convert;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::model::Model;
@@ -91,6 +92,14 @@ enum Command {
         /// Repetitions of each kernel, of which the fastest counts.
         #[arg(long, value_name = "N", default_value = "7")]
         repeats: NonZeroUsize,
+    },
+    /// Turn a whole deck of Abaqus or CalculiX into a scene; what cannot be is refused, what is passed over is named.
+    Convert {
+        /// The deck (.inp), which stays the mesh of the scene.
+        deck: PathBuf,
+        /// The scene file; it may not exist yet [default: the deck with .toml in the place of its .inp]
+        #[arg(long, value_name = "SCENE")]
+        out: Option<PathBuf>,
     },
     /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
     Surface(SurfaceArguments),
@@ -270,7 +279,9 @@ impl Cli {
             }
             Command::Surface(arguments) => arguments.measure(comm),
             // In a process without MPI, see `run`.
-            Command::Trade(_) => Err(Error::System("`trade` must be the first argument".into())),
+            Command::Trade(_) | Command::Convert { .. } => {
+                Err(Error::System("`trade` and `convert` must be the first argument".into()))
+            }
         }
     }
 }
@@ -351,6 +362,13 @@ impl SceneArguments {
     }
 }
 
+/// Says what was converted, and what of it is not as in the deck.
+fn tell_of(converted: &convert::Converted) {
+    converted.notes.iter().for_each(|note| eprintln!("warning: {note}"));
+    let groups = converted.groups.as_ref().map_or(String::new(), |groups| format!(" and {}", groups.display()));
+    let _ = writeln!(std::io::stdout(), "{}{groups}", converted.scene.display());
+}
+
 /// Names the options for PETSc that a run has not asked for: they are misspelt, or belong to what was not used. Some PETSc
 /// asks for when it ends.
 fn warn_of_unused(options: &[String]) {
@@ -367,7 +385,7 @@ pub fn run() -> i32 {
     petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
     petsc::environment::leave_hdf5_at_exit();
     petsc::environment::return_freed_memory();
-    if std::env::args_os().nth(1).is_some_and(|command| command == "trade") {
+    if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {
         return run_alone();
     }
     let Some(universe) = mpi::initialize() else {
@@ -398,15 +416,21 @@ pub fn run() -> i32 {
     }
 }
 
-/// Runs a command that starts others: MPI is not initialized, for it hands its state down in the environment.
+/// Runs a command that needs no MPI, or that starts others, to which MPI would hand its state down in the environment.
 fn run_alone() -> i32 {
     let rank = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok());
     let outcome = match (&rank, Cli::try_parse()) {
+        (Some(_), Ok(Cli { command: Command::Convert { .. } })) => {
+            Err(Error::input_anywhere("`convert` runs in one process, not under mpirun", "start it without"))
+        }
         (Some(_), _) => {
             Err(Error::input_anywhere("`trade` starts its runs itself, not under mpirun", "give it --ranks N instead"))
         }
         (None, Ok(Cli { command: Command::Trade(arguments) })) => arguments.trade(),
-        (None, Ok(_)) => Err(Error::System("only `trade` runs alone".into())),
+        (None, Ok(Cli { command: Command::Convert { deck, out } })) => {
+            convert::convert(&deck, out.as_deref()).map(|converted| tell_of(&converted))
+        }
+        (None, Ok(_)) => Err(Error::System("only `trade` and `convert` run alone".into())),
         (None, Err(error)) => {
             let _ = error.print();
             return error.exit_code();

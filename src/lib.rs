@@ -24,6 +24,7 @@
 //! - [`estimate`]: how far a converged state may be from the solution, without a reference
 //! - [`system`]: equation numbers, sparsity pattern, assembly
 //! - [`analysis`]: what is checked before a run, steps, increments, the nonlinear problem for SNES, commit and rollback
+//! - [`convert`]: decks of Abaqus and CalculiX to scenes
 //! - [`trade`]: runs of a scene in many settings, errors against costs
 //! - [`cli`]: the commands
 
@@ -33,6 +34,7 @@ pub mod cad;
 pub mod cli;
 pub mod contact;
 pub mod controls;
+pub mod convert;
 pub mod error;
 pub mod estimate;
 pub mod failure;

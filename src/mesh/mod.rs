@@ -4,7 +4,7 @@
 //! or tool out of it and `orient` turns its facets outward, [`check`](check::check) refuses what cannot be computed. [`tie_layer`]
 //! prepares a body of one layer for plane strain.
 
-mod abaqus;
+pub(crate) mod abaqus;
 pub mod block;
 pub mod check;
 pub mod faces;
@@ -18,6 +18,7 @@ mod select;
 
 pub use layer::tie_layer;
 pub use load::load;
+pub(crate) use raw::Slot;
 
 use std::collections::BTreeMap;
 

@@ -39,7 +39,7 @@ pub(super) struct Cell {
 
 /// Where a cell went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Slot {
+pub(crate) enum Slot {
     Solid(u32),
     Facet(u32),
     /// A point or a line with its nodes (the same twice for a point).
@@ -86,7 +86,7 @@ pub(super) struct FileMesh {
 }
 
 /// From the numbers of a file to indices.
-pub(super) enum Ids {
+pub(crate) enum Ids {
     /// Index + 1 by number - first; 0 is a gap.
     Dense { first: u64, slots: Vec<u32> },
     /// Sorted by number.

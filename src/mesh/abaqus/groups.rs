@@ -2,43 +2,15 @@
 
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
 use super::super::{Facet, Group, faces, message};
-use super::{Deck, Kind, Member, Side, Unread};
+use super::{Deck, Kind, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Appends all scopes to one mesh and makes the groups.
 pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
-    deck.here();
-    if deck.scopes.len() == 1 {
-        // Parts without an assembly stand where they are.
-        let parts = std::mem::take(&mut deck.parts);
-        deck.scopes.extend(parts);
-    }
     let mut file = FileMesh::new(source);
-    let mut placed = Placed { deck: &deck, nodes: Vec::new(), cells: Vec::new(), starts: vec![0], slots: Vec::new() };
-    for scope in &deck.scopes {
-        let (nodes, slots) = file.append(scope.point_ids.clone(), scope.points.clone(), &scope.cells)?;
-        let ids: Vec<u64> = scope.cells.iter().map(|cell| cell.id).collect();
-        let cells = Ids::new(&ids, placed.slots.len() as u32).map_err(|twice| {
-            let what = format!("{} defined twice", message::several("element", &twice));
-            message::whole_file(source, what, "give each element a number of its own")
-        })?;
-        placed.nodes.push(nodes);
-        placed.cells.push(cells);
-        placed.slots.extend(slots);
-        placed.starts.push(placed.slots.len());
-    }
-    let mut surfaces = Surfaces::default();
-    let named: Vec<_> =
-        (0..deck.scopes.len()).map(|scope| placed.groups(scope, &mut file, &mut surfaces)).collect::<Result<_>>()?;
-    file.groups = placed.publish(named);
-    let unread = || deck.scopes.iter().flat_map(|scope| &scope.unread);
-    let first = unread().next();
-    file.unread = first.map(|(id, unread)| unread.error(*id));
-    if let Some((id, Unread { kind, .. })) = first {
-        let more = message::and_more(unread().count() - 1);
-        file.mesh.warnings.push(format!("'{source}': element {id} of type {kind}{more} left out, which is not read"));
-    }
+    let placed = Placed::new(&mut deck, &mut file)?;
+    placed.finish(&mut file)?;
     Ok(file)
 }
 
@@ -46,18 +18,60 @@ pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
 type Named = BTreeMap<String, (String, FileGroup)>;
 
 /// A deck with the places of its nodes and elements.
-struct Placed<'a> {
-    deck: &'a Deck,
+pub(super) struct Placed<'a> {
+    pub deck: &'a Deck,
     /// By scope: to points.
-    nodes: Vec<Ids>,
+    pub nodes: Vec<Ids>,
     /// By scope: to slots.
-    cells: Vec<Ids>,
+    pub cells: Vec<Ids>,
     /// By scope: its first slot; and the end.
-    starts: Vec<usize>,
-    slots: Vec<Slot>,
+    pub starts: Vec<usize>,
+    pub slots: Vec<Slot>,
 }
 
-impl Placed<'_> {
+impl<'a> Placed<'a> {
+    /// Appends all scopes to the mesh of a file.
+    pub fn new(deck: &'a mut Deck, file: &mut FileMesh) -> Result<Self> {
+        deck.here();
+        if deck.scopes.len() == 1 {
+            // Parts without an assembly stand where they are.
+            let parts = std::mem::take(&mut deck.parts);
+            deck.scopes.extend(parts);
+        }
+        let mut placed = Self { deck, nodes: Vec::new(), cells: Vec::new(), starts: vec![0], slots: Vec::new() };
+        for scope in &placed.deck.scopes {
+            let (nodes, slots) = file.append(scope.point_ids.clone(), scope.points.clone(), &scope.cells)?;
+            let ids: Vec<u64> = scope.cells.iter().map(|cell| cell.id).collect();
+            let cells = Ids::new(&ids, placed.slots.len() as u32).map_err(|twice| {
+                let what = format!("{} defined twice", message::several("element", &twice));
+                message::whole_file(&file.mesh.source, what, "give each element a number of its own")
+            })?;
+            placed.nodes.push(nodes);
+            placed.cells.push(cells);
+            placed.slots.extend(slots);
+            placed.starts.push(placed.slots.len());
+        }
+        Ok(placed)
+    }
+
+    /// Makes the groups; returns the facets that surfaces made.
+    pub fn finish(&self, file: &mut FileMesh) -> Result<Surfaces> {
+        let mut surfaces = Surfaces::default();
+        let scopes = 0..self.deck.scopes.len();
+        let named: Vec<_> = scopes.map(|scope| self.groups(scope, file, &mut surfaces)).collect::<Result<_>>()?;
+        file.groups = self.publish(named);
+        let unread = || self.deck.scopes.iter().flat_map(|scope| &scope.unread);
+        let first = unread().next();
+        file.unread = first.map(|(id, unread)| unread.error(*id));
+        if let Some((id, Unread { kind, .. })) = first {
+            let more = message::and_more(unread().count() - 1);
+            let source = &file.mesh.source;
+            let what = format!("'{source}': element {id} of type {kind}{more} left out, which is not read");
+            file.mesh.warnings.push(what);
+        }
+        Ok(surfaces)
+    }
+
     /// The groups of a scope; facets of surfaces join the mesh.
     fn groups(&self, scope: usize, file: &mut FileMesh, surfaces: &mut Surfaces) -> Result<Named> {
         let mut nodes_of: BTreeMap<String, Vec<u32>> = BTreeMap::new();
@@ -81,17 +95,14 @@ impl Placed<'_> {
         for surface in &self.deck.scopes[scope].surfaces {
             let key = surface.name.to_uppercase();
             let (_, group) = named.entry(key.clone()).or_insert_with(|| (surface.name.clone(), FileGroup::default()));
-            for (member, side, at) in &surface.members {
-                let kind = if surface.nodes { Kind::Node } else { Kind::Element };
-                let members = std::slice::from_ref(member);
-                let found = self.resolve(kind, scope, members, &surface.name, &file.mesh.source)?;
-                if surface.nodes {
+            if surface.nodes {
+                for (member, ..) in &surface.members {
+                    let members = std::slice::from_ref(member);
+                    let found = self.resolve(Kind::Node, scope, members, &surface.name, &file.mesh.source)?;
                     nodes_of.entry(key.clone()).or_default().extend(found);
-                } else {
-                    for cell in found {
-                        surfaces.add(file, self.slots[cell as usize], *side, at, &mut group.group.facets)?;
-                    }
                 }
+            } else {
+                self.faces(scope, surface, file, surfaces, &mut group.group.facets)?;
             }
             if !surface.nodes && !group.group.solids.is_empty() && !nodes_of.contains_key(&key) {
                 let facets = group.group.facets.iter().map(|&facet| &file.mesh.facets[facet as usize]);
@@ -105,6 +116,24 @@ impl Placed<'_> {
             }
         }
         Ok(named)
+    }
+
+    /// The facets of a surface of elements.
+    pub fn faces(
+        &self,
+        scope: usize,
+        surface: &Surface,
+        file: &mut FileMesh,
+        surfaces: &mut Surfaces,
+        to: &mut Vec<u32>,
+    ) -> Result<()> {
+        for (member, side, at) in &surface.members {
+            let members = std::slice::from_ref(member);
+            for cell in self.resolve(Kind::Element, scope, members, &surface.name, &file.mesh.source)? {
+                surfaces.add(file, self.slots[cell as usize], *side, at, to)?;
+            }
+        }
+        Ok(())
     }
 
     fn group_of(&self, cells: impl Iterator<Item = usize>) -> Group {
@@ -144,7 +173,7 @@ impl Placed<'_> {
     }
 
     /// The nodes (points) or elements (slots) that the members of a set named `name` stand for, sorted, each once.
-    fn resolve(&self, kind: Kind, scope: usize, members: &[Member], name: &str, source: &str) -> Result<Vec<u32>> {
+    pub fn resolve(&self, kind: Kind, scope: usize, members: &[Member], name: &str, source: &str) -> Result<Vec<u32>> {
         let (ids, what) = match kind {
             Kind::Node => (&self.nodes, "node"),
             Kind::Element => (&self.cells, "element"),
@@ -214,7 +243,7 @@ impl Placed<'_> {
 
 /// The facets that surfaces made, each once.
 #[derive(Default)]
-struct Surfaces {
+pub(super) struct Surfaces {
     /// By solid and local face.
     of_solid: HashMap<(u32, u8), u32>,
     /// Shell facets turned over.

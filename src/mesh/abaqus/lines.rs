@@ -85,13 +85,12 @@ impl Lines {
         field.parse().map_err(|_| self.expected(what, field))
     }
 
-    /// A field of the current line as a real number; an empty one is 0, and Fortran's `1.5D-3` is understood.
+    /// A field of the current line as a real number; an empty one is 0.
     pub fn real(&self, field: &str, what: &str) -> Result<f64> {
         if field.is_empty() {
             return Ok(0.0);
         }
-        let value = field.parse().or_else(|_| field.replace(['d', 'D'], "e").parse());
-        value.map_err(|_| self.expected(what, field))
+        number(field).ok_or_else(|| self.expected(what, field))
     }
 
     fn expected(&self, what: &str, field: &str) -> Error {
@@ -99,13 +98,19 @@ impl Lines {
     }
 }
 
+/// A real number; Fortran's `1.5D-3` is understood.
+pub(crate) fn number(field: &str) -> Option<f64> {
+    field.parse().or_else(|_| field.replace(['d', 'D'], "e").parse()).ok()
+}
+
 /// The fields of a data line; a comma at its end adds none.
-pub(super) fn fields(line: &str) -> impl Iterator<Item = &str> {
+pub(crate) fn fields(line: &str) -> impl Iterator<Item = &str> {
     line.strip_suffix(',').unwrap_or(line).split(',').map(str::trim)
 }
 
 /// A keyword line: `*NAME, PARAMETER=value, FLAG`.
-pub(super) struct Keyword {
+#[derive(Clone, Debug)]
+pub(crate) struct Keyword {
     /// In capitals.
     pub name: String,
     /// Parameters in capitals, values as written without quotation marks.
@@ -114,7 +119,7 @@ pub(super) struct Keyword {
 
 impl Keyword {
     /// Takes the current line, which starts with `*`, and the lines that continue it.
-    pub fn read(lines: &mut Lines) -> Self {
+    pub(super) fn read(lines: &mut Lines) -> Self {
         let mut text = lines.text[1..].to_string();
         while text.ends_with(',') && lines.advance() {
             text.push_str(&lines.text);
@@ -128,6 +133,11 @@ impl Keyword {
         Self { parameters: parameters.collect(), name: words.join(" ").to_uppercase() }
     }
 
+    /// The names of its parameters.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.parameters.iter().map(|parameter| parameter.0.as_str())
+    }
+
     pub fn has(&self, key: &str) -> bool {
         self.parameters.iter().any(|parameter| parameter.0 == key)
     }
@@ -137,7 +147,7 @@ impl Keyword {
     }
 
     /// A parameter that must be there.
-    pub fn require(&self, key: &str, lines: &Lines) -> Result<&str> {
+    pub(super) fn require(&self, key: &str, lines: &Lines) -> Result<&str> {
         let value = self.get(key).filter(|value| !value.is_empty());
         value.ok_or_else(|| lines.error(format!("*{} needs {key}=", self.name), ""))
     }

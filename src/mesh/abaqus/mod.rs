@@ -4,36 +4,28 @@
 //! the surface, else of the elements: Abaqus/CAE writes sets of faces as all the elements that touch them.
 //! Sets of a part are named `instance.set`, and `set` alone where no other instance has that name; an instance is a
 //! group too. Names keep their case and are compared without it.
+//!
+//! [`read_whole`] keeps the rest of the deck, too, as [`Card`]s, for who turns it into a scene.
 
 mod groups;
 mod lines;
 #[cfg(test)]
 mod tests;
+mod whole;
 
 use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
-use lines::{Keyword, Lines, fields};
+use lines::Lines;
+pub(crate) use lines::{Keyword, fields};
 use std::collections::BTreeMap;
 use std::path::Path;
+pub(crate) use whole::{Card, Row, Whole, no_set, read_whole};
 
 /// Reads a deck; `path` is where it lies, `source` names it in messages.
 pub(super) fn read(path: &Path, source: &str, data: Vec<u8>) -> Result<FileMesh> {
-    let mut lines = Lines::new(path, source, data);
-    let mut deck = Deck::default();
-    let mut reading = Reading::Start;
-    while lines.advance() {
-        if lines.text.starts_with('*') {
-            reading.end(&lines)?;
-            let keyword = Keyword::read(&mut lines);
-            reading = deck.open(&keyword, &mut lines)?;
-        } else {
-            deck.take(&mut reading, &lines)?;
-        }
-    }
-    reading.end(&lines)?;
-    groups::finish(deck, source)
+    groups::finish(Deck::read(path, source, data, None)?, source)
 }
 
 /// What the data lines below the last keyword are.
@@ -100,6 +92,8 @@ struct Deck {
     scopes: Vec<Scope>,
     parts: Vec<Scope>,
     level: Level,
+    /// Where they are asked for.
+    cards: Option<Vec<Card>>,
 }
 
 /// Where new nodes, elements and sets go.
@@ -115,6 +109,10 @@ enum Level {
 #[derive(Clone, Default)]
 struct Scope {
     name: String,
+    /// The part that an instance is of.
+    part: String,
+    /// The elements from this one on have this type.
+    kinds: Vec<(usize, String)>,
     point_ids: Vec<u64>,
     points: Vec<[f64; 3]>,
     cells: Vec<Cell>,
@@ -200,6 +198,26 @@ enum Side {
 }
 
 impl Deck {
+    /// All lines of a deck, with its cards if there is a list for them.
+    fn read(path: &Path, source: &str, data: Vec<u8>, cards: Option<Vec<Card>>) -> Result<Self> {
+        let mut lines = Lines::new(path, source, data);
+        let mut deck = Self { cards, ..Self::default() };
+        let mut reading = Reading::Start;
+        while lines.advance() {
+            if lines.text.starts_with('*') {
+                reading.end(&lines)?;
+                let at = lines.at();
+                let keyword = Keyword::read(&mut lines);
+                reading = deck.open(&keyword, &mut lines)?;
+                deck.keep_card(keyword, at);
+            } else {
+                deck.take(&mut reading, &lines)?;
+            }
+        }
+        reading.end(&lines)?;
+        Ok(deck)
+    }
+
     fn here(&mut self) -> &mut Scope {
         if self.scopes.is_empty() {
             self.scopes.push(Scope::default());
@@ -227,7 +245,7 @@ impl Deck {
             "PART" => {
                 let name = keyword.require("NAME", lines)?.to_string();
                 self.enter(Level::Part, lines)?;
-                self.parts.push(Scope { name, ..Scope::default() });
+                self.parts.push(Scope { part: name.clone(), name, ..Scope::default() });
                 Ok(Reading::Nothing)
             }
             "INSTANCE" => self.open_instance(keyword, lines),
@@ -269,6 +287,8 @@ impl Deck {
             return Ok(Reading::Unread { kind: kind.to_string(), set, goes_on: false });
         };
         let set = keyword.get("ELSET").map(|name| self.here().declare(Kind::Element, name));
+        let scope = self.here();
+        scope.kinds.push((scope.cells.len(), kind.to_uppercase()));
         Ok(Reading::Elements { shape, set, partial: Vec::new() })
     }
 
@@ -317,7 +337,7 @@ impl Deck {
             return Err(lines.error("instances of another job's results are not read", ""));
         }
         self.enter(Level::Instance, lines)?;
-        scope.name = name;
+        scope.part = std::mem::replace(&mut scope.name, name);
         self.scopes.push(scope);
         Ok(Reading::Instance { line: 0 })
     }
@@ -343,7 +363,10 @@ impl Deck {
                 let found = message::shorten(lines.text.as_bytes(), 30);
                 Err(lines.error(format!("expected a keyword such as *NODE, found '{found}'"), ""))
             }
-            Reading::Nothing => Ok(()),
+            Reading::Nothing => {
+                self.keep_row(lines);
+                Ok(())
+            }
             Reading::Nodes { set } => self.take_node(set.as_deref(), lines),
             Reading::Elements { shape, set, partial } => self.take_element(*shape, set.as_deref(), partial, lines),
             Reading::Set { kind, key, scope, generate } => self.take_set(*kind, key, *scope, *generate, lines),

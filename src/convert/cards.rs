@@ -1,0 +1,237 @@
+//! What becomes of each kind of card, and what is told about those that are passed over.
+
+use crate::error::{Error, Location, Result};
+use crate::mesh::abaqus::Card;
+use std::collections::BTreeMap;
+
+/// What becomes of a kind of card.
+enum Fate {
+    /// It is read, with these parameters.
+    Read(&'static [&'static str]),
+    /// It is the mesh, which the scene refers to.
+    Mesh,
+    /// It asks for output.
+    Output,
+    /// It is passed over, and this is why that may be.
+    Passed(&'static str),
+    /// It changes the result in a way that a scene cannot say, or not yet.
+    Refused(&'static str),
+    Unknown,
+}
+
+const NUMERICS: &str = "it is for the solver of the deck";
+const HEAT: &str = "nagata has no temperatures";
+const STATICS: &str = "it does nothing in statics";
+const ONLY_STATIC: &str = "nagata computes static steps";
+const NO_JOINT: &str =
+    "nagata ties no bodies or nodes to each other; mesh what is bonded as one part, with common nodes";
+const NO_ELEMENT: &str = "nagata has solids alone";
+const NO_MODEL: &str =
+    "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
+const NO_CONDITION: &str = "no condition of a scene does this";
+
+fn fate(name: &str) -> Fate {
+    match name {
+        "NODE" | "ELEMENT" | "NSET" | "ELSET" | "SURFACE" | "INCLUDE" | "PART" | "END PART" | "ASSEMBLY"
+        | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" | "SYSTEM" | "HEADING" => Fate::Mesh,
+        "MATERIAL" => Fate::Read(&["NAME", "SRATE FACTOR"]),
+        "ELASTIC" => Fate::Read(&["TYPE"]),
+        "PLASTIC" => Fate::Read(&["HARDENING"]),
+        "HYPERELASTIC" => Fate::Read(&["NEO HOOKE", "N"]),
+        "DENSITY" | "END STEP" => Fate::Read(&[]),
+        "FRICTION" => Fate::Read(&["SLIP TOLERANCE"]),
+        "SOLID SECTION" => Fate::Read(&["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
+        "SHELL SECTION" | "MEMBRANE SECTION" => Fate::Read(&["ELSET", "MATERIAL", "SECTION INTEGRATION"]),
+        "RIGID BODY" => Fate::Read(&["ELSET", "NSET", "REF NODE", "ROT NODE"]),
+        "SURFACE INTERACTION" => Fate::Read(&["NAME"]),
+        "SURFACE BEHAVIOR" => Fate::Read(&["PRESSURE-OVERCLOSURE", "DIRECT", "PENALTY", "AUGMENTED LAGRANGE"]),
+        "CONTACT PAIR" => Fate::Read(&[
+            "INTERACTION",
+            "TYPE",
+            "ADJUST",
+            "SMALL SLIDING",
+            "MECHANICAL CONSTRAINT",
+            "NO THICKNESS",
+            "SUPPLEMENTARY CONSTRAINTS",
+            "TRACKING",
+        ]),
+        "AMPLITUDE" => Fate::Read(&["NAME", "TIME", "DEFINITION", "VALUE"]),
+        "BOUNDARY" => Fate::Read(&["OP", "AMPLITUDE", "FIXED", "TYPE"]),
+        "CLOAD" | "DLOAD" | "DSLOAD" => Fate::Read(&["OP", "AMPLITUDE"]),
+        "STEP" => Fate::Read(&["NAME", "NLGEOM", "INC", "AMPLITUDE", "EXTRAPOLATION", "UNSYMM"]),
+        "STATIC" => Fate::Read(&["DIRECT", "SOLVER", "STABILIZE", "FACTOR", "ALLSDTOL", "CONTINUE"]),
+        "NODE PRINT" | "EL PRINT" | "NODE FILE" | "EL FILE" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "OUTPUT"
+        | "CONTACT OUTPUT" | "CONTACT PRINT" | "CONTACT FILE" | "SECTION PRINT" | "SECTION FILE" | "ENERGY OUTPUT"
+        | "ENERGY PRINT" | "ENERGY FILE" | "INTEGRATED OUTPUT" | "PREPRINT" | "PRINT" | "MONITOR" | "FILE FORMAT"
+        | "FILE OUTPUT" | "TIME POINTS" | "RESTART" | "REFERENCE" | "DIAGNOSTICS" => Fate::Output,
+        "CONTROLS"
+        | "CONTACT CONTROLS"
+        | "SECTION CONTROLS"
+        | "HOURGLASS STIFFNESS"
+        | "SOLUTION TECHNIQUE"
+        | "CONTACT STABILIZATION" => Fate::Passed(NUMERICS),
+        "EXPANSION"
+        | "CONDUCTIVITY"
+        | "SPECIFIC HEAT"
+        | "GAP CONDUCTANCE"
+        | "GAP HEAT GENERATION"
+        | "INELASTIC HEAT FRACTION"
+        | "PHYSICAL CONSTANTS" => Fate::Passed(HEAT),
+        "DAMPING" | "CONTACT DAMPING" | "MASS" | "ROTARY INERTIA" | "NONSTRUCTURAL MASS" => Fate::Passed(STATICS),
+        "ORIENTATION" => Fate::Passed("the materials that are converted are isotropic"),
+        "DYNAMIC"
+        | "FREQUENCY"
+        | "BUCKLE"
+        | "HEAT TRANSFER"
+        | "COUPLED TEMPERATURE-DISPLACEMENT"
+        | "VISCO"
+        | "UNCOUPLED TEMPERATURE-DISPLACEMENT"
+        | "STEADY STATE DYNAMICS"
+        | "MODAL DYNAMIC"
+        | "COMPLEX FREQUENCY"
+        | "GREEN"
+        | "ELECTROMAGNETICS"
+        | "CFD"
+        | "SENSITIVITY"
+        | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
+        "TIE"
+        | "EQUATION"
+        | "MPC"
+        | "COUPLING"
+        | "KINEMATIC"
+        | "DISTRIBUTING"
+        | "DISTRIBUTING COUPLING"
+        | "KINEMATIC COUPLING"
+        | "EMBEDDED ELEMENT"
+        | "CYCLIC SYMMETRY MODEL"
+        | "PRE-TENSION SECTION"
+        | "SHELL TO SOLID COUPLING"
+        | "CONNECTOR SECTION"
+        | "FASTENER" => Fate::Refused(NO_JOINT),
+        "BEAM SECTION"
+        | "BEAM GENERAL SECTION"
+        | "FLUID SECTION"
+        | "SPRING"
+        | "DASHPOT"
+        | "GAP"
+        | "COHESIVE SECTION"
+        | "SHELL GENERAL SECTION"
+        | "REBAR"
+        | "REBAR LAYER"
+        | "FRAME SECTION" => Fate::Refused(NO_ELEMENT),
+        "CREEP"
+        | "HYPERFOAM"
+        | "USER MATERIAL"
+        | "DEFORMATION PLASTICITY"
+        | "CYCLIC HARDENING"
+        | "POTENTIAL"
+        | "RATE DEPENDENT"
+        | "VISCOELASTIC"
+        | "MULLINS EFFECT"
+        | "NO COMPRESSION"
+        | "NO TENSION"
+        | "DEPVAR"
+        | "DAMAGE INITIATION"
+        | "MOHR COULOMB"
+        | "DRUCKER PRAGER"
+        | "CAP PLASTICITY"
+        | "CRUSHABLE FOAM"
+        | "CONCRETE"
+        | "CAST IRON PLASTICITY"
+        | "ANISOTROPIC HYPERELASTIC"
+        | "HYPOELASTIC"
+        | "VISCOUS" => Fate::Refused(NO_MODEL),
+        "CONTACT" | "CONTACT INCLUSIONS" => {
+            Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
+        }
+        "TRANSFORM" => Fate::Refused("conditions of a scene are along x, y and z"),
+        "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
+        "MODEL CHANGE"
+        | "CONTACT INTERFERENCE"
+        | "CLEARANCE"
+        | "CHANGE FRICTION"
+        | "CHANGE SURFACE BEHAVIOR"
+        | "CHANGE CONTACT TYPE"
+        | "CHANGE MATERIAL"
+        | "CHANGE PLASTIC"
+        | "CHANGE SOLID SECTION"
+        | "INITIAL CONDITIONS"
+        | "SUBMODEL"
+        | "INERTIA RELIEF"
+        | "IMPORT"
+        | "BOUNDARYF"
+        | "RIGID SURFACE"
+        | "MASS FLOW"
+        | "ANNEAL" => Fate::Refused(NO_CONDITION),
+        "PARAMETER" => Fate::Refused("write the numbers themselves"),
+        _ => Fate::Unknown,
+    }
+}
+
+/// What is told about the conversion, on the terminal and at the top of the scene: places and words.
+#[derive(Default)]
+pub(super) struct Notes(pub Vec<(Option<Location>, String)>);
+
+impl Notes {
+    /// A note about a place of the deck.
+    pub fn at(&mut self, at: &Location, what: impl Into<String>) {
+        self.0.push((Some(at.clone()), what.into()));
+    }
+
+    /// A note about the whole.
+    pub fn whole(&mut self, what: impl Into<String>) {
+        self.0.push((None, what.into()));
+    }
+}
+
+/// Refuses what cannot be converted, all of it at once, and notes what is passed over.
+pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
+    let mut refused: Vec<(&Card, String)> = Vec::new();
+    let mut output: Vec<usize> = Vec::new();
+    for card in cards {
+        let name = &card.keyword.name;
+        match fate(name) {
+            Fate::Read(known) => {
+                let strange = card.keyword.keys().find(|key| !key.is_empty() && !known.contains(key));
+                if let Some(key) = strange {
+                    refused.push((card, format!("the parameter {key} of *{name} cannot be converted")));
+                }
+            }
+            Fate::Mesh if name == "INCLUDE" && !card.rows.is_empty() => {
+                refused.push((card, "an included file begins with data of the keyword before it".into()));
+            }
+            Fate::Mesh => {}
+            Fate::Output => output.push(card.at.line),
+            Fate::Passed(why) => notes.at(&card.at, format!("*{name} is passed over: {why}")),
+            // So PrePoMax begins each step.
+            Fate::Refused(HEAT) if card.rows.is_empty() && card.keyword.has("OP") => {}
+            Fate::Refused(why) => refused.push((card, format!("*{name} cannot be converted: {why}"))),
+            Fate::Unknown => {
+                let what = "is not known, and passed over: what it does is missing in the scene";
+                notes.at(&card.at, format!("*{name} {what}"));
+            }
+        }
+    }
+    if !output.is_empty() {
+        let lines: Vec<String> = output.iter().map(usize::to_string).collect();
+        let several = if lines.len() > 1 { "s" } else { "" };
+        notes.whole(format!("requests for output are passed over (line{several} {})", lines.join(", ")));
+    }
+    match refused.split_first() {
+        None => Ok(()),
+        Some(((card, what), rest)) => Err(Error::input(&card.at, what, all_others(rest))),
+    }
+}
+
+/// The further cards that are refused, each once with its lines.
+fn all_others(rest: &[(&Card, String)]) -> String {
+    let mut lines: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    for (card, what) in rest {
+        lines.entry(what).or_default().push(card.at.line.to_string());
+    }
+    let others: Vec<String> = lines.iter().map(|(what, lines)| format!("{what} (line {})", lines.join(", "))).collect();
+    match others.is_empty() {
+        true => "take it out of the deck if the result can do without it".into(),
+        false => format!("besides, {}", others.join("; ")),
+    }
+}

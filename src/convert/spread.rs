@@ -1,0 +1,72 @@
+//! Forces on nodes as total forces on sets. Programs write the force on a face node by node: it is one again if the nodes
+//! have the shares that nagata gives them, by area.
+
+use super::bodies::Bodies;
+use super::groups::{Face, Groups};
+use super::loads::Load;
+use crate::error::{Error, Result};
+use crate::solid::load::{quad4_nodal_areas, tri3_nodal_areas};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// How far a force may be from its share by area, of the largest: the digits that programs write.
+const DIGITS: f64 = 1e-6;
+
+/// Most sets of a load.
+const MOST: usize = 200;
+
+/// Sets, as `BODY.GROUP`, with total forces.
+pub(super) fn sets(
+    groups: &mut Groups,
+    bodies: &Bodies,
+    body: usize,
+    nodes: &[u32],
+    forces: &[[f64; 3]],
+    load: &Load,
+) -> Result<Vec<(String, [f64; 3])>> {
+    let name = |group: String| format!("{}.{group}", bodies.bodies[body].name);
+    let mut alike: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
+    for (&node, force) in nodes.iter().zip(forces) {
+        alike.entry(force.map(f64::to_bits)).or_default().push(node);
+    }
+    if alike.len() > 1
+        && let Some((faces, total)) = by_area(groups, nodes, forces)
+    {
+        let group = groups.faces(&faces, bodies.is_inside(body), &load.hint)?;
+        return Ok(vec![(name(group), total)]);
+    }
+    if alike.len() > MOST {
+        let what = format!("nodes are loaded with {} different forces, which are no even load on faces", alike.len());
+        return Err(Error::input(&load.at, what, "give the load as a pressure, or as forces on sets of nodes"));
+    }
+    let mut sets = Vec::new();
+    for (bits, own) in alike {
+        let group = groups.nodes(&own, bodies.is_inside(body), true, &load.hint)?;
+        sets.push((name(group), bits.map(|bits| f64::from_bits(bits) * own.len() as f64)));
+    }
+    Ok(sets)
+}
+
+/// The faces between the nodes, if the forces are those of a total force spread over them.
+fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<Face>, [f64; 3])> {
+    let loaded: BTreeSet<u32> = nodes.iter().copied().collect();
+    let within = |face: &Face| groups.facet(*face).nodes().iter().all(|node| loaded.contains(node));
+    let faces: Vec<Face> = (0..groups.boundary.len() as u32).filter(within).collect();
+    let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+    for &face in &faces {
+        let facet = groups.facet(face);
+        let [a, b, c, d] = facet.nodes.map(|node| groups.whole.mesh.points.get(node as usize).copied());
+        let shares = match facet.count {
+            3 => tri3_nodal_areas(&[a?, b?, c?]).to_vec(),
+            _ => quad4_nodal_areas(&[a?, b?, c?, d?]).to_vec(),
+        };
+        facet.nodes().iter().zip(shares).for_each(|(&node, area)| *areas.entry(node).or_default() += area);
+    }
+    let area: f64 = areas.values().sum();
+    let total = forces.iter().fold([0.0; 3], |sum, force| [0, 1, 2].map(|d| sum[d] + force[d]));
+    let largest = forces.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));
+    let is_share = |(node, force): (&u32, &[f64; 3])| {
+        let share = areas.get(node).copied().unwrap_or(0.0) / area;
+        (0..3).all(|d| (force[d] - share * total[d]).abs() <= DIGITS * largest)
+    };
+    (area > 0.0 && nodes.iter().zip(forces).all(is_share)).then_some((faces, total))
+}

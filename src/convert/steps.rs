@@ -1,0 +1,342 @@
+//! *STEP with *STATIC, and the steps of the scene that they become: one each, or several where amplitudes bend.
+
+use super::amplitudes::Amplitude;
+use super::bodies::{Bodies, Owner};
+use super::cards::Notes;
+use super::conditions::{Conditions, Setting};
+use super::contacts::Tool;
+use super::groups::Groups;
+use super::loads::Clock;
+use super::materials::Material;
+use super::names::Namer;
+use super::scene::{self, Lists};
+use crate::error::{Error, Result};
+use crate::mesh::abaqus::Card;
+use std::collections::BTreeMap;
+
+/// Most steps of a scene that amplitudes may make of one.
+const MOST_PIECES: usize = 100;
+
+/// A step of the deck.
+struct Step<'a> {
+    card: &'a Card,
+    cards: Vec<&'a Card>,
+    times: Times,
+}
+
+/// The data of *STATIC.
+#[derive(Clone, Copy)]
+struct Times {
+    initial: f64,
+    period: f64,
+    min: Option<f64>,
+    max: f64,
+}
+
+/// What the steps are made of.
+pub(super) struct Model<'a> {
+    pub bodies: &'a Bodies,
+    pub tools: &'a [Tool],
+    pub materials: &'a [Material],
+    pub amplitudes: &'a [Amplitude],
+}
+
+/// The tables of all steps, and the sets that are held or moved.
+pub(super) fn convert(
+    groups: &mut Groups,
+    model: &Model,
+    namer: &mut Namer,
+    notes: &mut Notes,
+) -> Result<(String, Vec<String>)> {
+    let whole = groups.whole;
+    let (before, steps) = split(&whole.cards)?;
+    let mut conditions = Conditions::default();
+    let mut clock = Clock::default();
+    let (mut text, mut history) = (String::new(), Vec::new());
+    let mut axes = BTreeMap::new();
+    for (number, step) in steps.iter().enumerate() {
+        let next = Clock { before: clock.before + clock.period, period: step.times.period };
+        let setting =
+            Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes };
+        if number > 0 {
+            conditions.begin(&clock, &next, model.amplitudes)?;
+        } else {
+            before.iter().try_for_each(|card| conditions.take(card, &setting, notes))?;
+        }
+        clock = next;
+        step.cards.iter().try_for_each(|card| conditions.take(card, &setting, notes))?;
+        tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
+        tell_of_step(step, notes);
+        let ends = pieces(&conditions, &clock, model.amplitudes, step.card)?;
+        let name = step.card.keyword.get("NAME").map_or(format!("step-{}", number + 1), str::to_string);
+        for (piece, span) in ends.windows(2).enumerate() {
+            let name = match ends.len() {
+                2 => namer.name(&name, "step"),
+                _ => namer.name(&format!("{name}-{}", piece + 1), "step"),
+            };
+            let mut writer = Writer { groups, model, conditions: &conditions, clock, axes: &mut axes, step };
+            let lists = writer.lists(span[0], span[1])?;
+            lists.supported.iter().for_each(|set| {
+                if !history.contains(set) {
+                    history.push(set.clone());
+                }
+            });
+            text += &scene::step(&name, &step.times.of(span[0], span[1]), &lists);
+        }
+    }
+    Ok((text, history))
+}
+
+impl Times {
+    fn read(step: &Card, cards: &[&Card]) -> Result<Self> {
+        let Some(card) = cards.iter().find(|card| card.keyword.name == "STATIC") else {
+            return Err(step.error("the step has no *STATIC", "nagata computes static steps"));
+        };
+        let fields: [&str; 4] = card.rows.first().map_or([""; 4], |row| row.fields());
+        let number = |at: usize, default: f64| match card.rows.first() {
+            Some(row) => row.number(fields[at], default),
+            None => Ok(default),
+        };
+        let period = number(1, 1.0)?;
+        let period = if period == 0.0 { 1.0 } else { period };
+        let initial = Some(number(0, 0.0)?).filter(|initial| *initial != 0.0).unwrap_or(period);
+        let min = Some(number(2, 0.0)?).filter(|min| *min != 0.0);
+        let max = Some(number(3, 0.0)?).filter(|max| *max != 0.0).unwrap_or(period);
+        if [initial, period, max, min.unwrap_or(1.0)].iter().any(|time| *time <= 0.0) {
+            return Err(card.error("times must be above 0", "first increment, period, shortest and longest increment"));
+        }
+        let max = if card.keyword.has("DIRECT") { initial } else { max };
+        Ok(Self { initial: initial.min(period), period, min, max: max.min(period) })
+    }
+
+    /// Of a part of the step.
+    fn of(&self, from: f64, to: f64) -> scene::Times {
+        let duration = if (from, to) == (0.0, 1.0) { self.period } else { self.period * (to - from) };
+        let max = self.max.max(self.initial).min(duration);
+        let initial = self.initial.min(duration);
+        scene::Times { duration, initial, max, min: self.min.filter(|min| *min <= initial) }
+    }
+}
+
+/// The cards before the first step, and the steps.
+fn split(cards: &[Card]) -> Result<(Vec<&Card>, Vec<Step<'_>>)> {
+    let (mut before, mut steps): (Vec<&Card>, Vec<(&Card, Vec<&Card>)>) = (Vec::new(), Vec::new());
+    for card in cards {
+        match (card.keyword.name.as_str(), steps.last_mut()) {
+            ("STEP", _) => steps.push((card, Vec::new())),
+            (_, None) => before.push(card),
+            (_, Some((_, inside))) => inside.push(card),
+        }
+    }
+    if steps.is_empty() {
+        return Err(Error::input_anywhere("the deck has no *STEP", "a scene needs one or more"));
+    }
+    let steps = steps.into_iter().map(|(card, cards)| Ok(Step { card, times: Times::read(card, &cards)?, cards }));
+    Ok((before, steps.collect::<Result<_>>()?))
+}
+
+fn tell_of_step(step: &Step, notes: &mut Notes) {
+    let keyword = &step.card.keyword;
+    let is_off = |key: &str| keyword.get(key).is_some_and(|value| value.eq_ignore_ascii_case("NO"));
+    if !keyword.has("NLGEOM") || is_off("NLGEOM") {
+        notes.at(&step.card.at, "the step is geometrically linear in the deck: nagata takes finite displacements");
+    }
+    if let Some(card) = step.cards.iter().find(|card| card.keyword.has("STABILIZE")) {
+        notes.at(&card.at, "STABILIZE is passed over: nagata adds no viscous forces");
+    }
+    if keyword.get("AMPLITUDE").is_some_and(|value| value.eq_ignore_ascii_case("STEP")) {
+        notes.at(&step.card.at, "AMPLITUDE=STEP is passed over: loads rise linearly over the step");
+    }
+}
+
+fn tell_of_jumps(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude], notes: &mut Notes) {
+    let what = "the amplitude begins with a jump, which becomes a part of the ramp to its next point";
+    let holds = conditions.supports.acting().into_iter().map(|(hold, _)| hold);
+    let jumping = holds.filter(|hold| hold.jumps(clock, amplitudes)).map(|hold| &hold.at);
+    let loads = [&conditions.forces, &conditions.pressures, &conditions.body_forces];
+    let loads = loads.into_iter().flat_map(|kind| kind.live()).filter(|load| load.jumps(clock, amplitudes));
+    let mut places: Vec<_> = jumping.chain(loads.map(|load| &load.at)).collect();
+    places.dedup();
+    places.into_iter().for_each(|at| notes.at(at, what));
+}
+
+/// Fractions of the step, from 0 to 1, between which all is linear.
+fn pieces(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude], step: &Card) -> Result<Vec<f64>> {
+    let holds = conditions.supports.acting().into_iter().filter_map(|(hold, _)| hold.amplitude);
+    let loads = [&conditions.forces, &conditions.pressures, &conditions.body_forces];
+    let loads = loads.into_iter().flat_map(|kind| kind.live()).filter_map(|load| load.amplitude);
+    let mut ends = vec![0.0, 1.0];
+    holds.chain(loads).for_each(|amplitude| ends.extend(clock.bends(&amplitudes[amplitude])));
+    ends.sort_by(f64::total_cmp);
+    ends.dedup_by(|b, a| *b - *a < 1e-9);
+    if ends.len() > MOST_PIECES + 1 {
+        let what = format!("amplitudes bend at {} times in this step", ends.len() - 2);
+        return Err(step.error(what, "each becomes a step of the scene: give them fewer points"));
+    }
+    // The end itself, not a point a rounding before it.
+    ends.pop();
+    ends.push(1.0);
+    Ok(ends)
+}
+
+/// Writes the conditions of a part of a step.
+struct Writer<'a, 'b> {
+    groups: &'a mut Groups<'b>,
+    model: &'a Model<'a>,
+    conditions: &'a Conditions,
+    clock: Clock,
+    /// The axis about which each rigid body turns.
+    axes: &'a mut BTreeMap<usize, usize>,
+    step: &'a Step<'a>,
+}
+
+impl Writer<'_, '_> {
+    fn lists(&mut self, from: f64, to: f64) -> Result<Lists> {
+        let mut lists = Lists::default();
+        self.supports(from, to, &mut lists)?;
+        self.tools(from, to, &mut lists)?;
+        self.forces(to, &mut lists)?;
+        self.pressures(to, &mut lists)?;
+        let amplitudes = self.model.amplitudes;
+        for (_, field) in self.conditions.body_forces.at(to, &self.clock, amplitudes) {
+            for (body, force) in field {
+                lists.add_body_force(&self.model.bodies.bodies[body as usize].name, force);
+            }
+        }
+        Ok(lists)
+    }
+
+    fn supports(&mut self, from: f64, to: f64, lists: &mut Lists) -> Result<()> {
+        let (conditions, clock, amplitudes) = (self.conditions, self.clock, self.model.amplitudes);
+        for (hold, left) in conditions.supports.acting().into_iter().filter(|(hold, _)| hold.dof < 3) {
+            let by = hold.by(from, to, &clock, amplitudes);
+            let same = |&node: &u32| {
+                let other = conditions.supports.of(node, hold.dof);
+                other.is_some_and(|other| other.by(from, to, &clock, amplitudes).to_bits() == by.to_bits())
+            };
+            // Others may hold some of them just so.
+            let nodes = if hold.nodes.iter().all(same) { hold.nodes.to_vec() } else { left };
+            for (body, own) in self.by_body(&nodes) {
+                let set = self.set(body, &own, false, &hold.hint)?;
+                lists.add_support(&set, hold.dof, by);
+            }
+        }
+        Ok(())
+    }
+
+    /// Nodes of bodies, sorted.
+    fn by_body(&self, nodes: &[u32]) -> BTreeMap<usize, Vec<u32>> {
+        let mut found: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        for &node in nodes {
+            if let Owner::Body(body) = self.model.bodies.owners[node as usize] {
+                found.entry(body).or_default().push(node);
+            }
+        }
+        found.values_mut().for_each(|nodes| {
+            nodes.sort_unstable();
+            nodes.dedup();
+        });
+        found
+    }
+
+    /// `BODY.GROUP` of nodes.
+    fn set(&mut self, body: usize, nodes: &[u32], bare: bool, hint: &str) -> Result<String> {
+        let bodies = self.model.bodies;
+        let group = self.groups.nodes(nodes, bodies.is_inside(body), bare, hint)?;
+        Ok(format!("{}.{group}", bodies.bodies[body].name))
+    }
+
+    fn tools(&mut self, from: f64, to: f64, lists: &mut Lists) -> Result<()> {
+        for (number, rigid) in self.model.bodies.rigids.iter().enumerate() {
+            let tools: Vec<&Tool> = self.model.tools.iter().filter(|tool| tool.rigid == number).collect();
+            if tools.is_empty() && rigid.nodes.is_empty() {
+                continue;
+            }
+            let hold = |dof: usize| self.conditions.supports.of(rigid.reference, dof);
+            let refuse = |what: String, help: &str| {
+                let at = &rigid.at;
+                Err(Error::input(at, format!("{what} in the step of line {}", self.step.card.at.line), help))
+            };
+            let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
+            if let Some(dof) = (3..6).find(|&dof| hold(dof).is_none()) {
+                let what = format!("the rigid body is free to turn about {}", scene::letter(dof - 3));
+                return refuse(what, "nagata's tools turn only as prescribed: hold 4 to 6 of the reference node");
+            }
+            let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();
+            if !rigid.nodes.is_empty() {
+                // Nodes of a body that all move alike, see `Conditions`.
+                if !turns.is_empty() || (0..3).any(|dof| hold(dof).is_none()) {
+                    let what = "nodes of a body that turn, or move freely, as one cannot be converted,".to_string();
+                    return refuse(what, "prescribe 1 to 3 of the reference node, and hold 4 to 6");
+                }
+                continue;
+            }
+            let free = [0, 1, 2].map(|dof| hold(dof).is_none());
+            if free.contains(&true) && tools.len() > 1 {
+                return refuse("a rigid body that meets several surfaces moves freely".into(), "join the surfaces");
+            }
+            let rotation = match turns[..] {
+                [] => None,
+                [dof] if *self.axes.entry(number).or_insert(dof) == dof => {
+                    let place = |axis: usize| {
+                        let at = self.groups.whole.mesh.points[rigid.reference as usize][axis];
+                        let moved = hold(axis).map(|hold| hold.place(from, &self.clock, self.model.amplitudes));
+                        at + moved.filter(|moved| !moved.is_nan()).unwrap_or(0.0)
+                    };
+                    Some(scene::Rotation {
+                        point: [0, 1, 2].map(place),
+                        axis: dof - 3,
+                        angle: by(dof).unwrap_or(0.0).to_degrees(),
+                    })
+                }
+                _ => return refuse("the rigid body turns about several axes".into(), "nagata's tools about one"),
+            };
+            let way = [0, 1, 2].map(|dof| by(dof).unwrap_or(0.0));
+            for tool in tools {
+                lists.move_tool(&tool.name, way, rotation);
+                if free.contains(&true) {
+                    let force = self.force_on(rigid.reference, to);
+                    lists.push_tool(&tool.name, [0, 1, 2].map(|d| if free[d] { force[d] } else { 0.0 }), free);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn force_on(&self, node: u32, s: f64) -> [f64; 3] {
+        let fields = self.conditions.forces.at(s, &self.clock, self.model.amplitudes);
+        let parts = fields.filter_map(|(_, field)| field.get(&node).copied());
+        parts.fold([0.0; 3], |sum, part| [0, 1, 2].map(|d| sum[d] + part[d]))
+    }
+
+    fn forces(&mut self, s: f64, lists: &mut Lists) -> Result<()> {
+        let conditions = self.conditions;
+        for (load, field) in conditions.forces.at(s, &self.clock, self.model.amplitudes) {
+            let nodes: Vec<u32> = field.keys().copied().collect();
+            for (body, own) in self.by_body(&nodes) {
+                let forces: Vec<[f64; 3]> = own.iter().map(|node| field[node]).collect();
+                for (set, total) in super::spread::sets(self.groups, self.model.bodies, body, &own, &forces, load)? {
+                    lists.add_force(&set, total);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn pressures(&mut self, s: f64, lists: &mut Lists) -> Result<()> {
+        let (conditions, bodies) = (self.conditions, self.model.bodies);
+        for (load, field) in conditions.pressures.at(s, &self.clock, self.model.amplitudes) {
+            let mut alike: BTreeMap<(usize, u64), Vec<u32>> = BTreeMap::new();
+            for (face, value) in field {
+                if let Owner::Body(body) = bodies.owners[self.groups.facet(face).nodes[0] as usize] {
+                    alike.entry((body, value[0].to_bits())).or_default().push(face);
+                }
+            }
+            for ((body, value), faces) in alike {
+                let group = self.groups.faces(&faces, bodies.is_inside(body), &load.hint)?;
+                lists.add_pressure(&format!("{}.{group}", bodies.bodies[body].name), f64::from_bits(value));
+            }
+        }
+        Ok(())
+    }
+}
