@@ -1,4 +1,4 @@
-//! The command line: `run`, `check`, `calibrate`, `convert`, `surface` and `trade`.
+//! The command line: `run`, `report`, `check`, `calibrate`, `convert`, `surface` and `trade`.
 
 use crate::accuracy;
 use crate::accuracy::errors::Sampling;
@@ -13,6 +13,7 @@ use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::parallel::agree;
+use crate::report;
 use crate::scene::{self, Scene};
 use crate::surface::EXTENSION;
 use crate::trade;
@@ -57,15 +58,34 @@ enum Command {
         /// Print nothing but warnings and errors.
         #[arg(long)]
         quiet: bool,
+        /// Write a page about the run at its end, report.html in the folder, also when it fails or is interrupted.
+        #[arg(long)]
+        report: bool,
         /// Options of PETSc, such as `-snes_monitor -mat_mumps_icntl_14 200`; one that nothing asks for is warned about.
         #[arg(last = true, value_name = "PETSC OPTIONS")]
         petsc: Vec<String>,
+    },
+    /// Write a page of HTML about one or several runs, ended or not: curves over each other, increments, convergence, costs.
+    Report {
+        /// Folders that `nagata run` has written, or writes to.
+        #[arg(required = true, value_name = "OUT")]
+        folders: Vec<PathBuf>,
+        /// The page [default: report.html in the folder; of several folders, where you are]
+        #[arg(long, value_name = "FILE")]
+        out: Option<PathBuf>,
     },
     /// Check a scene and print what would be modelled, and how large it is, without running it.
     Check {
         #[command(flatten)]
         scene: SceneArguments,
     },
+    /// Write a commented scene to start from, which runs as it is.
+    New {
+        /// The scene file to write; one that is there stays.
+        scene: PathBuf,
+    },
+    /// Print the JSON schema of scene files, by which editors complete and check them: see docs/running.md.
+    Schema,
     /// Measure how fast this machine works, by which `check` and `run` predict time and memory, and keep it in the user's
     /// cache. Start it on as many ranks as runs will have, while nothing else computes.
     Calibrate {
@@ -200,11 +220,7 @@ impl Cli {
     fn petsc_options(&self) -> &[String] {
         match &self.command {
             Command::Run { petsc, .. } => petsc,
-            Command::Check { .. }
-            | Command::Calibrate { .. }
-            | Command::Convert { .. }
-            | Command::Surface(_)
-            | Command::Trade(_) => &[],
+            _ => &[],
         }
     }
 
@@ -213,18 +229,27 @@ impl Cli {
             .map_err(|e| Error::input_anywhere(e.to_string(), "options after `--` go to PETSc"))?;
         petsc.reserve_memory()?;
         match &self.command {
-            Command::Run { scene, out, steps, estimate, quiet, .. } => {
+            Command::Run { scene, out, steps, estimate, quiet, report, .. } => {
                 let loaded = scene.load(comm)?;
                 let default = Path::new("out").join(&loaded.name);
                 let steps = steps.map(NonZeroUsize::get);
                 let out = out.as_deref().unwrap_or(&default);
                 let source = &scene.scene;
-                let options = Options { out, steps, estimate: *estimate, quiet: *quiet, source };
+                let options = Options { out, steps, estimate: *estimate, quiet: *quiet, report: *report, source };
                 let outcome = analysis::run(comm, &petsc, &loaded, &options);
                 if matches!(outcome, Ok(()) | Err(Error::Diverged(_) | Error::Interrupted(_))) && comm.rank() == 0 {
                     warn_of_unused(&petsc.unused_options()?);
                 }
                 outcome
+            }
+            Command::Report { folders, out } => {
+                let default = if let [folder] = &folders[..] { folder.join(report::NAME) } else { report::NAME.into() };
+                let out = out.as_ref().unwrap_or(&default);
+                agree(comm, if comm.rank() == 0 { report::write(folders, out) } else { Ok(()) })?;
+                if comm.rank() == 0 {
+                    let _ = writeln!(std::io::stdout(), "report: {}", out.display());
+                }
+                Ok(())
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
@@ -234,6 +259,13 @@ impl Cli {
                 if comm.rank() == 0 {
                     // Whoever reads it may have stopped.
                     let _ = write!(std::io::stdout(), "{text}");
+                }
+                Ok(())
+            }
+            Command::New { scene } => agree(comm, if comm.rank() == 0 { scene::begin(scene) } else { Ok(()) }),
+            Command::Schema => {
+                if comm.rank() == 0 {
+                    let _ = write!(std::io::stdout(), "{}", scene::schema());
                 }
                 Ok(())
             }

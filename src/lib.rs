@@ -18,6 +18,7 @@
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
 //! - [`contact`]: masters (placed tools, surfaces of bodies), contact pairs, the laws of contact, and the contact element
 //! - [`output`]: HDF5/XDMF, history, summary, log, phases
+//! - [`report`]: one page of what runs have left in their folders
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for
 //! - [`estimate`]: how far a converged state may be from the solution, without a reference
@@ -44,6 +45,7 @@ pub mod output;
 pub mod parallel;
 pub mod partition;
 pub mod refine;
+pub mod report;
 pub mod scene;
 pub mod solid;
 pub mod surface;

@@ -3,6 +3,7 @@
 
 mod bodies;
 pub mod elements;
+pub mod locate;
 mod shared;
 pub mod states;
 
@@ -484,7 +485,12 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
         step.pressures.iter().for_each(|c| add(&c.set));
         step.springs.iter().for_each(|c| add(&c.set));
     }
-    scene.output.history.iter().for_each(add);
+    scene.output.history.iter().for_each(&mut add);
+    let probed = scene.output.probes.iter().filter_map(|probe| match &probe.place {
+        scene::ProbePlace::Set(set) => Some(set),
+        _ => None,
+    });
+    probed.for_each(add);
     names
 }
 

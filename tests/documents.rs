@@ -5,6 +5,7 @@ mod common;
 
 use common::nagata;
 use nagata::scene::parse;
+use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -149,6 +150,12 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.body_force", "step.s.body_force.0", &[]),
     ("step.spring", "step.s.spring.0", &[]),
     ("output", "output", &["output={}"]),
+    ("output.probe", "output.probe.p", &["output={ probe = [{ name = \"p\", point = [0, 0, 0] }] }"]),
+    (
+        "output.probe.path",
+        "output.probe.p.path",
+        &["output={ probe = [{ name = \"p\", path = { from = [0, 0, 0], to = [1, 0, 0] } }] }"],
+    ),
     ("solver", "solver", &["solver={}"]),
     ("trade", "trade", &["trade={}"]),
     ("trade.vary", "trade.vary.0", &["trade.vary=[{}]"]),
@@ -313,6 +320,8 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
         ("step.spring", "step.s.spring.0", "set = 'b.a', stiffness = [0, 0, 1]"),
+        ("output.probe", "output.probe.p", "name = 'p', point = [0, 0, 0]"),
+        ("output.probe.path", "output.probe.p.path", "from = [0, 0, 0], to = [1, 0, 0]"),
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
     ];
     // Keys in the place of others.
@@ -483,5 +492,74 @@ fn scenes_of_the_documents_can_be_run() {
         let run = nagata(root(), 1, &["check", scene.to_str().unwrap()], scratch.path().into());
         assert_eq!(run.code, 0, "{}: {}", scene.display(), run.stderr);
         assert!(run.stdout.contains("dofs"), "{}", run.stdout);
+    }
+}
+
+/// Whether a value is as a schema says; the place and the reason if it is not.
+fn fits(schema: &Value, value: &Value, at: &str) -> Result<(), String> {
+    let wrong = |what: &str| Err(format!("{at}: {what}: {value}"));
+    if let Some(choices) = schema["anyOf"].as_array() {
+        return if choices.iter().any(|s| fits(s, value, at).is_ok()) { Ok(()) } else { wrong("none of its forms") };
+    }
+    if schema["enum"].as_array().is_some_and(|words| !words.contains(value)) {
+        return wrong("no such word");
+    }
+    match schema["type"].as_str() {
+        Some("number") if !value.is_number() => return wrong("no number"),
+        Some("integer") if !value.is_i64() => return wrong("no integer"),
+        Some("boolean") if !value.is_boolean() => return wrong("no boolean"),
+        Some("string") if !value.is_string() => return wrong("no string"),
+        Some("array") if !value.is_array() => return wrong("no list"),
+        Some("object") if !value.is_object() => return wrong("no table"),
+        _ => {}
+    }
+    for (k, item) in value.as_array().into_iter().flatten().enumerate() {
+        fits(&schema["items"], item, &format!("{at}.{k}"))?;
+    }
+    for (key, inner) in value.as_object().into_iter().flatten() {
+        let (own, others) = (&schema["properties"][key], &schema["additionalProperties"]);
+        let of_key = if own.is_null() { others } else { own };
+        if *of_key == Value::Bool(false) {
+            return Err(format!("{at}: no key {key}"));
+        }
+        fits(of_key, inner, &format!("{at}.{key}"))?;
+    }
+    Ok(())
+}
+
+/// Editors accept what the reader accepts; and what it begins with runs.
+#[test]
+fn the_schema_takes_all_scenes() {
+    let scratch = tempfile::tempdir().unwrap();
+    let begin = || nagata(scratch.path(), 1, &["new", "mine.toml"], scratch.path().into());
+    assert_eq!(begin().code, 0);
+    let again = begin();
+    assert!(again.code == 2 && again.stderr.contains("cannot write mine.toml"), "{}", again.stderr);
+    let run = nagata(scratch.path(), 1, &["run", "mine.toml", "--quiet"], scratch.path().into());
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+
+    let printed = nagata(root(), 1, &["schema"], scratch.path().into());
+    let schema: Value = serde_json::from_str(&printed.stdout).unwrap();
+    let json = |path: &Path| serde_json::to_value(text_of(path).parse::<toml::Table>().unwrap()).unwrap();
+    let mut scenes = vec![scratch.path().join("mine.toml")];
+    for folder in ["inputs", "docs/tutorial"] {
+        let files = fs::read_dir(root().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        scenes.extend(files.filter(|path| path.extension().is_some_and(|end| end == "toml")));
+    }
+    assert!(scenes.len() > 10);
+    for path in &scenes {
+        fits(&schema, &json(path), &path.display().to_string()).unwrap();
+    }
+    let scene = json(&scenes[0]);
+    for (place, value, word) in [
+        ("/material/rubber/young", Value::from("soft"), "no number"),
+        ("/material/rubber/model", "rubber".into(), "no such word"),
+        ("/step/0/fix/0/set", 1.into(), "no string"),
+        ("/output/probe/0", serde_json::json!({ "nam": "p" }), "no key nam"),
+        ("/body/pad/block/box/size", 1.into(), "no list"),
+    ] {
+        let mut changed = scene.clone();
+        *changed.pointer_mut(place).unwrap() = value;
+        assert!(fits(&schema, &changed, "").unwrap_err().contains(word), "{place}");
     }
 }

@@ -10,7 +10,7 @@ use nagata::error::{Error, Location, Result};
 use nagata::failure::Cause;
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::HistoryFile;
-use nagata::output::log::{Increment, Log};
+use nagata::output::log::{Increment, Iterate, Log};
 use nagata::output::phases::{Phase, Phases};
 use nagata::output::summary::Summary;
 use nagata::output::{OutputFolder, RUN};
@@ -163,6 +163,10 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
 
 fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()> {
     let folder = OutputFolder::create(path, &RUN, &[], comm)?;
+    let mut log = Log::create(&folder, comm, true)?;
+    for (number, residual, changes) in [(0, 1.0, 3), (1, 2e-4, 0)] {
+        log.iteration(&Iterate { step: "press", increment: 1, number, residual, changes, touching: 5 });
+    }
     let mut scene = add_grids(comm, &folder)?;
     write_increment(comm, &mut scene, 0.25)?;
     write_increment(comm, &mut scene, 1.0)?;
@@ -242,6 +246,8 @@ fn files_open_after_an_abort() {
     let output = mpirun(2, "abort", folder.path());
     assert!(!output.status.success());
     check_fields(folder.path(), &[0.25, 1.0]);
+    let log = std::fs::read_to_string(folder.path().join("log.txt")).unwrap();
+    assert_eq!(log, "    residual/force (status changes): 1.0e0 (3) 2.0e-4");
 }
 
 #[test]

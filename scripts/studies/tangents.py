@@ -21,8 +21,14 @@ VARIANTS = [
 
 
 def traces(log):
-    """Residuals of the increments that converged at once, in order."""
-    return [line.split(TRACE)[1].strip() for line in log.read_text().splitlines() if TRACE in line]
+    """Residuals of the increments that converged, in order."""
+    found, last = [], ""
+    for line in log.read_text().splitlines():
+        if TRACE in line:
+            last = line.split(TRACE)[1].strip()
+        elif "  increment " in line:
+            found.append(last)
+    return found
 
 
 def main():

@@ -3,7 +3,7 @@
 use super::errors::{Projected, SampledPiece};
 use crate::Vec3;
 use crate::error::Result;
-use crate::output::figure::{Area, BLUE, DARK, FINE, FONT, RED, failed, titled};
+use crate::output::figure::{Area, BLUE, DARK, FINE, FONT, RED, failed, tick, titled};
 use crate::surface::normals::tangents;
 use plotters::prelude::*;
 
@@ -81,22 +81,6 @@ fn bars(area: &Area, histogram: &Histogram, name: &str, share: &str) -> Result<(
     };
     chart.draw_series(histogram.shares.iter().enumerate().filter(|(_, s)| **s > 0.0).map(bar)).map_err(failed)?;
     Ok(())
-}
-
-/// A number on an axis of length `range`: no more digits than it needs.
-fn tick(value: f64, range: f64) -> String {
-    if value.abs() < 1e-9 * range {
-        return "0".into();
-    }
-    if (1e-2..1e4).contains(&range) {
-        let digits = (2.0 - range.log10().floor()).max(0.0) as usize;
-        let text = format!("{value:.digits$}");
-        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        return text.to_string();
-    }
-    let text = format!("{value:.2e}");
-    let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-    format!("{}e{exponent}", digits.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// Tiles that a picture of dead zones has at most, unless there are more pieces.
@@ -249,14 +233,6 @@ fn upright(view: &Vec3) -> [Vec3; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ticks_have_no_digits_too_many() {
-        let cases = [(0.25, 1.0, "0.25"), (10.0, 60.0, "10"), (-2e-4, 5e-4, "-2e-4"), (1e-20, 1.0, "0")];
-        for (value, range, text) in cases {
-            assert_eq!(tick(value, range), text);
-        }
-    }
 
     #[test]
     fn values_fall_into_their_bins() {

@@ -17,6 +17,7 @@ use crate::Vec3;
 use crate::contact::{Pair, Pose, Tool};
 use crate::error::{Error, Result};
 use crate::model::{Model, elements};
+use crate::partition::PartSolid;
 use crate::parallel::sum;
 use crate::scene::{Amplitude, Formulation, Located, Rotation, Step};
 use crate::system::dofs::{self, Motion, Prescribed, ToolFreedom};

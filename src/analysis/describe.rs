@@ -54,6 +54,33 @@ pub fn master(surface: &BodySurface) -> String {
     format!("master `{}`: deformable, {} {kind}", surface.name, surface.total)
 }
 
+/// What bodies are made of, a line each.
+pub fn bodies(scene: &Scene, model: &Model) -> String {
+    scene.bodies.iter().enumerate().map(|(b, given)| body(scene, model, b, given)).collect()
+}
+
+/// How contacts are modelled, a line each. Collective.
+pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
+    let mut text = String::new();
+    let slaves = model.slave_counts(comm);
+    for (pair, count) in model.pairs.iter().zip(slaves) {
+        let method = match pair.method {
+            Enforcement::Penalty => "penalty",
+            Enforcement::Lagrange => "Lagrange",
+            Enforcement::AugmentedLagrangian => "augmented Lagrangian",
+            Enforcement::Uzawa => "Uzawa",
+        };
+        let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
+        let friction = match pair.friction {
+            0.0 => format!("frictionless, {multipliers}, no slip history"),
+            friction => format!("friction {friction}, {multipliers}"),
+        };
+        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
+        let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
+    }
+    text
+}
+
 /// The last lines of a log: how much was done, and where to look next.
 pub fn farewell(summary: &Summary, out: &Path) -> String {
     let mean = summary.iterations as f64 / summary.increments.max(1) as f64;
@@ -69,16 +96,6 @@ pub fn farewell(summary: &Summary, out: &Path) -> String {
         let _ = write!(text, "\nParaView:    {}", out.join("fields.xdmf").display());
     }
     text
-}
-
-/// The residuals of an increment and the status changes, for the log file.
-pub fn trace(residuals: &[f64], changes: &[usize]) -> String {
-    let steps: Vec<String> = residuals
-        .iter()
-        .zip(changes)
-        .map(|(r, c)| if *c == 0 { format!("{r:.1e}") } else { format!("{r:.1e} ({c})") })
-        .collect();
-    format!("    residual/force (status changes): {}", steps.join(" "))
 }
 
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
@@ -186,29 +203,14 @@ pub fn check(
 ) -> Result<String> {
     let begins = super::preflight::check(comm, scene, model)?;
     let mut text = format!("{}\n{}\n", heading(comm, scene, model), scene.solver.describe());
-    scene.bodies.iter().enumerate().for_each(|(b, body)| text += &self::body(scene, model, b, body));
+    text += &bodies(scene, model);
     for tool in &model.masters.tools {
         let _ = writeln!(text, "{}", self::tool(tool));
     }
     for surface in &model.masters.surfaces {
         let _ = writeln!(text, "{}", master(surface));
     }
-    let slaves = model.slave_counts(comm);
-    for (pair, count) in model.pairs.iter().zip(slaves) {
-        let method = match pair.method {
-            Enforcement::Penalty => "penalty",
-            Enforcement::Lagrange => "Lagrange",
-            Enforcement::AugmentedLagrangian => "augmented Lagrangian",
-            Enforcement::Uzawa => "Uzawa",
-        };
-        let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
-        let friction = match pair.friction {
-            0.0 => format!("frictionless, {multipliers}, no slip history"),
-            friction => format!("friction {friction}, {multipliers}"),
-        };
-        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
-        let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
-    }
+    text += &contacts(comm, model);
     for line in &begins {
         let _ = writeln!(text, "{line}");
     }

@@ -10,6 +10,8 @@ pub enum Event<'a> {
     Iteration(Iteration<'a>),
     /// An increment has failed, and is tried again.
     Retried(Retried<'a>),
+    /// A step of a jump begins, from 1, against such a drag over the stiffness of the bodies.
+    Jumping { number: usize, drag: f64 },
     /// The structure has jumped to another equilibrium, in so many steps.
     Jumped { step: &'a str, steps: usize },
     /// An increment has converged, and is the state.
@@ -30,8 +32,9 @@ pub struct Iteration<'a> {
     pub number: usize,
     /// Largest residual over the forces that it counts against.
     pub residual: f64,
-    /// Contact nodes that have changed their status.
+    /// Contact nodes that have changed their status, and that touch.
     pub changes: usize,
+    pub touching: usize,
 }
 
 /// An increment that has failed.

@@ -15,7 +15,6 @@ use super::{Event, Observer};
 use crate::controls::Controls;
 use crate::error::Result;
 use petsc::{Snes, Vector};
-use std::fmt::Write;
 
 impl<'a> Simulation<'a> {
     /// Tries the increment to fraction `end` of the step as a jump. Collective.
@@ -47,16 +46,15 @@ impl<'a> Simulation<'a> {
         let Controls {
             jump_drag, jump_fall, jump_rise, jump_negligible, jump_useless, jump_strongest, jump_steps, ..
         } = self.model.controls;
-        let (mut drag, mut weakest, mut way) = (jump_drag, jump_drag, String::new());
+        let (mut drag, mut weakest) = (jump_drag, jump_drag);
         for step in 1.. {
             frame.progress.past.clear();
+            observer(&Event::Jumping { number: step, drag })?;
             let attempt = self.attempt(frame, (snes, x), (end, Share::ALL), drag * self.model.stiffness, observer)?;
-            let _ = write!(way, " {drag:.1e}{}", if matches!(attempt, Attempt::Failed(_)) { "!" } else { "" });
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
                     self.summary.jumps += 1;
                     observer(&Event::Jumped { step: frame.name(), steps: step })?;
-                    observer(&Event::Detail(&format!("    drag over stiffness (! failed):{way}")))?;
                     return Ok(Attempt::Converged(converged));
                 }
                 Attempt::Converged(converged) => {
@@ -65,10 +63,7 @@ impl<'a> Simulation<'a> {
                     drag =
                         if drag * jump_fall < jump_negligible || step >= jump_steps { 0.0 } else { drag * jump_fall };
                 }
-                failed if drag > jump_strongest || weakest < jump_useless || step >= jump_steps => {
-                    observer(&Event::Detail(&format!("    drag over stiffness (! failed):{way}")))?;
-                    return Ok(failed);
-                }
+                failed if drag > jump_strongest || weakest < jump_useless || step >= jump_steps => return Ok(failed),
                 // Close to where equilibrium ends little drives the motion: less drag lets it go.
                 _ if drag == 0.0 => drag = jump_fall * weakest,
                 _ => drag *= jump_rise,

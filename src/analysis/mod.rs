@@ -11,7 +11,8 @@
 //! - `hold`: what holds bodies and tools
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted
-//! - `results`: the history and the fields of what has converged
+//! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
+//! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `estimates`: how far what has converged may be from the solution
 //! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
@@ -24,6 +25,7 @@
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
 //! again from it, shorter, until it would be shorter than the scene's minimum.
 
+mod body_fields;
 mod conditioning;
 mod conditions;
 pub mod cost;
@@ -38,6 +40,7 @@ mod ladder;
 mod newton;
 mod paths;
 pub mod preflight;
+mod probes;
 mod results;
 mod run;
 mod runaway;

@@ -1,15 +1,17 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
-use super::{Increment, SetReading, Simulation, Way};
+use super::body_fields::{BodyFields, Known};
+use super::probes::Probes;
+use super::{Increment, SetReading, Simulation, State, Way};
 use crate::Vec3;
 use crate::contact::Status;
 use crate::error::Result;
-use crate::estimate::energy::Energy;
 use crate::mesh::SolidShape;
 use crate::model::{Body, Model, elements, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::HistoryFile;
+use crate::output::quantity::Quantity;
 use crate::parallel::{agree, max, number, sum};
 use crate::partition::PartFacet;
 use crate::partition::parcels::{bounds, grown, hull};
@@ -35,6 +37,11 @@ pub struct Results {
     /// Deformable masters, with the initial positions of their points.
     masters: Vec<(GridId, Vec<Vec3>)>,
     watched: Vec<String>,
+    /// Fields that the scene asks for.
+    wanted: Vec<Quantity>,
+    /// Whether VTK is to read them.
+    vtkhdf: bool,
+    probes: Probes,
 }
 
 /// Pieces along an edge of a smoothed patch in ParaView.
@@ -76,14 +83,44 @@ impl Results {
         }
         let tools = add_tools(comm, &mut fields, model)?;
         let masters = add_masters(comm, &mut fields, model)?;
-        Ok(Self { history, fields, bodies, contacts, tools, masters, watched })
+        let (wanted, probes) = (scene.output.fields.clone(), Probes::create(comm, folder, scene, model)?);
+        Ok(Self {
+            history,
+            fields,
+            bodies,
+            contacts,
+            tools,
+            masters,
+            watched,
+            wanted,
+            vtkhdf: scene.output.vtkhdf,
+            probes,
+        })
     }
 
-    /// Adds the row of a converged increment. Collective.
+    /// Whether recovered stresses and strains are asked for: of an increment whose fields are written, or of others.
+    pub fn need_recovery(&self, written: bool) -> bool {
+        written && self.wanted.iter().any(|field| field.is_recovered()) || self.probes.need_recovery(written)
+    }
+
+    /// Lets VTK read all that has been written until now, if it is to. Collective.
+    ///
+    /// # Errors
+    /// A file that cannot be written, on all ranks.
+    pub fn index(&self, comm: &SimpleCommunicator) -> Result<()> {
+        if self.vtkhdf { self.fields.index(comm) } else { Ok(()) }
+    }
+
+    /// Whether the fields have stresses of elements.
+    pub fn has_stresses(&self) -> bool {
+        self.wanted.iter().any(|field| matches!(field, Quantity::Mean(measure) if !measure.is_of_strain()))
+    }
+
+    /// Adds the row of a converged increment, in the tables of probes, too. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
-    pub fn add_row(&mut self, simulation: &Simulation, increment: &Increment) -> Result<()> {
+    pub fn add_row(&mut self, simulation: &Simulation, increment: &Increment, known: Known) -> Result<()> {
         let (comm, model, state) = (simulation.comm(), simulation.model(), simulation.state());
         let mut row = Vec::new();
         for (tool, force) in model.masters.tools.iter().zip(&state.tool_forces) {
@@ -137,11 +174,11 @@ impl Results {
         };
         row.extend([increment.residual(), increment.limit, increment.failures as f64, how]);
         let Increment { step, number, time, iterations, .. } = increment;
-        self.history.row(comm, step, *number, *time, *iterations, &row)
+        self.history.row(comm, step, *number, *time, *iterations, &row)?;
+        self.probes.add_increment(comm, model, (state, known))
     }
 
-    /// Writes the fields of the last converged increment, with displacements `u` and, where it is known, the energy of their
-    /// error. Collective.
+    /// Writes the fields of the last converged increment, or those before the first, and its paths. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, or an element without stress, on all ranks.
@@ -149,47 +186,40 @@ impl Results {
         &mut self,
         comm: &SimpleCommunicator,
         model: &Model,
-        (time, u): (f64, &[Vec3]),
-        energy: Option<&Energy>,
+        state: &State,
+        known: Known,
     ) -> Result<()> {
-        let stresses = agree(comm, states::stresses(model, u))?;
+        let u = state.u.as_slice();
+        let of_bodies = BodyFields::new(comm, model, state, known, &self.wanted)?;
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
-            let mine = model.part.solids.iter().filter(|s| s.mine).zip(&stresses);
-            let of_body: Vec<_> = mine.filter(|(s, _)| s.body == b as u32).map(|(_, stress)| *stress).collect();
-            let von_mises = of_body.iter().map(crate::solid::voigt::von_mises).collect();
-            let error = energy.map_or_else(|| vec![f64::NAN; of_body.len()], |energy| energy.shares(model, b));
-            let stress = of_body.into_iter().flatten().collect();
-            let mut cell = vec![("stress", 6, stress), ("von_mises", 1, von_mises), ("error", 1, error)];
-            if model.body_can_flow(b) {
-                cell.push(("equivalent_plastic_strain", 1, agree(comm, states::plastic_strains(model, u, b))?));
-            }
-            let node = vec![("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize])))];
-            grids.push(Columns { grid: shown.id, node, cell });
+            let cell = agree(comm, of_bodies.of_elements(b))?;
+            grids.push(Columns { grid: shown.id, node: of_bodies.at_nodes(&shown.nodes), cell });
         }
         for (p, shown) in self.contacts.iter().enumerate() {
-            grids.push(contact_columns(model, p, shown, u));
+            grids.push(contact_columns(model, p, shown, u, &self.wanted));
         }
         for ((grid, points), tool) in self.tools.iter().zip(&model.masters.tools) {
             let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
-            grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
+            grids.push(Columns::moved(*grid, moved));
         }
         for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
             let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
             let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
-            grids.push(Columns { grid: *grid, node: vec![("displacement", 3, moved)], cell: Vec::new() });
+            grids.push(Columns::moved(*grid, moved));
         }
         let fields: Vec<(Vec<Field>, Vec<Field>)> =
             grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
         let data: Vec<GridData> = (grids.iter().zip(&fields))
             .map(|(g, (node, cell))| GridData { grid: g.grid, node_fields: node, cell_fields: cell })
             .collect();
-        self.fields.write(comm, time, &data)
+        self.fields.write(comm, state.time, &data)?;
+        if state.increments == 0 { Ok(()) } else { self.probes.add_paths(comm, model, (state, known)) }
     }
 }
 
 /// A field as (name, components, values).
-type Column = (&'static str, usize, Vec<f64>);
+pub(super) type Column = (String, usize, Vec<f64>);
 
 /// The fields of a grid.
 struct Columns {
@@ -198,11 +228,18 @@ struct Columns {
     cell: Vec<Column>,
 }
 
+impl Columns {
+    /// Those of a surface that only moves.
+    fn moved(grid: GridId, displacement: Vec<f64>) -> Self {
+        Self { grid, node: vec![("displacement".into(), 3, displacement)], cell: Vec::new() }
+    }
+}
+
 fn as_fields(columns: &[Column]) -> Vec<Field<'_>> {
     columns.iter().map(|(name, components, values)| Field { name, components: *components, values }).collect()
 }
 
-fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
+pub(super) fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
     values.flat_map(|v| [v.x, v.y, v.z]).collect()
 }
 
@@ -240,8 +277,8 @@ fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
     areas
 }
 
-/// Status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
-fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3]) -> Columns {
+/// What is wanted of status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
+fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3], wanted: &[Quantity]) -> Columns {
     let pair = &model.pairs[pair];
     let areas = slave_areas(model, pair.set, u);
     let mut of_node = vec![None; model.part.owned];
@@ -258,19 +295,21 @@ fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3]) -> Col
     let traction = |k: usize| force(k) / areas[tie(shown.nodes[k])];
     let all = 0..shown.nodes.len();
     let normals = || projections().map(|p| p.map_or(Vec3::zeros(), |p| p.normal));
-    Columns {
-        grid: shown.id,
-        node: vec![
-            ("displacement", 3, vectors(shown.nodes.iter().map(|&n| u[n as usize]))),
-            ("status", 1, trials.iter().map(|t| t.map_or(0.0, |t| f64::from(t.status as u8))).collect()),
-            ("gap", 1, projections().map(|p| p.map_or(f64::NAN, |p| p.gap)).collect()),
-            ("pressure", 1, all.clone().zip(normals()).map(|(k, n)| traction(k).dot(&n)).collect()),
-            ("traction", 3, vectors(all.clone().map(traction))),
-            ("force", 3, vectors(all.map(|k| force(k) / sharing[tie(shown.nodes[k])]))),
-            ("normal", 3, vectors(normals())),
-        ],
-        cell: Vec::new(),
-    }
+    let values = |quantity: &Quantity| {
+        let all = all.clone();
+        let values = match quantity {
+            Quantity::Displacement => vectors(shown.nodes.iter().map(|&n| u[n as usize])),
+            Quantity::Status => trials.iter().map(|t| t.map_or(0.0, |t| f64::from(t.status as u8))).collect(),
+            Quantity::Gap => projections().map(|p| p.map_or(f64::NAN, |p| p.gap)).collect(),
+            Quantity::Pressure => all.zip(normals()).map(|(k, n)| traction(k).dot(&n)).collect(),
+            Quantity::Traction => vectors(all.map(traction)),
+            Quantity::Force => vectors(all.map(|k| force(k) / sharing[tie(shown.nodes[k])])),
+            Quantity::Normal => vectors(normals()),
+            _ => return None,
+        };
+        Some((quantity.key().to_string(), quantity.width(), values))
+    };
+    Columns { grid: shown.id, node: wanted.iter().filter_map(values).collect(), cell: Vec::new() }
 }
 
 fn facet_cell(facet: &PartFacet) -> (CellShape, &[u32]) {

@@ -1,22 +1,26 @@
 //! The run of a scene as the command line has it: its steps one after the other, with log, history, fields and summary.
 
+use super::body_fields::Known;
 use super::cost::machine::Machine;
 use super::cost::predict::Prediction;
 use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
 use super::paths::{self, End};
 use super::results::Results;
-use super::{Event, Increment, Simulation, describe};
+use super::{Event, Increment, Iteration, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
+use crate::estimate::recovery::Recovered;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
 use crate::output::summary::{Summary, peak_memory_mb};
 use crate::output::{self, OutputFolder};
 use crate::parallel::{Sent, agree, sent, sum};
+use crate::report;
 use crate::scene::{Scene, Step};
 use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
 use petsc::{LinearStatistics, Petsc};
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -30,6 +34,8 @@ pub struct Options<'a> {
     /// Estimate the error of the increments by a second run.
     pub estimate: bool,
     pub quiet: bool,
+    /// Write a report at the end, too, however it comes.
+    pub report: bool,
     /// The scene file, which must not be overwritten.
     pub source: &'a Path,
 }
@@ -44,11 +50,15 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     agree(comm, interrupt::heed())?;
     let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
     let (machine, damage) = Machine::find(comm);
-    let folder = OutputFolder::create(options.out, &output::RUN, &[("scene file", options.source)], comm)?;
+    let replaced = output::results_in(options.out);
+    let replaced: Vec<&str> = replaced.iter().map(String::as_str).collect();
+    let folder = OutputFolder::create(options.out, &replaced, &[("scene file", options.source)], comm)?;
     folder.write(comm, "scene.toml", &scene.text)?;
     let mut log = Log::create(&folder, comm, options.quiet)?;
     let model = simulation.model();
     log.line(&describe::heading(comm, scene, model));
+    let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
+    bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
     model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
     model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
     simulation.gaps().iter().for_each(|line| log.line(line));
@@ -103,7 +113,18 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     if let Err(error) = &outcome {
         log.record(&format!("error: {error}"));
     }
+    if options.report {
+        written = written.and(write_report(comm, &folder, log));
+    }
     outcome.and(written)
+}
+
+/// Writes the page of a run that has ended. Collective.
+fn write_report(comm: &SimpleCommunicator, folder: &OutputFolder, log: &mut Log) -> Result<()> {
+    let page = if comm.rank() == 0 { report::page(&[folder.path()]) } else { Ok(String::new()) };
+    folder.write(comm, report::NAME, &agree(comm, page)?)?;
+    log.line(&format!("report:      {}", folder.file(report::NAME).display()));
+    Ok(())
 }
 
 /// Takes the times of the linear solver from PETSc's log, and what it has measured itself.
@@ -162,13 +183,21 @@ impl Recorder<'_> {
     fn steps(&mut self, simulation: &mut Simulation) -> Result<()> {
         let steps = self.seer.steps;
         self.log.start(steps.iter().map(|s| s.duration).sum());
+        if simulation.state().increments == 0 {
+            let begun = Instant::now();
+            self.write_alone(simulation)?;
+            simulation.phases().add(Phase::Output, begun.elapsed());
+        }
         for step in steps {
             let outcome = self.step(simulation, step);
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
-                let _ = self.write_fields(simulation, None);
+                let _ = self.write_alone(simulation);
             }
-            outcome?;
+            let begun = Instant::now();
+            let indexed = self.results.index(simulation.comm());
+            simulation.phases().add(Phase::Output, begun.elapsed());
+            outcome.and(indexed)?;
         }
         for warning in simulation.idle_contacts() {
             self.log.line(&format!("  warning: {warning}"));
@@ -185,12 +214,20 @@ impl Recorder<'_> {
         while let Some(increment) = simulation.advance(&mut |event| self.hear(event))? {
             let begun = Instant::now();
             self.seer.look_again(simulation)?;
-            self.results.add_row(simulation, &increment)?;
-            self.estimates.learn(simulation);
             self.since_written += 1;
-            if self.since_written >= self.every || increment.ends_step {
-                let energy = if increment.ends_step { Some(self.estimate(simulation, &increment.step)?) } else { None };
-                self.write_fields(simulation, energy.as_ref())?;
+            let written = self.since_written >= self.every || increment.ends_step;
+            let recovered = self.recover(simulation, written, increment.ends_step)?;
+            let known = Known { energy: None, recovered: recovered.as_ref() };
+            self.results.add_row(simulation, &increment, known)?;
+            self.estimates.learn(simulation);
+            let energy = match &recovered {
+                Some(recovered) if increment.ends_step => {
+                    Some(self.estimate(simulation, &increment.step, recovered)?)
+                }
+                _ => None,
+            };
+            if written {
+                self.write_fields(simulation, Known { energy: energy.as_ref(), ..known })?;
             }
             simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
@@ -212,24 +249,42 @@ impl Recorder<'_> {
     }
 
     /// Estimates the end of a step, and gives the error in energy. Collective.
-    fn estimate(&mut self, simulation: &Simulation, step: &str) -> Result<Energy> {
-        let energy = Energy::new(simulation.comm(), simulation.model(), &simulation.state().u)?;
+    fn estimate(&mut self, simulation: &Simulation, step: &str, recovered: &Recovered) -> Result<Energy> {
+        let energy = Energy::new(simulation.comm(), simulation.model(), &simulation.state().u, recovered)?;
         self.estimates.end_step(simulation, step, &energy);
         self.ends.push(End::of(simulation, step));
         Ok(energy)
     }
 
+    /// What is recovered of the state: for the estimate, or where fields or probes ask for it. Collective.
+    fn recover(&self, simulation: &Simulation, written: bool, estimated: bool) -> Result<Option<Recovered>> {
+        if !estimated && !self.results.need_recovery(written) {
+            return Ok(None);
+        }
+        Recovered::new(simulation.comm(), simulation.model(), &simulation.state().u).map(Some)
+    }
+
+    /// Writes the fields of the state with nothing else known of it. Collective.
+    fn write_alone(&mut self, simulation: &mut Simulation) -> Result<()> {
+        let recovered = self.recover(simulation, true, false)?;
+        self.write_fields(simulation, Known { energy: None, recovered: recovered.as_ref() })
+    }
+
     /// Collective.
-    fn write_fields(&mut self, simulation: &mut Simulation, energy: Option<&Energy>) -> Result<()> {
+    fn write_fields(&mut self, simulation: &mut Simulation, known: Known) -> Result<()> {
         self.since_written = 0;
-        simulation.count_stresses();
-        let state = simulation.state();
-        self.results.write_fields(simulation.comm(), simulation.model(), (state.time, &state.u), energy)
+        if self.results.has_stresses() {
+            simulation.count_stresses();
+        }
+        self.results.write_fields(simulation.comm(), simulation.model(), simulation.state(), known)
     }
 
     fn hear(&mut self, event: &Event) -> Result<()> {
         match event {
-            Event::Iteration(at) => self.log.iteration(at.step, at.increment, at.number),
+            &Event::Iteration(Iteration { step, increment, number, residual, changes, touching }) => {
+                self.log.iteration(&log::Iterate { step, increment, number, residual, changes, touching });
+            }
+            Event::Jumping { number, drag } => self.log.jump(*number, *drag),
             Event::Retried(retried) => self.log.line(&describe::retried(retried)),
             Event::Jumped { step, steps } => {
                 self.log.line(&format!("  {step}: no equilibrium near; went on to another in {steps} steps"));
@@ -252,7 +307,6 @@ impl Recorder<'_> {
             iterations: *iterations,
             note: &note,
         });
-        self.log.record(&describe::trace(&increment.residuals, &increment.changes));
         if let Some(name) = &increment.calmed_node {
             self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }

@@ -113,8 +113,8 @@ pub(super) struct Converged {
 impl Converged {
     /// Why it is not accepted.
     pub(super) fn refused(self, cause: Cause, reason: String) -> Failed {
-        let Self { end, trace, changes, .. } = self;
-        Failed { end, cause, reason, extrapolated: false, worst: None, trace, changes }
+        let Self { end, changes, .. } = self;
+        Failed { end, cause, reason, extrapolated: false, worst: None, changes }
     }
 }
 
@@ -134,7 +134,6 @@ pub(super) struct Failed {
     extrapolated: bool,
     /// The worst equation of this rank, with its residual, where balance was not found.
     worst: Option<(usize, f64)>,
-    trace: Vec<f64>,
     changes: Vec<usize>,
 }
 
@@ -267,7 +266,10 @@ impl<'a> Simulation<'a> {
                     }
                     return Ok(Some(increment));
                 }
-                Attempt::Failed(failed) if failed.extrapolated => frame.progress.past.clear(),
+                Attempt::Failed(failed) if failed.extrapolated => {
+                    frame.progress.past.clear();
+                    observer(&Event::Detail("    again, not ahead of the last state"))?;
+                }
                 Attempt::Failed(failed) => self.retry(frame, failed, duration, observer)?,
             }
         }
@@ -294,7 +296,6 @@ impl<'a> Simulation<'a> {
         };
         self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
         observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
-        observer(&Event::Detail(&describe::trace(&failed.trace, &failed.changes)))?;
         if !is_remedy {
             frame.plain = Some(failed);
         }
@@ -356,8 +357,8 @@ impl<'a> Simulation<'a> {
         let max_iterations = self.scene.solver.max_iterations;
         let name = frame.progress.step.name.value.clone();
         let increment = self.state.increments + 1;
-        let mut watcher = |number, residual, changes| {
-            observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes }))
+        let mut watcher = |number, residual, [changes, touching]: [usize; 2]| {
+            observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes, touching }))
         };
         let controls = self.model.controls;
         let smooth = self.model.can_flow() || self.model.masters.tools.iter().all(|t| !t.surface.faceted);
@@ -643,8 +644,7 @@ fn failed(newton: Newton, cause: Cause, reason: String, extrapolated: bool) -> F
         None => (cause, reason),
     };
     let Newton { s: end, found, course, .. } = newton;
-    let (trace, changes) = (course.trace, course.changes);
-    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), trace, changes }
+    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), changes: course.changes }
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what

@@ -87,14 +87,12 @@ impl Energy {
         own.map(|(_, error)| if all > 0.0 { (error / all).sqrt() } else { 0.0 }).collect()
     }
 
-    /// Of a state that has converged. Collective.
+    /// Of a state that has converged, with what has been recovered of it. Collective.
     ///
     /// # Errors
     /// An element that is inverted, by its number.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self> {
-        let recovered = Recovered::new(comm, model, u).map_err(|(e, _)| lost(model, e));
-        let recovered = agree(comm, recovered)?;
-        let of = |e: usize| of_element(model, &recovered, e, u).map_err(|_| lost(model, e));
+    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], recovered: &Recovered) -> Result<Self> {
+        let of = |e: usize| of_element(model, recovered, e, u).map_err(|_| lost(model, e));
         let elements: Vec<f64> = agree(comm, mine(model).map(of).collect())?;
         let mut sums = vec![[0.0; 5]; model.bodies.len()];
         for (e, error) in mine(model).zip(&elements) {

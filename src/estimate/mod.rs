@@ -34,6 +34,7 @@
 
 pub mod energy;
 pub mod facets;
+pub mod nodal;
 pub mod pressure;
 pub mod recovery;
 

@@ -6,10 +6,12 @@
 //! the nodes of a face, an edge or a corner, the polynomial knows nothing of some directions; the value is then the mean of
 //! those of the polynomials of the nodes next to it that know more.
 
+use crate::error::Result;
 use crate::model::Model;
-use crate::model::elements::{carrying, medium, samples};
+use crate::model::elements::{carrying, lost, medium, samples};
+use crate::parallel::agree;
 use crate::solid::element::{Inverted, Sample};
-use crate::solid::voigt::{Voigt, left_cauchy_green, logarithm};
+use crate::solid::voigt::logarithmic_strain;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 
@@ -24,10 +26,18 @@ const FLAT: f64 = 0.1;
 /// Numbers of a [`Fit`] that travel between ranks.
 const PACKED: usize = 1 + 4 * WIDTH;
 
-/// The recovered values.
+/// The recovered values, each material of a body by itself: between two of them stresses jump.
 pub struct Recovered {
+    /// The first materials of all bodies, their second, and so on.
+    layers: Vec<Layer>,
+    /// The layer of each section.
+    layer_of: Vec<usize>,
+}
+
+/// What has been recovered from the elements of one material of each body.
+struct Layer {
     /// Of each local node.
-    pub values: Vec<f64>,
+    values: Vec<f64>,
     /// Directions that the polynomial of each local node knows of.
     known: Vec<f64>,
 }
@@ -119,7 +129,7 @@ impl Fit {
 }
 
 /// Nodes that carry an element, those that others share their displacement with in place of these.
-fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = usize> + Clone + 'a {
+pub(super) fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = usize> + Clone + 'a {
     carrying(model, &model.part.solids[e]).iter().map(|&n| model.part.tie[n as usize] as usize)
 }
 
@@ -128,16 +138,16 @@ fn is_plane(model: &Model, e: usize) -> bool {
 }
 
 /// Stress and strain at an integration point of element `e`.
-pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> Result<Values, Inverted> {
+pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> std::result::Result<Values, Inverted> {
     let medium = medium(model, e);
     let lost = Inverted { det_f: sample.det_f };
     let stress = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
-    let strain: Voigt = logarithm(&left_cauchy_green(&sample.f)).map(|s| 0.5 * s);
+    let strain = logarithmic_strain(&sample.f);
     Ok(std::array::from_fn(|k| if k < 6 { stress[k] } else { strain[k - 6] }))
 }
 
 /// Their mean over an element: the values in its middle, but for terms of second order.
-fn middle(model: &Model, e: usize, u: &[Vec3]) -> Result<Values, Inverted> {
+fn middle(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<Values, Inverted> {
     let samples = samples(model, e, u)?;
     let (mut mean, mut weight) = ([0.0; WIDTH], 0.0);
     for (q, sample) in samples.iter().enumerate() {
@@ -149,15 +159,61 @@ fn middle(model: &Model, e: usize, u: &[Vec3]) -> Result<Values, Inverted> {
 }
 
 impl Recovered {
-    /// Of a state that has converged, with displacements `u` of all local nodes. Collective; the outcome is of this rank.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self, (usize, Inverted)> {
+    /// Of a state that has converged, with displacements `u` of all local nodes. Collective.
+    ///
+    /// # Errors
+    /// An element that is inverted, by its number, on all ranks.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self> {
+        let before = |k: usize| model.sections[..k].iter().filter(|s| s.body == model.sections[k].body).count();
+        let layer_of: Vec<usize> = (0..model.sections.len()).map(before).collect();
+        let count = layer_of.iter().max().map_or(0, |last| last + 1);
+        let of = |layer: usize, e: usize| layer_of[model.part.solids[e].section as usize] == layer;
+        let layers = (0..count).map(|layer| Layer::new(comm, model, u, &|e| of(layer, e)));
+        Ok(Self { layers: layers.collect::<Result<_>>()?, layer_of })
+    }
+
+    fn layer(&self, model: &Model, e: usize) -> &Layer {
+        &self.layers[self.layer_of[model.part.solids[e].section as usize]]
+    }
+
+    /// The values at local node `n`, in the material of element `e`.
+    pub(super) fn beside(&self, model: &Model, e: usize, n: usize) -> Values {
+        self.layer(model, e).at_node(n)
+    }
+
+    /// The values at a local node, between materials those of the stiffest.
+    pub(super) fn at_node(&self, model: &Model, n: usize) -> Values {
+        let tie = model.part.tie[n] as usize;
+        self.layers[self.layer_of[model.part.section[tie] as usize]].at_node(tie)
+    }
+
+    /// Values of the nodes of element `e`, weighted by shape functions.
+    pub fn at(&self, model: &Model, e: usize, shape: &[f64]) -> Values {
+        let mut sum = [0.0; WIDTH];
+        for (n, share) in nodes_of(model, e).zip(shape) {
+            let own = &self.layer(model, e).values[n * WIDTH..][..WIDTH];
+            sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
+        }
+        sum
+    }
+
+    /// Whether element `e` is one of a single layer: no node of it has a polynomial that knows all directions.
+    pub fn is_thin(&self, model: &Model, e: usize) -> bool {
+        let all = if is_plane(model, e) { 2.0 } else { 3.0 };
+        nodes_of(model, e).all(|n| self.layer(model, e).known[n] < all)
+    }
+}
+
+impl Layer {
+    /// From the elements that are `of` it. Collective.
+    fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], of: &dyn Fn(usize) -> bool) -> Result<Self> {
         let (part, count) = (&model.part, model.part.points.len());
         let mut sums = vec![Sums::default(); part.owned];
         let mut plane = vec![false; part.owned];
         let mut outcome = Ok(());
-        for e in 0..part.solids.len() {
-            let values = middle(model, e, u).unwrap_or_else(|error| {
-                outcome = Err((e, error));
+        for e in (0..part.solids.len()).filter(|e| of(*e)) {
+            let values = middle(model, e, u).unwrap_or_else(|_| {
+                outcome = Err(lost(model, e));
                 [0.0; WIDTH]
             });
             for n in nodes_of(model, e).filter(|n| *n < part.owned) {
@@ -172,22 +228,23 @@ impl Recovered {
         drop(sums);
         part.halo.update(comm, PACKED, &mut fits);
         let known: Vec<f64> = (0..count).map(|n| fits[n * PACKED]).collect();
-        let mut values = Self::spread(model, &fits, &known);
+        let mut values = Self::spread(model, &fits, &known, of);
         part.halo.update(comm, WIDTH, &mut values);
-        outcome.map(|()| Self { values, known })
+        agree(comm, outcome)?;
+        Ok(Self { values, known })
     }
 
     /// The values at owned nodes, those that know less than others from these.
-    fn spread(model: &Model, fits: &[f64], known: &[f64]) -> Vec<f64> {
+    fn spread(model: &Model, fits: &[f64], known: &[f64], of: &dyn Fn(usize) -> bool) -> Vec<f64> {
         let part = &model.part;
         let mut best = known.to_vec();
-        for e in 0..part.solids.len() {
+        for e in (0..part.solids.len()).filter(|e| of(*e)) {
             let most = nodes_of(model, e).map(|n| known[n]).fold(0.0, f64::max);
             nodes_of(model, e).for_each(|n| best[n] = best[n].max(most));
         }
         let mut values = vec![0.0; known.len() * WIDTH];
         let mut shares = vec![0.0; part.owned];
-        for e in 0..part.solids.len() {
+        for e in (0..part.solids.len()).filter(|e| of(*e)) {
             for n in nodes_of(model, e).filter(|n| *n < part.owned && known[*n] < best[*n]) {
                 for m in nodes_of(model, e).filter(|m| known[*m] == best[n]) {
                     let from = Fit::at(&fits[m * PACKED..][..PACKED], &(part.points[n] - part.points[m]));
@@ -206,19 +263,7 @@ impl Recovered {
         values
     }
 
-    /// Values of the nodes of element `e`, weighted by shape functions.
-    pub fn at(&self, model: &Model, e: usize, shape: &[f64]) -> Values {
-        let mut sum = [0.0; WIDTH];
-        for (n, share) in nodes_of(model, e).zip(shape) {
-            let own = &self.values[n * WIDTH..][..WIDTH];
-            sum.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
-        }
-        sum
-    }
-
-    /// Whether element `e` is one of a single layer: no node of it has a polynomial that knows all directions.
-    pub fn is_thin(&self, model: &Model, e: usize) -> bool {
-        let all = if is_plane(model, e) { 2.0 } else { 3.0 };
-        nodes_of(model, e).all(|n| self.known[n] < all)
+    fn at_node(&self, n: usize) -> Values {
+        std::array::from_fn(|k| self.values[n * WIDTH + k])
     }
 }

@@ -133,7 +133,7 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
 pub type Outcome = std::result::Result<(), Inverted>;
 
 /// Node vectors of an element.
-fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
+pub(super) fn gather<const N: usize>(field: &[Vec3], solid: &PartSolid) -> [[f64; 3]; N] {
     std::array::from_fn(|a| field[solid.nodes[a] as usize].into())
 }
 
@@ -199,7 +199,7 @@ pub fn mine(model: &Model) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Those of a body.
-pub(super) fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
+pub fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
     mine(model).filter(move |&e| model.part.solids[e].body as usize == body)
 }
 

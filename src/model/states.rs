@@ -4,7 +4,9 @@ use super::Model;
 use super::elements::{Scratch, lost, medium, mine, of_body, samples};
 use crate::Vec3;
 use crate::error::Result;
-use crate::solid::element::{Inverted, advance, average_plastic_strain, average_stress, plastic_work, stored_energy};
+use crate::solid::element::{
+    Inverted, advance, average_plastic_strain, average_strain, average_stress, plastic_work, stored_energy,
+};
 use crate::solid::material::State;
 use crate::solid::voigt::Voigt;
 
@@ -40,6 +42,14 @@ pub fn flown(model: &mut Model, u: &[Vec3]) -> Result<Vec<State>> {
 pub fn stresses(model: &Model, u: &[Vec3]) -> Result<Vec<Voigt>> {
     let of = |e: usize| average_stress(&samples(model, e, u)?, medium(model, e));
     mine(model).map(|e| of(e).map_err(|_| lost(model, e))).collect()
+}
+
+/// Mean logarithmic strain of each element that this rank counts (xx, yy, zz, xy, yz, zx).
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn strains(model: &Model, u: &[Vec3]) -> Result<Vec<Voigt>> {
+    mine(model).map(|e| Ok(average_strain(&samples(model, e, u).map_err(|_| lost(model, e))?))).collect()
 }
 
 /// Mean equivalent plastic strain of each element of a body that this rank counts.

@@ -1,4 +1,4 @@
-//! What ParaView shows: an HDF5 file with the data and an XDMF file that describes it.
+//! What ParaView shows: an HDF5 file with the data, and an XDMF and a VTKHDF file that describe it.
 //!
 //! There is one HDF5 file, and rank 0 alone has it open: it takes the rows of the others, one rank after the other. An error
 //! that one rank meets in HDF5's collective calls, such as a full disk, would leave the others waiting. The layout is
@@ -6,7 +6,7 @@
 //! ```text
 //! grids/GRID/points            points x 3, reference positions
 //! grids/GRID/cells             cells x nodes, or one vector of shape codes and nodes when the shapes differ
-//! increments/NUMBER/time
+//! increments/NUMBER/time       number 0 is the state at time 0
 //! increments/NUMBER/GRID/node/FIELD, .../cell/FIELD
 //! ```
 //!
@@ -14,7 +14,7 @@
 //! so that a kill at any time leaves a file that opens up to the last complete increment.
 
 use super::xdmf::{self, Reference, XdmfField, XdmfGrid};
-use super::{OutputFolder, cannot_write, replace};
+use super::{OutputFolder, cannot_write, replace, vtkhdf};
 use crate::error::{Error, Result};
 use crate::parallel::{agree, number};
 use hdf5::{Dataset, File, FileBuilder, H5Type, OpenMode};
@@ -81,7 +81,7 @@ pub struct Fields {
     h5: PathBuf,
     xdmf: PathBuf,
     grids: Vec<StoredGrid>,
-    /// Increments written.
+    /// The last increment written.
     written: usize,
     /// Their XDMF text; on rank 0 alone.
     increments: String,
@@ -114,7 +114,7 @@ struct Rows<'a, T> {
 }
 
 impl Fields {
-    /// Starts an empty `NAME.h5`; `NAME.xdmf` appears with the first increment.
+    /// Starts an empty `NAME.h5`; `NAME.xdmf` appears with the first state.
     ///
     /// # Errors
     /// [`Error::System`] when the file cannot be written.
@@ -158,20 +158,22 @@ impl Fields {
         Ok(GridId(self.grids.len() - 1))
     }
 
-    /// Writes an increment, then makes it known to ParaView. Grids without data in it do not show at that time.
+    /// Writes an increment, or the state at time 0 before the first, then makes it known to ParaView. Grids without data in it
+    /// do not show at that time.
     ///
     /// # Errors
     /// [`Error::System`] when a file cannot be written or the length of a field is not that of its grid. What was written
     /// before stays valid.
     pub fn write(&mut self, comm: &impl Communicator, time: f64, data: &[GridData]) -> Result<()> {
-        let increment = format!("increments/{:06}", self.written + 1);
+        let number = if time > 0.0 { self.written + 1 } else { 0 };
+        let increment = format!("increments/{number:06}");
         let clock = [time];
         let share = Share { first: 0, owned: u64::from(comm.rank() == 0), total: 1 };
         let clock = Rows { path: format!("{increment}/time"), width: 1, share, values: &clock[..share.owned as usize] };
         let mut rows = agree(comm, self.rows(&increment, data))?;
         rows.push(clock);
         self.append(comm, &rows, &[])?;
-        self.written += 1;
+        self.written = number;
 
         let shown = if comm.rank() == 0 {
             self.increments.push_str(&self.describe(time, &increment, data));
@@ -180,6 +182,20 @@ impl Fields {
             Ok(())
         };
         agree(comm, shown)
+    }
+
+    /// Writes `NAME-GRID.vtkhdf` for each grid, by which VTK reads all that has been written until now.
+    ///
+    /// # Errors
+    /// [`Error::System`] when the file cannot be written.
+    pub fn index(&self, comm: &impl Communicator) -> Result<()> {
+        let name = self.h5.file_stem().unwrap_or_default().to_string_lossy();
+        let one = |grid: &StoredGrid| {
+            let path = self.h5.with_file_name(format!("{name}-{}.vtkhdf", grid.folder));
+            vtkhdf::write(&self.h5, &path, &grid.folder, grid.xdmf.shape).map_err(|error| cannot_write(&path, error))
+        };
+        self.on_root(comm, || self.grids.iter().try_for_each(one))?;
+        Ok(())
     }
 
     /// The datasets of an increment.

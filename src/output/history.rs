@@ -1,4 +1,8 @@
-//! `history.csv`: one row an increment, each on disk before the next increment starts.
+//! `history.csv`: one row an increment, each on disk before the next increment starts; and the tables of probes.
+
+mod read;
+
+pub use read::{Components, DISPLACEMENT, FORCE, History};
 
 use super::{OutputFolder, cannot_write};
 use crate::error::Result;
@@ -23,11 +27,20 @@ impl HistoryFile {
     /// # Errors
     /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
     pub fn create(folder: &OutputFolder, comm: &impl Communicator, columns: &[String]) -> Result<Self> {
-        let path = folder.file("history.csv");
+        Self::start(folder, comm, "history.csv", || header("step,increment,time,iterations", columns))
+    }
+
+    fn start(
+        folder: &OutputFolder,
+        comm: &impl Communicator,
+        name: &str,
+        header: impl FnOnce() -> String,
+    ) -> Result<Self> {
+        let path = folder.file(name);
         let file = if comm.rank() == 0 { File::create(&path).map(Some) } else { Ok(None) };
         let file = agree(comm, file.map_err(|error| cannot_write(&path, error)))?;
         let mut history = Self { path, file };
-        history.append(comm, || header(columns))?;
+        history.append(comm, header)?;
         Ok(history)
     }
 
@@ -55,8 +68,42 @@ impl HistoryFile {
     }
 }
 
-fn header(columns: &[String]) -> String {
-    let mut line = "step,increment,time,iterations".to_string();
+/// The table of a probe, `probe-NAME.csv`; rank 0 writes it.
+#[derive(Debug)]
+pub struct ProbeFile(HistoryFile);
+
+impl ProbeFile {
+    /// Writes the header `increment,time,` and `columns`. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
+    pub fn create(folder: &OutputFolder, comm: &impl Communicator, name: &str, columns: &[String]) -> Result<Self> {
+        HistoryFile::start(folder, comm, &probe_file(name), || header("increment,time", columns)).map(Self)
+    }
+
+    /// Writes rows of one increment, so many values each, which count on rank 0 only. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
+    pub fn rows(
+        &mut self,
+        comm: &impl Communicator,
+        (increment, time): (usize, f64),
+        width: usize,
+        values: &[f64],
+    ) -> Result<()> {
+        let line = |values: &[f64]| cells(format!("{increment},{}", shortest(time)), values);
+        self.0.append(comm, || values.chunks(width).map(line).collect())
+    }
+}
+
+/// The name of the file of a probe.
+pub fn probe_file(name: &str) -> String {
+    format!("probe-{name}.csv")
+}
+
+fn header(leading: &str, columns: &[String]) -> String {
+    let mut line = leading.to_string();
     for column in columns {
         line.push(',');
         line.push_str(&quoted(column));
@@ -66,7 +113,11 @@ fn header(columns: &[String]) -> String {
 }
 
 fn row(step: &str, increment: usize, time: f64, iterations: usize, values: &[f64]) -> String {
-    let mut line = format!("{},{increment},{},{iterations}", quoted(step), shortest(time));
+    cells(format!("{},{increment},{},{iterations}", quoted(step), shortest(time)), values)
+}
+
+/// A line that goes on with numbers.
+fn cells(mut line: String, values: &[f64]) -> String {
     for &value in values {
         let _ = write!(line, ",{}", shortest(value));
     }
@@ -102,7 +153,7 @@ mod tests {
 
     #[test]
     fn a_row_has_the_cells_of_the_header() {
-        let head = header(&["indenter.fx".into(), "top, left.gap".into()]);
+        let head = header("step,increment,time,iterations", &["indenter.fx".into(), "top, left.gap".into()]);
         assert_eq!(head, "step,increment,time,iterations,indenter.fx,\"top, left.gap\"\n");
         assert_eq!(row("press", 3, 0.25, 5, &[-12.5, 0.0]), "press,3,0.25,5,-12.5,0\n");
         assert_eq!(row("a \"b\"", 1, 1e-9, 0, &[]), "\"a \"\"b\"\"\",1,1e-9,0\n");

@@ -61,6 +61,16 @@ impl Drop for Lock {
     }
 }
 
+/// Whether a run holds the lock of a folder; `None` where the file system has no locks.
+pub(super) fn is_held(folder: &Path) -> Option<bool> {
+    let Ok(file) = File::open(folder.join(NAME)) else { return Some(false) };
+    match file.try_lock_shared() {
+        Ok(()) => Some(false),
+        Err(TryLockError::WouldBlock) => Some(true),
+        Err(TryLockError::Error(_)) => None,
+    }
+}
+
 /// Whether an open file is what stands at a path.
 fn is_at(file: &File, path: &Path) -> bool {
     matches!((file.metadata(), path.metadata()), (Ok(a), Ok(b)) if (a.dev(), a.ino()) == (b.dev(), b.ino()))
@@ -79,7 +89,9 @@ mod tests {
     fn a_folder_is_locked_once() {
         let folder = tempfile::tempdir().unwrap();
         let take = || Lock::take(folder.path()).unwrap();
+        assert_eq!(is_held(folder.path()), Some(false));
         let Taken::Held(first) = take() else { panic!() };
+        assert_eq!(is_held(folder.path()), Some(true));
         let Taken::ByAnother(holder) = take() else { panic!() };
         assert!(holder.starts_with(&format!("process {} on ", std::process::id())), "{holder}");
         drop(first);
@@ -91,6 +103,7 @@ mod tests {
     fn a_lock_that_a_kill_left_is_no_lock() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join(NAME), "process 1 on the moon, long ago\n").unwrap();
+        assert_eq!(is_held(folder.path()), Some(false));
         let Taken::Held(_held) = Lock::take(folder.path()).unwrap() else { panic!() };
         let text = std::fs::read_to_string(folder.path().join(NAME)).unwrap();
         assert_eq!(text, this_process());

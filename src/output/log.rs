@@ -1,14 +1,14 @@
 //! What the user sees while a run goes on, on the terminal and in `log.txt`: a progress bar where there is a terminal,
-//! one line an increment elsewhere and in the file.
+//! one line an increment elsewhere and in the file, which also has each iterate as soon as it is judged.
 
 use super::{OutputFolder, cannot_write};
 use crate::error::{Error, Result};
 use crate::parallel::agree;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use mpi::traits::*;
 use std::fs::File;
 use std::io::{IsTerminal, Write};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Length of the progress bar's scale.
 const FULL: u64 = 1000;
@@ -21,6 +21,8 @@ const FULL: u64 = 1000;
 pub struct Log {
     /// On rank 0 alone.
     file: Option<File>,
+    /// The last line of the file does not end yet: iterates are added to it.
+    is_open: bool,
     bar: Option<ProgressBar>,
     /// Rank 0 without `--quiet`.
     talks: bool,
@@ -28,6 +30,24 @@ pub struct Log {
     warns: bool,
     /// Time at the end of the analysis.
     end: f64,
+    /// Seconds since the beginning, and the fraction of the analysis that was done.
+    begun: Instant,
+    marks: Vec<(f64, f64)>,
+    /// The step of the jump that goes on.
+    jump: Option<usize>,
+}
+
+/// An iterate of Newton's method.
+#[derive(Clone, Copy, Debug)]
+pub struct Iterate<'a> {
+    pub step: &'a str,
+    pub increment: usize,
+    pub number: usize,
+    /// Largest residual over the forces that it counts against.
+    pub residual: f64,
+    /// Contact nodes that have changed their status, and that touch.
+    pub changes: usize,
+    pub touching: usize,
 }
 
 /// A converged increment.
@@ -55,12 +75,15 @@ impl Log {
         let file = if comm.rank() == 0 { File::create(&path).map(Some) } else { Ok(None) };
         let file = agree(comm, file.map_err(|error| cannot_write(&path, error)))?;
         let speaks = comm.rank() == 0;
-        Ok(Self { file, bar: None, talks: speaks && !quiet, warns: speaks && quiet, end: 0.0 })
+        let (talks, warns) = (speaks && !quiet, speaks && quiet);
+        let (begun, marks) = (Instant::now(), Vec::new());
+        Ok(Self { file, is_open: false, bar: None, talks, warns, end: 0.0, begun, marks, jump: None })
     }
 
     /// Shows a line, or several; of which those with a warning also when quiet.
     pub fn line(&mut self, text: &str) {
         self.record(text);
+        self.jump = None;
         self.show(text);
         for warning in warnings(text).filter(|_| self.warns) {
             let _ = writeln!(std::io::stderr(), "{warning}");
@@ -80,9 +103,11 @@ impl Log {
     /// Starts the progress of an analysis that ends at time `end`.
     pub fn start(&mut self, end: f64) {
         self.end = end;
+        self.begun = Instant::now();
         if self.talks && on_terminal() {
             let bar = ProgressBar::with_draw_target(Some(FULL), ProgressDrawTarget::stdout());
-            if let Ok(style) = ProgressStyle::with_template("{prefix} [{bar:30}] {percent:>3}%  {msg}  ETA {eta}") {
+            if let Ok(style) = ProgressStyle::with_template("{spinner} {prefix} [{bar:30}] {percent:>3}%\n  {wide_msg}")
+            {
                 bar.set_style(style.progress_chars("=> "));
             }
             bar.enable_steady_tick(Duration::from_millis(500));
@@ -90,18 +115,30 @@ impl Log {
         }
     }
 
-    /// Shows the Newton iteration that goes on.
-    pub fn iteration(&self, step: &str, increment: usize, iteration: usize) {
+    /// Shows an iterate; in the file those of an attempt stand in one line, which grows.
+    pub fn iteration(&mut self, at: &Iterate) {
+        let begin = if self.is_open { "" } else { "    residual/force (status changes):" };
+        self.write(&format!("{begin} {}", residual(at)));
+        self.is_open = true;
         if let Some(bar) = &self.bar {
-            bar.set_prefix(step.to_string());
-            bar.set_message(format!("increment {increment}, iteration {iteration}"));
+            let left = left(&self.marks, self.begun.elapsed().as_secs_f64());
+            bar.set_prefix(at.step.to_string());
+            bar.set_message(progress(at, self.jump, left));
         }
+    }
+
+    /// Shows that a step of a jump begins, against such a drag over the stiffness.
+    pub fn jump(&mut self, number: usize, drag: f64) {
+        self.record(&format!("    jump, step {number}, drag over stiffness {drag:.1e}"));
+        self.jump = Some(number);
     }
 
     /// Shows a converged increment.
     pub fn increment(&mut self, increment: &Increment) {
         let line = increment_line(increment, self.end);
         self.record(&line);
+        self.jump = None;
+        self.marks.push((self.begun.elapsed().as_secs_f64(), fraction(increment.time, self.end)));
         match &self.bar {
             Some(bar) => bar.set_position((fraction(increment.time, self.end) * FULL as f64) as u64),
             None => self.show(&line),
@@ -117,8 +154,14 @@ impl Log {
 
     /// Writes a line to the file alone.
     pub fn record(&mut self, text: &str) {
+        let before = if std::mem::take(&mut self.is_open) { "\n" } else { "" };
+        self.write(&format!("{before}{text}\n"));
+    }
+
+    /// At once: the file has no buffer.
+    fn write(&mut self, text: &str) {
         if let Some(file) = &mut self.file {
-            let _ = writeln!(file, "{text}");
+            let _ = file.write_all(text.as_bytes());
         }
     }
 
@@ -139,11 +182,41 @@ impl Log {
 impl Drop for Log {
     fn drop(&mut self) {
         self.finish();
+        if self.is_open {
+            self.write("\n");
+        }
     }
 }
 
+/// Residual and status changes of an iterate, for the file.
+fn residual(at: &Iterate) -> String {
+    match at.changes {
+        0 => format!("{:.1e}", at.residual),
+        changes => format!("{:.1e} ({changes})", at.residual),
+    }
+}
+
+/// What stands behind the bar.
+fn progress(at: &Iterate, jump: Option<usize>, left: Option<f64>) -> String {
+    let jump = jump.map_or(String::new(), |step| format!("jump, step {step}, "));
+    let left =
+        left.map_or(String::new(), |left| format!(", about {} left", HumanDuration(Duration::from_secs_f64(left))));
+    let Iterate { increment, number, residual, touching, .. } = at;
+    format!("increment {increment}, {jump}iteration {number}, residual {residual:.1e}, {touching} touching{left}")
+}
+
+/// The seconds that are left after so many; `None` as long as nothing tells: before a twentieth is done in five increments, and
+/// where the second half of what is done went at less than half or more than twice the pace of the first.
+fn left(marks: &[(f64, f64)], now: f64) -> Option<f64> {
+    let &(second, done) = marks.last().filter(|(_, done)| marks.len() >= 5 && *done >= 0.05)?;
+    let &(middle, half) = marks.iter().rev().find(|(_, before)| *before <= 0.5 * done)?;
+    let (first, last) = (half / middle, (done - half) / (second - middle));
+    let is_even = (0.5..=2.0).contains(&(last / first));
+    is_even.then(|| ((1.0 - done) / last - (now - second)).max(0.0))
+}
+
 /// The lines that warn.
-fn warnings(text: &str) -> impl Iterator<Item = &str> {
+pub fn warnings(text: &str) -> impl Iterator<Item = &str> {
     text.lines().map(str::trim_start).filter(|line| line.starts_with("warning: ") || line.contains(": warning: "))
 }
 
@@ -171,7 +244,7 @@ fn fraction(time: f64, end: f64) -> f64 {
 }
 
 /// Six significant digits without the zeros behind them.
-fn short(value: f64) -> String {
+pub fn short(value: f64) -> String {
     let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
     format!("{rounded:?}")
 }
@@ -188,6 +261,31 @@ mod tests {
             increment_line(&increment, 1.2),
             "press  increment   12  time 0.3          25%  size 1e-7         4 iterations  128 active"
         );
+    }
+
+    /// As many seconds as the pace asks for, but not at the beginning, nor when the pace changes.
+    #[test]
+    fn what_is_left_is_told_when_it_is_known() {
+        let even: Vec<(f64, f64)> = (1..=10).map(|k| (10.0 * f64::from(k), 0.05 * f64::from(k))).collect();
+        assert!((left(&even, 100.0).unwrap() - 100.0).abs() < 1e-9);
+        assert!((left(&even, 130.0).unwrap() - 70.0).abs() < 1e-9);
+        assert_eq!(left(&even, 1000.0), Some(0.0));
+        assert_eq!(left(&even[..4], 40.0), None);
+        assert_eq!(left(&[], 1.0), None);
+        let slower: Vec<(f64, f64)> = even.iter().map(|&(s, done)| (s + (s - 50.0).max(0.0) * 1.1, done)).collect();
+        assert_eq!(left(&slower, 155.0), None);
+        let early: Vec<(f64, f64)> = even.iter().map(|&(s, done)| (s, 0.09 * done)).collect();
+        assert_eq!(left(&early, 100.0), None);
+    }
+
+    #[test]
+    fn an_iterate_is_shown_as_it_is() {
+        let at = Iterate { step: "press", increment: 12, number: 3, residual: 2.34e-4, changes: 0, touching: 24 };
+        assert_eq!(progress(&at, None, None), "increment 12, iteration 3, residual 2.3e-4, 24 touching");
+        let text = progress(&at, Some(4), Some(200.0));
+        let rest = "iteration 3, residual 2.3e-4, 24 touching, about 3 minutes left";
+        assert_eq!(text, format!("increment 12, jump, step 4, {rest}"));
+        assert_eq!([0, 2].map(|changes| residual(&Iterate { changes, ..at })), ["2.3e-4", "2.3e-4 (2)"]);
     }
 
     #[test]

@@ -9,7 +9,9 @@ pub mod history;
 mod lock;
 pub mod log;
 pub mod phases;
+pub mod quantity;
 pub mod summary;
+mod vtkhdf;
 mod xdmf;
 
 use crate::error::{Error, Result};
@@ -21,7 +23,22 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
-pub const RUN: [&str; 6] = ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml"];
+pub const RUN: [&str; 7] =
+    ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml", "report.html"];
+
+/// Whether a run writes into a folder now; `None` where the file system has no locks.
+pub fn is_being_written(folder: &Path) -> Option<bool> {
+    lock::is_held(folder)
+}
+
+/// What the next run into a folder replaces: [`RUN`], and the tables of all probes and the grids for VTK that are there.
+pub fn results_in(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let ends = [("probe-", ".csv"), ("fields-", ".vtkhdf")];
+    let is_result = |name: &String| ends.iter().any(|(start, end)| name.starts_with(start) && name.ends_with(end));
+    RUN.iter().map(ToString::to_string).chain(names.filter(is_result)).collect()
+}
 
 /// The folder that a run writes to, and no other while this one lives.
 #[derive(Debug)]

@@ -45,6 +45,23 @@ impl CellShape {
         }
     }
 
+    /// The type of the cell in VTK.
+    pub(super) fn vtk_type(self) -> u8 {
+        match self {
+            Self::Triangle => 5,
+            Self::Quadrilateral => 9,
+            Self::Tetrahedron => 10,
+            Self::Hexahedron => 12,
+        }
+    }
+
+    /// The shape of a code in a mixed topology.
+    pub(super) fn of_code(code: i64) -> Option<Self> {
+        [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron]
+            .into_iter()
+            .find(|shape| shape.xdmf_code() == code)
+    }
+
     /// The code of the shape in a mixed topology.
     pub(super) fn xdmf_code(self) -> i64 {
         match self {
@@ -93,13 +110,13 @@ pub(super) fn document(increments: &str) -> String {
     )
 }
 
-/// Symmetric tensors go as 6-component "Matrix": "Tensor6" has the order xx xy xz yy yz zz, but ParaView labels six
-/// components xx yy zz xy yz xz whatever their type, so its order is used under a type that promises none.
+/// Symmetric tensors go as a "Vector" of 6 components: "Tensor6" has the order xx xy xz yy yz zz, but ParaView labels six
+/// components xx yy zz xy yz xz whatever their type, so its order is used under a type that promises none. A "Matrix"
+/// would be one row to VTK's older reader, that of PyVista.
 fn attribute_type(width: usize) -> &'static str {
     match width {
         1 => "Scalar",
-        3 => "Vector",
-        _ => "Matrix",
+        _ => "Vector",
     }
 }
 
@@ -149,7 +166,7 @@ mod tests {
             r#"Dimensions="9">fields.h5:/grids/m/cells<"#,
             r#"<Attribute Name="gap" AttributeType="Scalar" Center="Node">"#,
             r#"<Attribute Name="displacement" AttributeType="Vector" Center="Node">"#,
-            r#"<Attribute Name="stress" AttributeType="Matrix" Center="Cell">"#,
+            r#"<Attribute Name="stress" AttributeType="Vector" Center="Cell">"#,
             r#"NumberType="Float" Precision="8" Dimensions="4 6">fields.h5:/increments/1/stress<"#,
         ] {
             assert!(text.contains(part), "{part} is not in\n{text}");

@@ -15,8 +15,10 @@ mod materials;
 mod names;
 mod overrides;
 mod parse;
+mod probes;
 mod reader;
 mod references;
+mod schema;
 mod solver;
 mod steps;
 #[cfg(test)]
@@ -29,13 +31,16 @@ pub use amplitude::Amplitude;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
+pub use probes::{Probe, ProbePlace};
 pub(crate) use references::body_of;
+pub use schema::{begin, schema};
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
 pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
 use crate::controls::Controls;
 use crate::error::Location;
+pub use crate::output::quantity::Quantity;
 pub use crate::solid::element::Formulation;
 pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel};
 pub use crate::surface::{Smoothing, Transfer, Weight};
@@ -383,6 +388,11 @@ pub struct Output {
     pub every: usize,
     /// Sets whose displacement and reaction stand in the history: `body.group`, `body`.
     pub history: Vec<Located<String>>,
+    /// Fields that are written; displacements always are.
+    pub fields: Vec<Quantity>,
+    /// Whether they are described for VTK, too.
+    pub vtkhdf: bool,
+    pub probes: Vec<Probe>,
 }
 
 /// Controls of the nonlinear solution.

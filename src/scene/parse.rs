@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, gravity,
-    materials, overrides, solver, steps, tools, trade,
+    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool, contacts, gravity,
+    materials, overrides, probes, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -268,8 +268,10 @@ fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
 }
 
 fn output(root: &Table, names: &Names) -> Result<Output> {
-    let mut output = Output { every: 1, history: Vec::new() };
-    let Some(table) = root.optional("output", |item| item.table(&["every", "history"]))? else { return Ok(output) };
+    let fields = Quantity::USUAL.to_vec();
+    let mut output = Output { every: 1, history: Vec::new(), fields, vtkhdf: false, probes: Vec::new() };
+    let keys = ["every", "history", "fields", "vtkhdf", "probe"];
+    let Some(table) = root.optional("output", |item| item.table(&keys))? else { return Ok(output) };
     output.every = table.optional("every", Item::count)?.unwrap_or(1);
     for item in table.optional("history", Item::list)?.unwrap_or_default() {
         let set = names.set(&item, "tools always are in the history")?;
@@ -278,6 +280,14 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
         }
         output.history.push(set);
     }
+    if let Some(asked) = table.optional("fields", |item| probes::fields(item, &Quantity::ALL))? {
+        output.fields = asked;
+        if !output.fields.contains(&Quantity::Displacement) {
+            output.fields.insert(0, Quantity::Displacement);
+        }
+    }
+    output.vtkhdf = table.optional("vtkhdf", Item::boolean)?.unwrap_or(false);
+    output.probes = probes::read(&table, names)?;
     Ok(output)
 }
 

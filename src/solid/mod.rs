@@ -8,6 +8,7 @@ pub mod element;
 pub mod history;
 pub mod load;
 pub mod material;
+pub mod measure;
 pub mod voigt;
 
 #[cfg(test)]

@@ -58,6 +58,11 @@ pub fn logarithm(t: &Voigt) -> Voigt {
     compose(&values.map(f64::ln), &directions)
 }
 
+/// The spatial logarithmic strain 1/2 ln b of a deformation gradient.
+pub fn logarithmic_strain(f: &Mat3) -> Voigt {
+    logarithm(&left_cauchy_green(f)).map(|s| 0.5 * s)
+}
+
 /// Adds `factor` t x t to the upper triangle.
 pub fn add_square(tangent: &mut [Voigt; 6], factor: f64, t: &Voigt) {
     for i in 0..6 {

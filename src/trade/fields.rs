@@ -3,12 +3,24 @@
 use super::history::History;
 use crate::Vec3;
 use crate::error::{Error, Result};
+use crate::output::quantity::Quantity;
 use crate::solid::element::{hex8, tet4};
+use crate::solid::measure::Measure;
 use hdf5::{File, Group};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// What is read.
+pub const READ: [Quantity; 6] = [
+    Quantity::Mean(Measure::Stress),
+    Quantity::Mean(Measure::VonMises),
+    Quantity::EquivalentPlasticStrain,
+    Quantity::Pressure,
+    Quantity::Force,
+    Quantity::Normal,
+];
 
 /// The end of a step.
 #[derive(Clone, Debug, Default)]

@@ -1,26 +1,8 @@
-//! `history.csv` read back: columns over time, compared with those of another run.
+//! Histories compared with those of another run.
 
-use crate::error::{Error, Result};
-use std::path::Path;
+pub use crate::output::history::{DISPLACEMENT, FORCE, History};
 
-/// Rows of increments.
-#[derive(Clone, Debug, Default)]
-pub struct History {
-    names: Vec<String>,
-    /// Of each row.
-    steps: Vec<String>,
-    /// By column.
-    values: Vec<Vec<f64>>,
-}
-
-/// The three components of a vector, by the ends of their columns' names.
-pub type Components = [&'static str; 3];
-
-/// Force of a tool, set or contact.
-pub const FORCE: Components = ["fx", "fy", "fz"];
-
-/// Displacement of a tool or set.
-pub const DISPLACEMENT: Components = ["ux", "uy", "uz"];
+use crate::output::history::Components;
 
 /// How far two curves are apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,59 +13,10 @@ pub struct Apart {
 }
 
 impl History {
-    /// Reads the file of a run that has ended.
-    ///
-    /// # Errors
-    /// [`Error::System`] when it is not there, or not as `nagata` writes it.
-    pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path);
-        let history = text.map_err(|e| e.to_string()).and_then(|text| Self::parse(&text).ok_or("is broken".into()));
-        history.map_err(|what| Error::System(format!("cannot read {}: {what}", path.display())))
-    }
-
-    fn parse(text: &str) -> Option<Self> {
-        let mut lines = text.lines();
-        let names: Vec<String> = lines.next()?.split(',').skip(1).map(str::to_string).collect();
-        let (mut steps, mut values) = (Vec::new(), vec![Vec::new(); names.len()]);
-        for line in lines {
-            let (step, row) = line.split_once(',')?;
-            steps.push(step.to_string());
-            let row = row.split(',').map(|cell| cell.parse().ok()).collect::<Option<Vec<f64>>>()?;
-            if row.len() != names.len() {
-                return None;
-            }
-            values.iter_mut().zip(row).for_each(|(column, value)| column.push(value));
-        }
-        (!steps.is_empty()).then_some(Self { names, steps, values })
-    }
-
-    /// A column, a value an increment.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.names.iter().position(|known| known == name).map(|k| self.values[k].as_slice())
-    }
-
-    /// Time at the end of each increment.
-    pub fn times(&self) -> &[f64] {
-        self.column("time").unwrap_or_default()
-    }
-
-    /// The rows of the last increments of the steps, with the names of the steps.
-    pub fn ends(&self) -> Vec<(&str, usize)> {
-        let last = |k: &usize| self.steps.get(k + 1) != Some(&self.steps[*k]);
-        (0..self.steps.len()).filter(last).map(|k| (self.steps[k].as_str(), k)).collect()
-    }
-
     /// The largest value of columns that end so; `None` without such columns.
     pub fn largest(&self, end: &str) -> Option<f64> {
-        let end = format!(".{end}");
-        let columns = self.names.iter().zip(&self.values).filter(|(name, _)| name.ends_with(&end));
-        largest(columns.flat_map(|(_, values)| values).copied())
-    }
-
-    /// Those whose vectors stand in the history: tools, sets, contacts.
-    fn sources(&self, of: &Components) -> Vec<&str> {
-        let end = format!(".{}", of[0]);
-        self.names.iter().filter_map(|name| name.strip_suffix(&end)).collect()
+        let columns = self.sources(end).into_iter().filter_map(|source| self.column(&format!("{source}.{end}")));
+        largest(columns.flatten().copied())
     }
 
     /// The vectors of a source at all times.
@@ -107,7 +40,7 @@ impl History {
 
     fn apart_at(&self, reference: &Self, of: &Components, times: &[f64]) -> Option<Apart> {
         let (mut all, mut rms, mut scale) = (Vec::new(), Vec::new(), 0.0f64);
-        for source in reference.sources(of) {
+        for source in reference.sources(of[0]) {
             let exact = reference.vectors(source, of)?;
             scale = exact.iter().map(norm).fold(scale, f64::max);
             let Some(own) = self.vectors(source, of) else { continue };
@@ -172,15 +105,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_read_is_what_stands_there() {
+    fn the_largest_is_that_of_all_columns_that_end_so() {
         let history = square([2, 3], 0.0);
-        assert_eq!(history.times(), [0.5, 1.0, 1.0 + 1.0 / 3.0, 1.0 + 2.0 / 3.0, 2.0]);
-        assert_eq!(history.ends(), [("step 0", 1), ("step 1", 4)]);
         assert_eq!(history.largest("max_penetration"), Some(2e-3));
         assert_eq!(history.largest("max_pressure"), None);
-        assert!(History::parse("step,time\n").is_none());
-        assert!(History::parse("step,time\na,1,2\n").is_none());
-        assert!(History::parse("step,time\na,b\n").is_none());
     }
 
     /// At times that both have, the same curve is no error, however many increments there are.

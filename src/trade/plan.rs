@@ -2,6 +2,7 @@
 //! settings one at a time.
 
 use super::errors::check_exact;
+use super::fields;
 use super::settings::{self, Setting};
 use crate::error::{Error, Location, Result};
 use crate::scene::{self, Located, Scene, Varied, Vary};
@@ -87,6 +88,10 @@ impl Plan {
         let mut common = texts(&trade.set);
         common.extend_from_slice(wishes.overrides);
         common.push(RARELY.into());
+        if !fields::READ.iter().all(|field| written.output.fields.contains(field)) {
+            let keys: Vec<String> = fields::READ.iter().map(|field| format!("{:?}", field.key())).collect();
+            common.push(format!("output.fields=[{}]", keys.join(", ")));
+        }
         let scene = check(path, &common, &[], trade.set.first().map(|set| &set.at))?;
         for exact in &trade.exact {
             check_exact(exact, &scene)?;

@@ -24,7 +24,8 @@ friction = 0.2
 
 "#;
 
-/// The times in `fields.xdmf`, whose tags must close and whose data must stand in `fields.h5` in the size it promises.
+/// The times in `fields.xdmf` after 0, with which it begins. Its tags must close, and its data must stand in `fields.h5` in the
+/// size it promises.
 pub fn shown_times(folder: &Path) -> Vec<f64> {
     let text = std::fs::read_to_string(folder.join("fields.xdmf")).unwrap();
     let file = hdf5::File::open(folder.join("fields.h5")).unwrap();
@@ -50,8 +51,8 @@ pub fn shown_times(folder: &Path) -> Vec<f64> {
             _ => {}
         }
     }
-    assert!(open.is_empty(), "{open:?}");
-    times
+    assert!(open.is_empty() && times.first() == Some(&0.0), "{open:?} {times:?}");
+    times.split_off(1)
 }
 
 /// The processes that `parent` has started, lowest first.

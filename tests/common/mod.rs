@@ -166,10 +166,11 @@ impl Run {
         file.dataset(name).unwrap_or_else(|e| panic!("{name}: {e}")).read_raw::<f64>().unwrap()
     }
 
-    /// Increments in `fields.h5`; they count from 1.
+    /// Increments in `fields.h5`; they count from 1, after the state at time 0.
     pub fn written(&self) -> usize {
         let file = hdf5::File::open(self.out.join("fields.h5")).unwrap();
-        file.group("increments").unwrap().member_names().unwrap().len()
+        let names = file.group("increments").unwrap().member_names().unwrap();
+        names.iter().filter(|name| *name != "000000").count()
     }
 
     /// Reference positions of the points of a grid, as in `body.slab` or `contact.top`.

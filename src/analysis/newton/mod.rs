@@ -41,8 +41,8 @@ pub use share::Share;
 use std::time::Instant;
 
 /// Told the number of each iterate, its residual over the forces that that counts against, and how many contact nodes changed
-/// their status.
-pub type Watcher<'a> = dyn FnMut(usize, f64, usize) -> crate::error::Result<()> + 'a;
+/// their status, and touch.
+pub type Watcher<'a> = dyn FnMut(usize, f64, [usize; 2]) -> crate::error::Result<()> + 'a;
 
 /// What an increment is sought with.
 pub struct System<'a> {
@@ -441,10 +441,10 @@ impl Problem for Newton<'_> {
     fn converged(&mut self, iterate: &Iterate<'_>) -> std::result::Result<Verdict, String> {
         let iteration = self.course.iterated + iterate.iteration;
         let trials = || self.system.model.pairs.iter().flat_map(|p| &p.slaves).map(|s| &s.trial);
-        let touching = trials().any(|t| t.status != Status::Gap);
+        let touching = trials().filter(|t| t.status != Status::Gap).count();
         let changes = trials().filter(|t| t.changed).count();
         let [wished, lacks] = [interrupt::wished(), self.lacks_equations()];
-        let mut counts = [changes as f64, f64::from(wished), f64::from(touching), f64::from(lacks)];
+        let mut counts = [changes as f64, f64::from(wished), touching as f64, f64::from(lacks)];
         sum(self.system.comm, &mut counts);
         let [changes, wishes, touching, lacking] = counts;
         if lacking > 0.0 {
@@ -454,7 +454,7 @@ impl Problem for Newton<'_> {
         let residual = self.found.balance.relative();
         self.course.trace.push(residual);
         self.course.changes.push(changes as usize);
-        if let Err(error) = (self.strategy.watcher)(iteration, residual, changes as usize) {
+        if let Err(error) = (self.strategy.watcher)(iteration, residual, [changes, touching].map(|n| n as usize)) {
             self.course.stopped = Some(error);
             return Ok(Verdict::Diverged);
         }

@@ -12,7 +12,7 @@
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
-//! What is wrong with the meshes alone is found where they are read: [`crate::model`].
+//! Places of probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read: [`crate::model`].
 
 mod facing;
 mod gaps;
@@ -26,6 +26,7 @@ pub(super) mod support;
 mod units;
 
 use super::conditions::Conditions;
+use super::probes;
 use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
@@ -42,6 +43,7 @@ use mpi::topology::SimpleCommunicator;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Vec<String>> {
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
+    probes::check(comm, scene, model)?;
     locking::check(comm, scene, model)?;
     opposite::check(comm, scene, model)?;
     turns(scene, model);

@@ -44,6 +44,17 @@ pub const VALUES: [[f64; 8]; 8] = {
     values
 };
 
+/// What the values at the Gauss points, each times its number here, give at each node: trilinear.
+pub const AT_NODES: [[f64; 8]; 8] = {
+    let (mut values, mut a) = ([[0.0; 8]; 8], 0);
+    while a < 8 {
+        // The points stand at the corners of a cube that is smaller by GAUSS.
+        values[a] = shape(NODES[a][0] / GAUSS, NODES[a][1] / GAUSS, NODES[a][2] / GAUSS).0;
+        a += 1;
+    }
+    values
+};
+
 /// Derivatives at the Gauss points.
 pub(super) const GRADIENTS: [Gradients<8>; 8] = {
     let mut gradients = [[[0.0; 8]; 3]; 8];
@@ -59,7 +70,7 @@ pub(super) const GRADIENTS: [Gradients<8>; 8] = {
 pub(super) const CENTRE: Gradients<8> = shape(0.0, 0.0, 0.0).1;
 
 /// Shape functions and their derivatives by the parameters.
-const fn shape(xi: f64, eta: f64, zeta: f64) -> ([f64; 8], Gradients<8>) {
+pub const fn shape(xi: f64, eta: f64, zeta: f64) -> ([f64; 8], Gradients<8>) {
     let (mut values, mut gradients) = ([0.0; 8], [[0.0; 8]; 3]);
     let mut a = 0;
     while a < 8 {
@@ -101,6 +112,27 @@ pub fn volume(x: &[[f64; 3]; 8]) -> f64 {
 pub fn min_jacobian(x: &[[f64; 3]; 8]) -> f64 {
     let jacobians = GRADIENTS.iter().chain([&CENTRE]).map(|gradients| 8.0 * jacobian(x, gradients).determinant());
     jacobians.fold(f64::INFINITY, f64::min)
+}
+
+/// Parameters of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.
+pub fn parameters(x: &[[f64; 3]; 8], point: &Vec3) -> Option<[f64; 3]> {
+    const ITERATIONS: usize = 30;
+    const FAR: f64 = 8.0;
+    const ENOUGH: f64 = 1e-13;
+    let mut at = Vec3::zeros();
+    for _ in 0..ITERATIONS {
+        let (values, gradients) = shape(at.x, at.y, at.z);
+        let place: Vec3 = values.iter().zip(x).map(|(value, x)| *value * Vec3::from(*x)).sum();
+        let step = jacobian(x, &gradients).try_inverse()? * (point - place);
+        at += step;
+        if at.amax() > FAR || !step.amax().is_finite() {
+            return None;
+        }
+        if step.amax() < ENOUGH {
+            return Some(at.into());
+        }
+    }
+    None
 }
 
 /// Consistent nodal forces of a force per reference volume.

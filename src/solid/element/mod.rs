@@ -30,7 +30,7 @@ pub mod plane4;
 pub mod tet4;
 
 use super::material::{Material, State};
-use super::voigt::{INDEX, Voigt};
+use super::voigt::{INDEX, Voigt, logarithmic_strain};
 use crate::Mat3;
 pub use enhanced::Amplitudes;
 pub use formulation::Formulation;
@@ -329,6 +329,17 @@ pub fn average_stress(samples: &[Sample], medium: Medium) -> Result<Voigt, Inver
         volume += sample.volume();
     }
     Ok(sum.map(|s| s / volume))
+}
+
+/// Spatial logarithmic strain averaged over the current volume.
+pub fn average_strain(samples: &[Sample]) -> Voigt {
+    let (mut sum, mut volume) = ([0.0; 6], 0.0);
+    for sample in samples {
+        let strain = logarithmic_strain(&sample.f);
+        (0..6).for_each(|v| sum[v] += sample.volume() * strain[v]);
+        volume += sample.volume();
+    }
+    sum.map(|s| s / volume)
 }
 
 /// Stored energy.

@@ -36,6 +36,12 @@ pub fn volume(x: &[[f64; 3]; 4]) -> f64 {
     WEIGHT * jacobian(x, &GRADIENTS).determinant()
 }
 
+/// Shape functions at a point, where nodes are at `x`; `None` where these lie in a plane.
+pub fn shape(x: &[[f64; 3]; 4], point: &Vec3) -> Option<[f64; 4]> {
+    let [xi, eta, zeta] = (jacobian(x, &GRADIENTS).try_inverse()? * (point - Vec3::from(x[0]))).into();
+    Some([1.0 - xi - eta - zeta, xi, eta, zeta])
+}
+
 /// Consistent nodal forces of a force per reference volume.
 pub fn body_force(x0: &[[f64; 3]; 4], per_volume: Vec3) -> [f64; 12] {
     let share = 0.25 * volume(x0);

@@ -1,0 +1,71 @@
+//! Stress and strain at nodes, and how much the elements around a node differ from them.
+
+use super::recovery::{Recovered, Values, nodes_of};
+use crate::Vec3;
+use crate::error::Result;
+use crate::model::Model;
+use crate::model::elements::{lost, medium, samples};
+use crate::solid::element::{Inverted, hex8};
+use crate::solid::voigt::{Voigt, double_contraction};
+
+impl Recovered {
+    /// Cauchy stress at a local node: tau / J, where ln J is the trace of the logarithmic strain.
+    pub fn stress(&self, model: &Model, n: usize) -> Voigt {
+        cauchy(&self.at_node(model, n))
+    }
+
+    /// Spatial logarithmic strain 1/2 ln b at a local node.
+    pub fn strain(&self, model: &Model, n: usize) -> Voigt {
+        let values = self.at_node(model, n);
+        std::array::from_fn(|k| values[6 + k])
+    }
+
+    /// The one or the other.
+    pub fn of(&self, strain: bool, model: &Model, n: usize) -> Voigt {
+        if strain { self.strain(model, n) } else { self.stress(model, n) }
+    }
+}
+
+fn cauchy(values: &Values) -> Voigt {
+    let volume_ratio = (values[6] + values[7] + values[8]).exp();
+    std::array::from_fn(|k| values[k] / volume_ratio)
+}
+
+/// How far the Cauchy stress of the elements around each owned node is from that recovered there, at most: sqrt(d : d) of the
+/// difference d. The stress of an element at its nodes is that of its integration points, extrapolated.
+///
+/// # Errors
+/// An element that is inverted, by its number.
+pub fn jumps(model: &Model, recovered: &Recovered, u: &[Vec3]) -> Result<Vec<f64>> {
+    let mut most = vec![0.0f64; model.part.owned];
+    for e in 0..model.part.solids.len() {
+        let corners = at_corners(model, e, u).map_err(|_| lost(model, e))?;
+        for (n, own) in nodes_of(model, e).zip(corners).filter(|(n, _)| *n < model.part.owned) {
+            let recovered = cauchy(&recovered.beside(model, e, n));
+            let d: Voigt = std::array::from_fn(|k| own[k] - recovered[k]);
+            most[n] = most[n].max(double_contraction(&d, &d).sqrt());
+        }
+    }
+    Ok((0..model.part.owned).map(|n| most[model.part.tie[n] as usize]).collect())
+}
+
+/// Cauchy stress of an element at its nodes; the first 4 or all 8 count.
+fn at_corners(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 8], Inverted> {
+    let (samples, medium) = (samples(model, e, u)?, medium(model, e));
+    let mut points = [[0.0; 6]; 8];
+    for (q, sample) in samples.iter().enumerate() {
+        let lost = Inverted { det_f: sample.det_f };
+        let kirchhoff = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
+        points[q] = kirchhoff.map(|s| s / sample.det_f);
+    }
+    Ok(match samples.len() {
+        1 => [points[0]; 8],
+        count => {
+            // Points of a plane element stand for two above one another.
+            (count..8).for_each(|q| points[q] = points[q - count]);
+            std::array::from_fn(|a| {
+                std::array::from_fn(|k| hex8::AT_NODES[a].iter().zip(&points).map(|(w, s)| w * s[k]).sum())
+            })
+        }
+    })
+}

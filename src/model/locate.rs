@@ -1,0 +1,113 @@
+//! Where points stand in the bodies as they are before anything deforms.
+
+use super::Model;
+use super::elements::{gather, mine};
+use crate::Vec3;
+use crate::mesh::SolidShape;
+use crate::parallel::{max, word_of_largest};
+use crate::partition::parcels::{bounds, grown};
+use crate::solid::element::{hex8, tet4};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
+
+/// A point in an element of this rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Local nodes of the element; the first `count` count.
+    nodes: [u32; 8],
+    /// Their shape functions at the point.
+    shape: [f64; 8],
+    count: usize,
+}
+
+impl Spot {
+    /// The place of a local node.
+    pub fn node(n: u32) -> Self {
+        Self { nodes: [n; 8], shape: [1.0; 8], count: 1 }
+    }
+
+    /// The nodes with their shape functions.
+    pub fn shares(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.nodes.iter().map(|&n| n as usize).zip(self.shape).take(self.count)
+    }
+}
+
+/// How far shape functions, or parameters, may be past the edge of an element: points on its faces are in it.
+const EDGE: f64 = 1e-6;
+
+/// How far past it they are by rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Finds an element for each point, in a given body or the first that holds it, on one of the ranks that have it; the index of
+/// the first point that is in none is the error, on all ranks. Collective.
+pub fn locate(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    points: &[Vec3],
+    body: Option<usize>,
+) -> Result<Vec<Option<Spot>>, usize> {
+    // The lowest body counts, there the element that the point is least past the edge of, of the lowest rank.
+    let mut spots: Vec<Option<(f64, Spot)>> = vec![None; points.len()];
+    for e in mine(model) {
+        let solid = &model.part.solids[e];
+        if body.is_some_and(|body| body != solid.body as usize) {
+            continue;
+        }
+        let corners = solid.nodes().iter().map(|&n| model.part.points[n as usize]);
+        let Some((low, high)) = bounds(corners) else { continue };
+        let (low, high) = grown((low, high), EDGE * (high - low).norm());
+        for (x, best) in points.iter().zip(&mut spots) {
+            let is_better = |key: f64| best.is_none_or(|(other, _)| key < other);
+            let near = (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
+            if near && is_better(f64::from(solid.body)) {
+                let found = spot_in(model, e, x).map(|(past, spot)| (f64::from(solid.body) + past, spot));
+                *best = found.filter(|(key, _)| is_better(*key)).or(*best);
+            }
+        }
+    }
+    let mut lowest: Vec<f64> = spots.iter().map(|s| s.map_or(f64::NEG_INFINITY, |(key, _)| -key)).collect();
+    max(comm, &mut lowest);
+    if let Some(lost) = lowest.iter().position(|key| key.is_infinite()) {
+        return Err(lost);
+    }
+    let rank = -f64::from(comm.rank());
+    let has = |k: usize| spots[k].is_some_and(|(key, _)| key == -lowest[k]);
+    let mut first: Vec<f64> = (0..points.len()).map(|k| if has(k) { rank } else { f64::NEG_INFINITY }).collect();
+    max(comm, &mut first);
+    let own = |k: usize| spots[k].filter(|_| has(k) && first[k] == rank).map(|(_, spot)| spot);
+    Ok((0..points.len()).map(own).collect())
+}
+
+/// The node nearest to a point, in a given body or any, in words with its distance. Collective.
+pub fn nearest(comm: &SimpleCommunicator, model: &Model, x: &Vec3, body: Option<usize>) -> String {
+    let part = &model.part;
+    let owned = (0..part.owned).filter(|&n| body.is_none_or(|body| body == part.body[n] as usize));
+    let distances = owned.map(|n| (n, -(part.points[n] - x).norm()));
+    let found = distances.max_by(|a, b| a.1.total_cmp(&b.1));
+    let words = |n: usize| {
+        let (at, body) = (part.points[n], &model.bodies[part.body[n] as usize].name);
+        format!("node {} of body `{body}` at [{:?}, {:?}, {:?}]", part.id[n], at.x, at.y, at.z)
+    };
+    word_of_largest(comm, found, words)
+        .map_or(String::new(), |(node, distance)| format!("the nearest node is {node}, {:.6} away", -distance))
+}
+
+/// A point in element `e`, if it is there, and how far it is past the edge.
+fn spot_in(model: &Model, e: usize, x: &Vec3) -> Option<(f64, Spot)> {
+    let (solid, points) = (&model.part.solids[e], &model.part.points);
+    let mut shape = [0.0; 8];
+    let past = match solid.shape {
+        SolidShape::Tet4 => {
+            let found = tet4::shape(&gather(points, solid), x)?;
+            shape[..4].copy_from_slice(&found);
+            found.iter().fold(0.0f64, |most, value| most.max(-value))
+        }
+        SolidShape::Hex8 => {
+            let at = hex8::parameters(&gather(points, solid), x)?;
+            shape = hex8::shape(at[0], at[1], at[2]).0;
+            at.iter().fold(0.0f64, |most, value| most.max(value.abs() - 1.0))
+        }
+    };
+    let past = if past < ROUNDING { 0.0 } else { past };
+    (past <= EDGE).then_some((past, Spot { nodes: solid.nodes, shape, count: solid.nodes().len() }))
+}

@@ -1,0 +1,126 @@
+//! Help with writing scenes: one to start from, and the JSON schema by which editors complete and check them, made of the
+//! tables of keys of docs/scene.md, which tests hold against the reader.
+
+use crate::controls::{Control, Controls};
+use crate::error::{Error, Result};
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fs::OpenOptions;
+use std::io::Write as _;
+use std::path::Path;
+
+const DOCUMENT: &str = include_str!("../../docs/scene.md");
+
+/// A scene with comments, which runs as it is.
+const TEMPLATE: &str = include_str!("template.toml");
+
+/// Writes a scene to start from, but over no file.
+///
+/// # Errors
+/// [`Error::Input`] when there is a file, or none can be written.
+pub fn begin(path: &Path) -> Result<()> {
+    let file = OpenOptions::new().write(true).create_new(true).open(path);
+    file.and_then(|mut file| file.write_all(TEMPLATE.as_bytes())).map_err(|error| {
+        Error::input_anywhere(format!("cannot write {}: {error}", path.display()), "give the name of a new file")
+    })
+}
+
+/// A key as the document has it.
+struct Row {
+    key: &'static str,
+    kind: &'static str,
+    default: &'static str,
+    meaning: &'static str,
+}
+
+/// Tables of keys by their headings, as in `body.NAME.block`.
+type Tables = BTreeMap<&'static str, Vec<Row>>;
+
+/// The schema, as JSON text: draft 7, which editors of TOML read.
+pub fn schema() -> String {
+    let tables = tables();
+    let mut all = Map::new();
+    all.insert("title".into(), json!({ "type": "string", "description": "one line about the scene" }));
+    for heading in tables.keys() {
+        let table = || table(&tables, heading);
+        match heading.split_once('.') {
+            // One for each name that the user chooses.
+            Some((name, "NAME")) => {
+                all.insert(name.into(), json!({ "type": "object", "additionalProperties": table() }));
+            }
+            None if DOCUMENT.contains(&format!("[[{heading}]]")) => {
+                all.insert((*heading).into(), json!({ "type": "array", "items": table() }));
+            }
+            None => {
+                all.insert((*heading).into(), table());
+            }
+            Some(_) => {}
+        }
+    }
+    let control = |control: &Control| {
+        let told = format!("{}; by default {:?}", control.unit, control.default);
+        (control.name.to_string(), json!({ "type": "number", "description": told }))
+    };
+    let controls: Map<String, Value> = Controls::TABLE.iter().map(control).collect();
+    all.insert("controls".into(), closed(controls));
+    let mut whole = closed(all);
+    whole["$schema"] = "http://json-schema.org/draft-07/schema#".into();
+    whole["title"] = "A scene of nagata".into();
+    whole["required"] = json!(["body", "material", "step"]);
+    format!("{whole:#}\n")
+}
+
+/// An object with these keys and no others.
+fn closed(properties: Map<String, Value>) -> Value {
+    json!({ "type": "object", "properties": properties, "additionalProperties": false })
+}
+
+fn tables() -> Tables {
+    let (mut tables, mut heading) = (Tables::new(), None);
+    for line in DOCUMENT.lines() {
+        if line.starts_with('#') {
+            heading = line.split('`').nth(1);
+        }
+        let (Some(heading), Some(rest)) = (heading, line.strip_prefix("| `")) else { continue };
+        let cells: Vec<&str> = rest.split(" |").map(str::trim).collect();
+        if let ([first, kind, default, meaning, ..], Some((key, _))) = (cells.as_slice(), cells[0].split_once('`')) {
+            debug_assert!(first.starts_with(key));
+            tables.entry(heading).or_default().push(Row { key, kind, default, meaning });
+        }
+    }
+    tables
+}
+
+fn table(tables: &Tables, heading: &str) -> Value {
+    let value = |row: &Row| {
+        let mut value = match row.kind {
+            "table" => table(tables, &format!("{heading}.{}", row.key)),
+            "list of tables" => json!({ "type": "array", "items": table(tables, &format!("{heading}.{}", row.key)) }),
+            kind => typed(kind),
+        };
+        let default = if row.default.is_empty() { String::new() } else { format!(" (default: {})", row.default) };
+        value["description"] = format!("{}: {}{default}", row.kind, row.meaning).into();
+        (row.key.to_string(), value)
+    };
+    closed(tables.get(heading).into_iter().flatten().map(value).collect())
+}
+
+/// The type of a value; of what has several forms, nothing is said.
+fn typed(kind: &str) -> Value {
+    let words: Vec<&str> =
+        kind.split('`').skip(1).step_by(2).filter_map(|code| code.strip_prefix('"')?.strip_suffix('"')).collect();
+    let number = || json!({ "type": "number" });
+    let first = kind.split([',', ' ', '/']).next().unwrap_or_default();
+    match first {
+        _ if !words.is_empty() && kind.starts_with('`') => json!({ "enum": words }),
+        _ if !words.is_empty() => json!({ "anyOf": [number(), { "enum": words }] }),
+        _ if kind.contains("or a ") => json!({}),
+        "number" | "length" | "stress" | "time" | "degrees" | "force" => number(),
+        "integer" => json!({ "type": "integer" }),
+        "boolean" => json!({ "type": "boolean" }),
+        "VECTOR" | "direction" => json!({ "type": "array", "items": number(), "minItems": 3, "maxItems": 3 }),
+        "string" | "file" | "letters" | "NAME" | "SET" | "FACES" => json!({ "type": "string" }),
+        "list" => json!({ "type": "array" }),
+        _ => json!({}),
+    }
+}
