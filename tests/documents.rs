@@ -144,6 +144,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.pressure", "step.s.pressure.0", &[]),
     ("step.body_force", "step.s.body_force.0", &[]),
     ("output", "output", &["output={}"]),
+    ("output.checkpoint", "output.checkpoint", &["output.checkpoint={}"]),
     ("solver", "solver", &["solver={}"]),
     ("trade", "trade", &["trade={}"]),
     ("trade.vary", "trade.vary.0", &["trade.vary=[{}]"]),

@@ -12,6 +12,7 @@
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged
+//! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
 //! - `estimates`: how far what has converged may be from the solution
 //! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
@@ -34,10 +35,12 @@ mod event;
 mod hold;
 mod increments;
 mod jump;
+mod keep;
 mod ladder;
 mod newton;
 mod paths;
 pub mod preflight;
+mod restart;
 mod results;
 mod run;
 mod runaway;

@@ -104,7 +104,8 @@ mod tests {
     fn brick([a, b, c]: [f64; 3]) -> (Part, Vec<PartFacet>) {
         let corner =
             |k: usize| Vec3::new(a * [0.0, 1.0, 1.0, 0.0][k % 4], b * [0.0, 0.0, 1.0, 1.0][k % 4], c * (k / 4) as f64);
-        let solid = PartSolid { shape: SolidShape::Hex8, nodes: [0, 1, 2, 3, 4, 5, 6, 7], body: 0, id: 1, mine: true };
+        let nodes = [0, 1, 2, 3, 4, 5, 6, 7];
+        let solid = PartSolid { shape: SolidShape::Hex8, nodes, body: 0, id: 1, number: 0, mine: true };
         let part = Part {
             owned: 8,
             points: (0..8).map(corner).collect(),
@@ -113,7 +114,7 @@ mod tests {
             solids: vec![solid],
             ..Part::default()
         };
-        (part, vec![PartFacet { count: 4, nodes: [4, 5, 6, 7], mine: true }])
+        (part, vec![PartFacet { count: 4, nodes: [4, 5, 6, 7], number: 0, mine: true }])
     }
 
     #[test]
@@ -132,7 +133,7 @@ mod tests {
         // Along x there is 2; along z, in the thickness of a layer, 0.25.
         let (mut part, _) = brick([2.0, 2.0, 0.25]);
         part.tie = vec![0, 1, 2, 3, 0, 1, 2, 3];
-        let front = [PartFacet { count: 4, nodes: [0, 1, 5, 4], mine: true }];
+        let front = [PartFacet { count: 4, nodes: [0, 1, 5, 4], number: 0, mine: true }];
         is(contact_stiffness(&part, &front, &backing(true))[0], 10.0 * 0.125);
     }
 }

@@ -1,13 +1,13 @@
 //! `history.csv`: one row an increment, each on disk before the next increment starts.
 
-use super::{OutputFolder, cannot_write};
+use super::{OutputFolder, cannot_go_on, cannot_write, go_on, length};
 use crate::error::Result;
 use crate::parallel::agree;
 use mpi::traits::*;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::{Path, PathBuf};
 
 /// The force and contact history of a run; rank 0 writes it.
 #[derive(Debug)]
@@ -29,6 +29,36 @@ impl HistoryFile {
         let mut history = Self { path, file };
         history.append(comm, || header(columns))?;
         Ok(history)
+    }
+
+    /// Goes on with the file of an earlier run, cut to the `length` that it had at a checkpoint. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Input`] on all ranks when it is another file, or has other columns.
+    pub fn go_on(folder: &OutputFolder, comm: &impl Communicator, columns: &[String], length: u64) -> Result<Self> {
+        let path = folder.file("history.csv");
+        let open = || {
+            let mut head = String::new();
+            let read = File::open(&path).and_then(|file| BufReader::new(file).read_line(&mut head));
+            read.map_err(|error| cannot_go_on(&path, error, ""))?;
+            if head != header(columns) {
+                let help = "`history` of `[output]` must list the same sets as before";
+                return Err(cannot_go_on(&path, "it has other columns", help));
+            }
+            go_on(&path, length).map_err(|error| cannot_go_on(&path, error, ""))
+        };
+        let file = agree(comm, if comm.rank() == 0 { open().map(Some) } else { Ok(None) })?;
+        Ok(Self { path, file })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.path
+    }
+
+    /// Bytes written so far; zero on other ranks than 0.
+    pub fn length(&self) -> u64 {
+        length(self.file.as_ref())
     }
 
     /// Writes one increment: name of the step, number of the increment, time, Newton iterations, and the values of the

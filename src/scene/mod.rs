@@ -14,6 +14,7 @@ mod overrides;
 mod parse;
 mod reader;
 mod references;
+mod same;
 mod solver;
 mod steps;
 #[cfg(test)]
@@ -330,8 +331,19 @@ pub struct BodyForce {
 pub struct Output {
     /// Every so many increments; the last of each step always is.
     pub every: usize,
+    /// How often all is kept that a run goes on from.
+    pub checkpoint: Option<Checkpoint>,
     /// Sets whose displacement and reaction stand in the history: `body.group`, `body`.
     pub history: Vec<Located<String>>,
+}
+
+/// How often a checkpoint is written, besides at the end of the run; whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Every so many increments.
+    pub increments: Option<usize>,
+    /// After so many minutes of wall time.
+    pub minutes: Option<f64>,
 }
 
 /// Controls of the nonlinear solution.

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts, materials,
-    overrides, solver, steps, tools, trade,
+    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Scene, Tool, contacts,
+    materials, overrides, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -242,9 +242,11 @@ fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
 }
 
 fn output(root: &Table, names: &Names) -> Result<Output> {
-    let mut output = Output { every: 1, history: Vec::new() };
-    let Some(table) = root.optional("output", |item| item.table(&["every", "history"]))? else { return Ok(output) };
+    let mut output = Output { every: 1, checkpoint: None, history: Vec::new() };
+    let keys = ["every", "checkpoint", "history"];
+    let Some(table) = root.optional("output", |item| item.table(&keys))? else { return Ok(output) };
     output.every = table.optional("every", Item::count)?.unwrap_or(1);
+    output.checkpoint = table.optional("checkpoint", checkpoint)?;
     for item in table.optional("history", Item::list)?.unwrap_or_default() {
         let set = names.set(&item, "tools always are in the history")?;
         if output.history.iter().any(|other| other.value == set.value) {
@@ -253,6 +255,16 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
         output.history.push(set);
     }
     Ok(output)
+}
+
+fn checkpoint(item: &Item) -> Result<Checkpoint> {
+    let table = item.table(&["increments", "minutes"])?;
+    let (increments, minutes) =
+        (table.optional("increments", Item::count)?, table.optional("minutes", Item::positive)?);
+    if increments.is_none() && minutes.is_none() {
+        return Err(table.error("does not say how often", "add `increments = 10`, or `minutes = 30.0`"));
+    }
+    Ok(Checkpoint { increments, minutes })
 }
 
 fn controls(root: &Table) -> Result<Controls> {
