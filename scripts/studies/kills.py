@@ -31,7 +31,7 @@ def rows(out):
 
 
 def killed(scene, out, ranks, options, after):
-    """Starts or goes on with a run, and kills its first rank after so many seconds; whether it had not ended by then."""
+    """Starts a run or goes on with it, and kills a rank after so many seconds; whether it had not ended by then."""
     restart = ["--restart"] if (out / "checkpoint.h5").exists() else []
     command = study.on_ranks(ranks, study.NAGATA, "run", scene, "--out", out, "--quiet", *options, *restart)
     process = subprocess.Popen([str(word) for word in command], stderr=subprocess.DEVNULL)

@@ -83,18 +83,13 @@ impl<'f> Keeper<'f> {
         Ok(record)
     }
 
-    /// Whether a checkpoint is asked for now; rank 0's clock counts. Collective.
-    pub fn is_due(&self, simulation: &Simulation) -> bool {
+    /// Whether a checkpoint is asked for after an increment, the last of the run or not; rank 0's clock counts. Collective.
+    pub fn is_due(&self, simulation: &Simulation, is_last: bool) -> bool {
         let Some(Checkpoint { increments, minutes }) = self.often else { return false };
         let since = simulation.state().increments - self.last.1;
         let is_time = |minutes: f64| self.last.0.elapsed() >= Duration::from_secs_f64(60.0 * minutes);
         let on_time = simulation.comm().rank() == 0 && minutes.is_some_and(is_time);
-        any(simulation.comm(), on_time) || increments.is_some_and(|every| since >= every)
-    }
-
-    /// Whether one is asked for at the end, which has none yet.
-    pub fn lacks_last(&self, simulation: &Simulation) -> bool {
-        self.often.is_some() && simulation.state().increments > self.last.1
+        is_last || any(simulation.comm(), on_time) || increments.is_some_and(|every| since >= every)
     }
 
     /// Writes one, when `files` that are written on have come to the disk. Collective.

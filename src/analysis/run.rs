@@ -202,9 +202,6 @@ impl Recorder<'_> {
             }
             outcome?;
         }
-        if self.keeper.lacks_last(simulation) {
-            self.keep(simulation)?;
-        }
         for warning in simulation.idle_contacts() {
             self.log.line(&format!("  warning: {warning}"));
             simulation.warned(warning);
@@ -228,7 +225,8 @@ impl Recorder<'_> {
                 self.write_fields(simulation, energy.as_ref())?;
             }
             self.tell(&increment);
-            if self.keeper.is_due(simulation) {
+            let is_last = increment.ends_step && simulation.begun == self.steps.len();
+            if self.keeper.is_due(simulation, is_last) {
                 self.keep(simulation)?;
             }
             simulation.phases().add(Phase::Output, begun.elapsed());

@@ -193,10 +193,10 @@ fn check(path: &Path) -> Result<()> {
     let ends = || -> io::Result<(u64, [u8; 8], [u8; 8])> {
         let content = file.metadata()?.len().saturating_sub(16);
         let sum = checksum(&mut file, content)?;
-        let (mut mark, mut told) = ([0; 8], [0; 8]);
-        file.read_exact(&mut mark)?;
-        file.read_exact(&mut told)?;
-        Ok((sum, mark, told))
+        let mut end = Vec::new();
+        file.read_to_end(&mut end)?;
+        let part = |from: usize| end.get(from..from + 8).and_then(|part| part.try_into().ok()).unwrap_or_default();
+        Ok((sum, part(0), part(8)))
     };
     let (sum, mark, told) = { ends }().map_err(|error| damaged(path, &error.to_string()))?;
     match mark {
