@@ -48,9 +48,13 @@ pub fn write(
     let (path, part) = (folder.file(NAME), folder.file(&partial(NAME)));
     fields::create(&part, comm)?;
     let blocks: Vec<Vec<f64>> = tables.iter().map(|t| t.order.arrange(comm, t.width, &t.rows)).collect();
-    let root = comm.rank() == 0;
-    let all_on_root =
-        |total: usize| Share { first: 0, owned: if root { total as u64 } else { 0 }, total: total as u64 };
+    // What rank 0 alone writes; all know how much it is.
+    let all_on_root = |length: usize| {
+        let owned = if comm.rank() == 0 { length as u64 } else { 0 };
+        let mut total = owned;
+        comm.process_at_rank(0).broadcast_into(&mut total);
+        Share { first: 0, owned, total }
+    };
     let table = |(table, values): (&Table, &'_ Vec<f64>)| {
         let width = table.width as u64;
         let Order { first, total, .. } = *table.order;
@@ -60,8 +64,8 @@ pub fn write(
     let shares = tables.iter().zip(&blocks).map(table);
     let mut reals: Vec<Rows<f64>> =
         shares.zip(&blocks).map(|((path, share), values)| Rows { path, width: 1, share, values }).collect();
-    let values = if root { words } else { &[] };
-    reals.push(Rows { path: WORDS.into(), width: 1, share: all_on_root(words.len()), values });
+    let share = all_on_root(words.len());
+    reals.push(Rows { path: WORDS.into(), width: 1, share, values: &words[..share.owned as usize] });
     let bytes: Vec<Vec<i64>> = texts.iter().map(|(_, text)| text.bytes().map(i64::from).collect()).collect();
     let integers: Vec<Rows<i64>> = (texts.iter().zip(&bytes))
         .map(|((name, _), bytes)| {
