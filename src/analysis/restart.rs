@@ -353,11 +353,15 @@ impl<'a> Simulation<'a> {
         let (mut x, mut r) = (here.clone(), vec![0.0; here.len()]);
         newton.start_ahead(&here, &mut x);
         let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));
-        let allowed = APART.max(MORE * newton.limit());
+        // A constraint that gives way along the surface does so in each increment anew: by so much of the friction.
+        let slack = newton.system.model.pairs.iter().flat_map(|pair| &pair.slaves).map(|s| s.law.compliance.slack);
+        let mut worst = [apart(&newton, &self.state), slack.fold(0.0, f64::max)];
         let residual = newton.found.balance.relative();
-        let mut off = [apart(&newton, &self.state)];
+        let limit = newton.limit();
         let broken = any(self.comm, broken);
-        max(self.comm, &mut off);
+        max(self.comm, &mut worst);
+        let [off, slack] = worst;
+        let allowed = APART.max(MORE * limit).max(MORE * slack);
         for slave in self.model.pairs.iter_mut().flat_map(|pair| &mut pair.slaves) {
             slave.trial = slave.accepted;
         }
@@ -365,8 +369,8 @@ impl<'a> Simulation<'a> {
         let is_off = |x: f64| x.is_nan() || x > allowed;
         Ok(if broken {
             Some("an element is turned inside out at it".into())
-        } else if is_off(off[0]) {
-            Some(format!("forces at it differ from those that it had by {:.1e} of them", off[0]))
+        } else if is_off(off) {
+            Some(format!("forces at it differ from those that it had by {off:.1e} of them"))
         } else if done > 0.0 && is_off(residual) {
             Some(format!("forces at it are out of balance by {residual:.1e} of them"))
         } else {
