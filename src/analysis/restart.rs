@@ -361,7 +361,7 @@ impl<'a> Simulation<'a> {
         let broken = any(self.comm, broken);
         max(self.comm, &mut worst);
         let [off, slack] = worst;
-        let allowed = APART.max(MORE * limit).max(MORE * slack);
+        let allowed = APART.max(MORE * limit).max(slack);
         for slave in self.model.pairs.iter_mut().flat_map(|pair| &mut pair.slaves) {
             slave.trial = slave.accepted;
         }
