@@ -52,6 +52,10 @@ enum Command {
         /// Run only the first N steps of the scene.
         #[arg(long, value_name = "N")]
         steps: Option<NonZeroUsize>,
+        /// Go on from the checkpoint in the folder for the results, on any number of ranks; the scene must be the same, but for
+        /// steps that are added and its `output`.
+        #[arg(long, conflicts_with = "estimate")]
+        restart: bool,
         /// Estimate the error of the increments, too, by a second run with increments twice as long: half the time more.
         #[arg(long)]
         estimate: bool,
@@ -229,13 +233,14 @@ impl Cli {
             .map_err(|e| Error::input_anywhere(e.to_string(), "options after `--` go to PETSc"))?;
         petsc.reserve_memory()?;
         match &self.command {
-            Command::Run { scene, out, steps, estimate, quiet, report, .. } => {
+            Command::Run { scene, out, steps, restart, estimate, quiet, report, .. } => {
                 let loaded = scene.load(comm)?;
                 let default = Path::new("out").join(&loaded.name);
                 let steps = steps.map(NonZeroUsize::get);
                 let out = out.as_deref().unwrap_or(&default);
                 let source = &scene.scene;
-                let options = Options { out, steps, estimate: *estimate, quiet: *quiet, report: *report, source };
+                let (restart, report) = (*restart, *report);
+                let options = Options { out, steps, estimate: *estimate, restart, report, quiet: *quiet, source };
                 let outcome = analysis::run(comm, &petsc, &loaded, &options);
                 if matches!(outcome, Ok(()) | Err(Error::Diverged(_) | Error::Interrupted(_))) && comm.rank() == 0 {
                     warn_of_unused(&petsc.unused_options()?);

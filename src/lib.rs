@@ -4,6 +4,7 @@
 //! (smoothing, formulations, material models, methods) are at home further down, in leaves that use nothing.
 //!
 //! - [`failure`]: why an increment has no solution
+//! - [`words`]: structs as numbers, for checkpoints
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
@@ -52,6 +53,7 @@ pub mod surface;
 pub mod system;
 pub mod tool;
 pub mod trade;
+pub mod words;
 
 /// A vector in a plane.
 pub type Vec2 = nalgebra::Vector2<f64>;

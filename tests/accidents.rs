@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::jobs::{BLOCK_UNDER_PLATE, children, shown_times, wait_for};
-use common::{Bench, History, Run, assert_small, mpirun, nagata};
+use common::jobs::{BLOCK_UNDER_PLATE, Job, rows_in, send, shown_times, wait_for};
+use common::{Bench, History, Run, assert_small, nagata};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// Pressed in very many increments, with fields seldom.
@@ -23,48 +23,6 @@ every = 100000
 /// The block, its plate and the step.
 fn scene() -> String {
     format!("{BLOCK_UNDER_PLATE}{STEP}")
-}
-
-/// A run under way.
-struct Job {
-    child: Child,
-    ranks: Vec<u32>,
-}
-
-impl Job {
-    /// Starts a run into `out`, and waits until so many increments have converged.
-    fn start(bench: &Bench, ranks: usize, rows: usize, arguments: &[&str]) -> Self {
-        // That of the run before would count.
-        let _ = std::fs::remove_file(bench.path("out/history.csv"));
-        let mut command = mpirun(ranks);
-        command.args(["run", "scene.toml", "--out", "out"]).args(arguments).current_dir(bench.path(""));
-        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-        let out = bench.path("out");
-        wait_for(&mut child, 60, "rows", |_| (rows_in(&out) >= rows).then_some(()));
-        let processes = children(child.id());
-        assert_eq!(processes.len(), ranks);
-        Self { child, ranks: processes }
-    }
-
-    /// Waits for the end of the job and of its ranks; its exit code, and what it said of errors.
-    fn end(mut self) -> (i32, String) {
-        let status = wait_for(&mut self.child, 60, "the end of the job", |job| job.try_wait().unwrap());
-        let gone = || self.ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
-        wait_for(&mut self.child, 30, "the end of the ranks", |_| gone().then_some(()));
-        let mut said = String::new();
-        std::io::Read::read_to_string(self.child.stderr.as_mut().unwrap(), &mut said).unwrap();
-        (status.code().unwrap_or(-1), said)
-    }
-}
-
-/// Whole rows of the history so far.
-fn rows_in(out: &Path) -> usize {
-    let text = std::fs::read_to_string(out.join("history.csv")).unwrap_or_default();
-    text.matches('\n').count().saturating_sub(1)
-}
-
-fn send(signal: &str, pid: u32) {
-    assert!(Command::new("kill").args(["-s", signal, &pid.to_string()]).status().unwrap().success());
 }
 
 fn results(bench: &Bench) -> Run {
@@ -85,7 +43,7 @@ fn ended_in_order(bench: &Bench, signal: &str, (code, said): (i32, String)) {
     assert_eq!(shown_times(&run.out), [history.last("time")]);
     let moved = run.field("increments/000001/tool_plate/node/displacement");
     assert_small("motion of the plate", moved[2] - history.last("plate.uz"), 1e-12);
-    assert_eq!(std::fs::read_dir(&run.out).unwrap().count(), 6);
+    assert_eq!(std::fs::read_dir(&run.out).unwrap().count(), nagata::output::RUN.len());
 }
 
 #[test]

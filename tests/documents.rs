@@ -156,6 +156,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
         "output.probe.p.path",
         &["output={ probe = [{ name = \"p\", path = { from = [0, 0, 0], to = [1, 0, 0] } }] }"],
     ),
+    ("output.checkpoint", "output.checkpoint", &["output.checkpoint={}"]),
     ("solver", "solver", &["solver={}"]),
     ("trade", "trade", &["trade={}"]),
     ("trade.vary", "trade.vary.0", &["trade.vary=[{}]"]),

@@ -263,7 +263,9 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
         let kind = match scene.material(&material.value) {
             Some(MaterialModel::NeoHookean { .. }) => "neo-hookean; no plasticity",
             Some(MaterialModel::Hooke { .. }) => "hooke (logarithmic strain); no plasticity",
-            Some(MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. }) => "mooney-rivlin; no plasticity",
+            Some(MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. }) => {
+                "mooney-rivlin; no plasticity"
+            }
             Some(MaterialModel::Hyperelastic { law: Isochoric::Yeoh { .. }, .. }) => "yeoh; no plasticity",
             Some(MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. }) => "ogden; no plasticity",
             Some(MaterialModel::Plastic { hill: None, .. }) => "elastic-plastic (von Mises)",

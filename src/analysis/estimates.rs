@@ -47,6 +47,16 @@ impl Estimates {
         self.words = words(model, &found);
     }
 
+    /// What the contacts of tools have shown so far.
+    pub fn stiffness(&self) -> Vec<Stiffness> {
+        self.stiffness.clone()
+    }
+
+    /// Goes on with what an earlier run knew.
+    pub fn go_on(&mut self, steps: Vec<Value>, stiffness: Vec<Stiffness>) {
+        (self.steps, self.stiffness) = (steps, stiffness);
+    }
+
     /// Adds something that is known of each step.
     pub fn add(&mut self, key: &str, found: Vec<Value>) {
         for (step, found) in self.steps.iter_mut().zip(found) {

@@ -39,6 +39,16 @@ impl Increments {
         self.corners.contains(&self.done)
     }
 
+    /// What is done, and how long the next is to be.
+    pub fn course(&self) -> [f64; 2] {
+        [self.done, self.size]
+    }
+
+    /// Goes on from there.
+    pub fn go_on(&mut self, [done, size]: [f64; 2]) {
+        (self.done, self.size) = (done, size);
+    }
+
     /// The fraction of the step at the end of the next increment; `None` at the end of the step.
     pub fn next(&self) -> Option<f64> {
         let rounding = 1e-9 * self.max;

@@ -18,6 +18,7 @@ use super::event::Remedy;
 use super::increments::Increments;
 use crate::controls::Controls;
 use crate::failure::Cause;
+use crate::words::Words;
 
 /// How an increment is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +54,37 @@ impl Yields {
             Self::Never => false,
             Self::OnceSingular => cause.is_linear(),
             Self::Anew => cause.is_linear() || cause.is_of_iteration(),
+        }
+    }
+}
+
+/// How far the tries are, of what a [`Ladder`] has under these names.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tries {
+    can_yield: Yields,
+    yields: Option<bool>,
+    way: Way,
+    failures: usize,
+    jumps: usize,
+    jumped: usize,
+}
+
+crate::words!(Tries { can_yield, yields, way, failures, jumps, jumped });
+crate::choices!(Yields { Never, OnceSingular, Anew });
+
+impl Words for Way {
+    fn put(&self, words: &mut Vec<f64>) {
+        let (jumps, settles) = match self {
+            Self::Newton { settle } => (false, *settle),
+            Self::Jump => (true, false),
+        };
+        (jumps, settles).put(words);
+    }
+
+    fn take(words: &mut &[f64]) -> Self {
+        match Words::take(words) {
+            (true, _) => Self::Jump,
+            (false, settle) => Self::Newton { settle },
         }
     }
 }
@@ -98,6 +130,17 @@ impl Ladder {
             jumped: 0,
             controls: *controls,
         }
+    }
+
+    /// How far it is.
+    pub fn tries(&self) -> Tries {
+        let Self { can_yield, yields, way, failures, jumps, jumped, .. } = *self;
+        Tries { can_yield, yields, way, failures, jumps, jumped }
+    }
+
+    /// Goes on from there.
+    pub fn go_on(&mut self, Tries { can_yield, yields, way, failures, jumps, jumped }: Tries) {
+        *self = Self { can_yield, yields, way, failures, jumps, jumped, ..*self };
     }
 
     /// How to seek the increment now.

@@ -13,6 +13,7 @@
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
+//! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
 //! - `estimates`: how far what has converged may be from the solution
 //! - `paths`: the error of the increments
 //! - `ending`: what ends a run at once
@@ -36,11 +37,13 @@ mod event;
 mod hold;
 mod increments;
 mod jump;
+mod keep;
 mod ladder;
 mod newton;
 mod paths;
 pub mod preflight;
 mod probes;
+mod restart;
 mod results;
 mod run;
 mod runaway;

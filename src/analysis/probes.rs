@@ -12,9 +12,13 @@ use crate::output::quantity::Quantity;
 use crate::parallel::{max, sum};
 use crate::scene::{self, ProbePlace, Scene};
 use mpi::topology::SimpleCommunicator;
+use std::path::Path;
 
 /// The probes of a scene with their tables.
-pub(super) struct Probes(Vec<(Probe, ProbeFile)>);
+pub(super) struct Probes(Vec<(Probe, String, ProbeFile)>);
+
+/// How long the table of each probe is, by the probes' names.
+pub(super) type Lengths = Vec<(String, u64)>;
 
 /// A probe with its places found.
 struct Probe {
@@ -45,18 +49,43 @@ impl Probes {
     /// # Errors
     /// A point in no body; a file that cannot be written; on all ranks.
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
+        Self::go_on(comm, folder, scene, model, &Lengths::new())
+    }
+
+    /// Goes on with the tables of an earlier run, as long as they were. Collective.
+    ///
+    /// # Errors
+    /// As [`Self::create`]; a table with other columns.
+    pub fn go_on(
+        comm: &SimpleCommunicator,
+        folder: &OutputFolder,
+        scene: &Scene,
+        model: &Model,
+        lengths: &Lengths,
+    ) -> Result<Self> {
         let begin = |given: &scene::Probe| {
-            let probe = Probe::new(comm, given, model)?;
-            let file = ProbeFile::create(folder, comm, &given.name.value, &probe.columns())?;
-            Ok((probe, file))
+            let (probe, name) = (Probe::new(comm, given, model)?, &given.name.value);
+            let length = lengths.iter().find(|(known, _)| known == name).map(|(_, length)| *length);
+            let file = ProbeFile::go_on(folder, comm, name, &probe.columns(), length)?;
+            Ok((probe, name.clone(), file))
         };
         Ok(Self(scene.output.probes.iter().map(begin).collect::<Result<_>>()?))
+    }
+
+    /// Bytes so far, which count on rank 0.
+    pub fn lengths(&self) -> Lengths {
+        self.0.iter().map(|(_, name, file)| (name.clone(), file.length())).collect()
+    }
+
+    /// The tables.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.0.iter().map(|(.., file)| file.file())
     }
 
     /// Whether a probe needs what is recovered of each increment, or only of those whose fields are written.
     pub fn need_recovery(&self, written: bool) -> bool {
         let needs = |probe: &Probe| probe.fields.iter().any(|field| field.is_recovered());
-        self.0.iter().any(|(probe, _)| (written || !probe.is_path()) && needs(probe))
+        self.0.iter().any(|(probe, ..)| (written || !probe.is_path()) && needs(probe))
     }
 
     /// Adds a row for each point and set. Collective.
@@ -77,7 +106,7 @@ impl Probes {
 
     fn add(&mut self, comm: &SimpleCommunicator, model: &Model, of: (&State, Known), paths: bool) -> Result<()> {
         let (state, _) = of;
-        for (probe, file) in self.0.iter_mut().filter(|(probe, _)| probe.is_path() == paths) {
+        for (probe, _, file) in self.0.iter_mut().filter(|(probe, ..)| probe.is_path() == paths) {
             let values = probe.values(comm, model, of);
             file.rows(comm, (state.increments, state.time), probe.columns().len(), &values)?;
         }

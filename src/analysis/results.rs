@@ -1,7 +1,7 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
 use super::body_fields::{BodyFields, Known};
-use super::probes::Probes;
+use super::probes::{Lengths, Probes};
 use super::{Increment, SetReading, Simulation, State, Way};
 use crate::Vec3;
 use crate::contact::Status;
@@ -13,17 +13,26 @@ use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, Grid
 use crate::output::history::HistoryFile;
 use crate::output::quantity::Quantity;
 use crate::parallel::{agree, max, number, sum};
-use crate::partition::PartFacet;
 use crate::partition::parcels::{bounds, grown, hull};
+use crate::partition::{Order, PartFacet};
 use crate::scene::Scene;
 use crate::surface::Tessellation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use std::path::Path;
+
+/// A grid, whose points and cells stand in the files in an order that does not depend on the partition.
+struct Placed {
+    id: GridId,
+    points: Order,
+    /// Of the cells, where they have fields.
+    cells: Option<Order>,
+}
 
 /// The nodes of this rank that a grid shows, and the cells that refer to them.
 struct Shown {
-    id: GridId,
-    /// Local nodes of the part; for a tool, points in its frame.
+    grid: Placed,
+    /// Local nodes of the part.
     nodes: Vec<u32>,
 }
 
@@ -33,9 +42,9 @@ pub struct Results {
     fields: Fields,
     bodies: Vec<Shown>,
     contacts: Vec<Shown>,
-    tools: Vec<(GridId, Vec<Vec3>)>,
+    tools: Vec<(Placed, Vec<Vec3>)>,
     /// Deformable masters, with the initial positions of their points.
-    masters: Vec<(GridId, Vec<Vec3>)>,
+    masters: Vec<(Placed, Vec<Vec3>)>,
     watched: Vec<String>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
@@ -53,17 +62,42 @@ impl Results {
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
-        let watched: Vec<String> = scene.output.history.iter().map(|s| s.value.clone()).collect();
-        let history = HistoryFile::create(folder, comm, &columns(model, &watched))?;
-        let mut fields = Fields::create(folder, "fields", comm)?;
+        let history = HistoryFile::create(folder, comm, &columns(model, &watched(scene)))?;
+        let probes = Probes::create(comm, folder, scene, model)?;
+        Self::new(comm, (history, Fields::create(folder, "fields", comm)?, probes), scene, model)
+    }
+
+    /// Goes on with the files of an earlier run, of which so many bytes of history and so many increments of fields stay.
+    /// Collective.
+    ///
+    /// # Errors
+    /// Files that are not those of this scene, on all ranks.
+    pub fn go_on(
+        comm: &SimpleCommunicator,
+        folder: &OutputFolder,
+        scene: &Scene,
+        model: &Model,
+        (history, written, probes): (u64, usize, &Lengths),
+    ) -> Result<Self> {
+        let history = HistoryFile::go_on(folder, comm, &columns(model, &watched(scene)), history)?;
+        let probes = Probes::go_on(comm, folder, scene, model, probes)?;
+        Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)
+    }
+
+    fn new(
+        comm: &SimpleCommunicator,
+        (history, mut fields, probes): (HistoryFile, Fields, Probes),
+        scene: &Scene,
+        model: &Model,
+    ) -> Result<Self> {
         let mut bodies = Vec::new();
         for (b, body) in model.bodies.iter().enumerate() {
             let nodes: Vec<u32> =
                 (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
-            let cells: Vec<(CellShape, &[u32])> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
+            let cells: Vec<NumberedCell> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
                 .map(|s| match s.shape {
-                    SolidShape::Tet4 => (CellShape::Tetrahedron, &s.nodes[..4]),
-                    SolidShape::Hex8 => (CellShape::Hexahedron, &s.nodes[..]),
+                    SolidShape::Tet4 => (s.number, CellShape::Tetrahedron, &s.nodes[..4]),
+                    SolidShape::Hex8 => (s.number, CellShape::Hexahedron, &s.nodes[..]),
                 })
                 .collect();
             bodies.push(show(comm, &mut fields, model, &format!("body.{}", body.name), nodes, &cells)?);
@@ -71,7 +105,7 @@ impl Results {
         let mut contacts = Vec::new();
         for pair in &model.pairs {
             let set = &model.part.sets[pair.set];
-            let cells: Vec<(CellShape, &[u32])> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
+            let cells: Vec<NumberedCell> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
             contacts.push(show(
                 comm,
                 &mut fields,
@@ -83,7 +117,6 @@ impl Results {
         }
         let tools = add_tools(comm, &mut fields, model)?;
         let masters = add_masters(comm, &mut fields, model)?;
-        let (wanted, probes) = (scene.output.fields.clone(), Probes::create(comm, folder, scene, model)?);
         Ok(Self {
             history,
             fields,
@@ -91,11 +124,21 @@ impl Results {
             contacts,
             tools,
             masters,
-            watched,
-            wanted,
+            watched: watched(scene),
+            wanted: scene.output.fields.clone(),
             vtkhdf: scene.output.vtkhdf,
             probes,
         })
+    }
+
+    /// Bytes of history and of the tables of probes, which count on rank 0, and increments of fields, so far.
+    pub fn lengths(&self) -> (u64, usize, Lengths) {
+        (self.history.length(), self.fields.written(), self.probes.lengths())
+    }
+
+    /// The files that are written on and on.
+    pub fn files(&self) -> Vec<&Path> {
+        [self.history.file(), self.fields.file()].into_iter().chain(self.probes.files()).collect()
     }
 
     /// Whether recovered stresses and strains are asked for: of an increment whose fields are written, or of others.
@@ -194,24 +237,25 @@ impl Results {
         let mut grids = Vec::new();
         for (b, shown) in self.bodies.iter().enumerate() {
             let cell = agree(comm, of_bodies.of_elements(b))?;
-            grids.push(Columns { grid: shown.id, node: of_bodies.at_nodes(&shown.nodes), cell });
+            grids.push(Columns { grid: &shown.grid, node: of_bodies.at_nodes(&shown.nodes), cell });
         }
         for (p, shown) in self.contacts.iter().enumerate() {
             grids.push(contact_columns(model, p, shown, u, &self.wanted));
         }
         for ((grid, points), tool) in self.tools.iter().zip(&model.masters.tools) {
             let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
-            grids.push(Columns::moved(*grid, moved));
+            grids.push(Columns::moved(grid, moved));
         }
         for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
             let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
             let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
-            grids.push(Columns::moved(*grid, moved));
+            grids.push(Columns::moved(grid, moved));
         }
+        grids.iter_mut().for_each(|columns| columns.arrange(comm));
         let fields: Vec<(Vec<Field>, Vec<Field>)> =
             grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
         let data: Vec<GridData> = (grids.iter().zip(&fields))
-            .map(|(g, (node, cell))| GridData { grid: g.grid, node_fields: node, cell_fields: cell })
+            .map(|(g, (node, cell))| GridData { grid: g.grid.id, node_fields: node, cell_fields: cell })
             .collect();
         self.fields.write(comm, state.time, &data)?;
         if state.increments == 0 { Ok(()) } else { self.probes.add_paths(comm, model, (state, known)) }
@@ -221,18 +265,36 @@ impl Results {
 /// A field as (name, components, values).
 pub(super) type Column = (String, usize, Vec<f64>);
 
+/// A cell with its number, whatever the partition, and its local nodes.
+type NumberedCell<'a> = (u64, CellShape, &'a [u32]);
+
 /// The fields of a grid.
-struct Columns {
-    grid: GridId,
+struct Columns<'g> {
+    grid: &'g Placed,
     node: Vec<Column>,
     cell: Vec<Column>,
 }
 
-impl Columns {
+impl<'g> Columns<'g> {
     /// Those of a surface that only moves.
-    fn moved(grid: GridId, displacement: Vec<f64>) -> Self {
+    fn moved(grid: &'g Placed, displacement: Vec<f64>) -> Self {
         Self { grid, node: vec![("displacement".into(), 3, displacement)], cell: Vec::new() }
     }
+
+    /// Brings the values of all ranks into the order of the files. Collective.
+    fn arrange(&mut self, comm: &SimpleCommunicator) {
+        for (_, width, values) in &mut self.node {
+            *values = self.grid.points.arrange(comm, *width, values);
+        }
+        for (order, (_, width, values)) in self.grid.cells.iter().cycle().zip(&mut self.cell) {
+            *values = order.arrange(comm, *width, values);
+        }
+    }
+}
+
+/// The sets in the history.
+fn watched(scene: &Scene) -> Vec<String> {
+    scene.output.history.iter().map(|set| set.value.clone()).collect()
 }
 
 fn as_fields(columns: &[Column]) -> Vec<Field<'_>> {
@@ -278,7 +340,7 @@ fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
 }
 
 /// What is wanted of status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
-fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3], wanted: &[Quantity]) -> Columns {
+fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3], wanted: &[Quantity]) -> Columns<'g> {
     let pair = &model.pairs[pair];
     let areas = slave_areas(model, pair.set, u);
     let mut of_node = vec![None; model.part.owned];
@@ -309,13 +371,13 @@ fn contact_columns(model: &Model, pair: usize, shown: &Shown, u: &[Vec3], wanted
         };
         Some((quantity.key().to_string(), quantity.width(), values))
     };
-    Columns { grid: shown.id, node: wanted.iter().filter_map(values).collect(), cell: Vec::new() }
+    Columns { grid: &shown.grid, node: wanted.iter().filter_map(values).collect(), cell: Vec::new() }
 }
 
-fn facet_cell(facet: &PartFacet) -> (CellShape, &[u32]) {
+fn facet_cell(facet: &PartFacet) -> NumberedCell<'_> {
     match facet.count {
-        3 => (CellShape::Triangle, &facet.nodes[..3]),
-        _ => (CellShape::Quadrilateral, &facet.nodes[..]),
+        3 => (facet.number, CellShape::Triangle, &facet.nodes[..3]),
+        _ => (facet.number, CellShape::Quadrilateral, &facet.nodes[..]),
     }
 }
 
@@ -326,66 +388,94 @@ fn show(
     model: &Model,
     name: &str,
     nodes: Vec<u32>,
-    cells: &[(CellShape, &[u32])],
+    cells: &[NumberedCell],
 ) -> Result<Shown> {
-    let (first, _) = number(comm, nodes.len() as u64);
+    let keys: Vec<u64> = nodes.iter().map(|&n| model.part.number[n as usize]).collect();
+    let order = Order::new(comm, &keys);
     let mut numbers = vec![0u64; model.part.points.len()];
-    for (k, &n) in nodes.iter().enumerate() {
-        numbers[n as usize] = first + k as u64;
+    for (&n, position) in nodes.iter().zip(order.positions()) {
+        numbers[n as usize] = *position;
     }
     model.part.halo.update(comm, 1, &mut numbers);
     let points: Vec<[f64; 3]> = nodes.iter().map(|&n| model.part.points[n as usize].into()).collect();
+    let keys: Vec<u64> = cells.iter().map(|(number, ..)| *number).collect();
     let cells: Vec<Cell> = cells
         .iter()
-        .map(|(shape, local)| {
+        .map(|(_, shape, local)| {
             let mut of_cell = [0; 8];
             local.iter().zip(&mut of_cell).for_each(|(&n, global)| *global = numbers[n as usize]);
             Cell { shape: *shape, nodes: of_cell }
         })
         .collect();
-    let id = fields.add_grid(comm, &Grid { name, points: &points, cells: &cells })?;
-    Ok(Shown { id, nodes })
+    let of_cells = Some(Order::new(comm, &keys));
+    Ok(Shown { grid: place(comm, fields, (name, &points, &cells), order, of_cells)?, nodes })
+}
+
+/// Writes a grid in the order of its points and, where they have fields, its cells. Collective.
+fn place(
+    comm: &SimpleCommunicator,
+    fields: &mut Fields,
+    (name, points, cells): (&str, &[[f64; 3]], &[Cell]),
+    order: Order,
+    of_cells: Option<Order>,
+) -> Result<Placed> {
+    let points = order.arrange(comm, 3, points.as_flattened());
+    let cells = match &of_cells {
+        None => cells.to_vec(),
+        Some(order) => {
+            let numbers: Vec<u64> = cells.iter().flat_map(|cell| cell.to_numbers()).collect();
+            let arranged = order.arrange(comm, Cell::LEN, &numbers);
+            arranged.as_chunks().0.iter().map(Cell::from_numbers).collect()
+        }
+    };
+    let id = fields.add_grid(comm, &Grid { name, points: points.as_chunks().0, cells: &cells })?;
+    Ok(Placed { id, points: order, cells: of_cells })
 }
 
 /// Writes the tools as the solver sees them. Collective.
-fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
+fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(Placed, Vec<Vec3>)>> {
     let whole = hull(comm, bounds(model.part.points[..model.part.owned].iter().copied()));
     let (lo, hi) = whole.unwrap_or_default();
     let clip = grown((lo, hi), 0.25 * (hi - lo).norm());
     let mut tools = Vec::new();
     for tool in &model.masters.tools {
         let surface = tool.surface.tessellate(comm.rank(), PIECES, &clip);
-        tools.push(add_surface(comm, fields, &format!("tool.{}", tool.name), &surface)?);
+        // Pieces are dealt out by their numbers: those of one rank follow those of the other.
+        let (first, _) = number(comm, surface.points.len() as u64);
+        let numbers: Vec<u64> = (first..first + surface.points.len() as u64).collect();
+        tools.push(add_surface(comm, fields, &format!("tool.{}", tool.name), &surface, &numbers)?);
     }
     Ok(tools)
 }
 
 /// Writes the deformable masters as they begin. Collective.
-fn add_masters(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(GridId, Vec<Vec3>)>> {
+fn add_masters(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(Placed, Vec<Vec3>)>> {
     let pairs = model.pairs.iter().filter(|p| p.master.surface().is_some());
     let masters = model.masters.surfaces.iter().zip(pairs).map(|(surface, pair)| {
         let begins = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize]);
-        add_surface(comm, fields, &format!("master.{}", pair.name), &begins)
+        let numbers = surface.point_numbers(PIECES);
+        add_surface(comm, fields, &format!("master.{}", pair.name), &begins, &numbers)
     });
     masters.collect()
 }
 
-/// Writes a tessellated surface, and gives its points. Collective.
+/// Writes a tessellated surface, and gives its points, which have `numbers` whatever the partition. Collective.
 fn add_surface(
     comm: &SimpleCommunicator,
     fields: &mut Fields,
     name: &str,
     surface: &Tessellation,
-) -> Result<(GridId, Vec<Vec3>)> {
-    let (first, _) = number(comm, surface.points.len() as u64);
+    numbers: &[u64],
+) -> Result<(Placed, Vec<Vec3>)> {
+    let order = Order::new(comm, numbers);
     let cell = |shape: CellShape, corners: &[u32]| {
         let mut nodes = [0; 8];
-        corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = first + u64::from(n));
+        corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = order.positions()[n as usize]);
         Cell { shape, nodes }
     };
     let triangles = surface.triangles.iter().map(|t| cell(CellShape::Triangle, t));
     let quads = surface.quads.iter().map(|q| cell(CellShape::Quadrilateral, q));
     let cells: Vec<Cell> = triangles.chain(quads).collect();
     let points = surface.points.iter().map(|x| Vec3::from(*x)).collect();
-    Ok((fields.add_grid(comm, &Grid { name, points: &surface.points, cells: &cells })?, points))
+    Ok((place(comm, fields, (name, &surface.points, &cells), order, None)?, points))
 }

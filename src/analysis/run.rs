@@ -5,6 +5,7 @@ use super::cost::machine::Machine;
 use super::cost::predict::Prediction;
 use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
+use super::keep::{Keeper, Record};
 use super::paths::{self, End};
 use super::results::Results;
 use super::{Event, Increment, Iteration, Simulation, describe};
@@ -33,6 +34,8 @@ pub struct Options<'a> {
     pub steps: Option<usize>,
     /// Estimate the error of the increments by a second run.
     pub estimate: bool,
+    /// Go on from the checkpoint in the folder.
+    pub restart: bool,
     pub quiet: bool,
     /// Write a report at the end, too, however it comes.
     pub report: bool,
@@ -50,12 +53,30 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     agree(comm, interrupt::heed())?;
     let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
     let (machine, damage) = Machine::find(comm);
+    let inputs = [("scene file", options.source)];
     let replaced = output::results_in(options.out);
     let replaced: Vec<&str> = replaced.iter().map(String::as_str).collect();
-    let folder = OutputFolder::create(options.out, &replaced, &[("scene file", options.source)], comm)?;
-    folder.write(comm, "scene.toml", &scene.text)?;
-    let mut log = Log::create(&folder, comm, options.quiet)?;
+    let folder = match options.restart {
+        true => OutputFolder::reopen(options.out, comm)?,
+        false => OutputFolder::create(options.out, &replaced, &inputs, comm)?,
+    };
+    let mut keeper = Keeper::new(&folder, &simulation)?;
+    let mut estimates = Estimates::default();
+    let record = options.restart.then(|| keeper.go_back(&mut simulation, &mut estimates)).transpose()?;
     let model = simulation.model();
+    let results = simulation.phases().time(Phase::Output, || match &record {
+        Some((record, probes)) => Results::go_on(comm, &folder, scene, model, (record.history, record.written, probes)),
+        None => Results::create(comm, &folder, scene, model),
+    })?;
+    let mut log = match &record {
+        Some((record, _)) => Log::go_on(&folder, comm, options.quiet, record.log)?,
+        None => Log::create(&folder, comm, options.quiet)?,
+    };
+    folder.write(comm, "scene.toml", &scene.text)?;
+    if record.is_some() {
+        let super::State { increments, time, .. } = simulation.state();
+        log.line(&format!("goes on from the checkpoint after increment {increments}, time {time:.6}"));
+    }
     log.line(&describe::heading(comm, scene, model));
     let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
     bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
@@ -67,17 +88,20 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
     log.record(&machine.origin());
     damage.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
-    let results = simulation.phases().time(Phase::Output, || Results::create(comm, &folder, scene, model))?;
     let count = options.steps.unwrap_or(usize::MAX).min(scene.steps.len());
-    let seer = Seer { machine, size, steps: &scene.steps[..count], prediction: None, knows_factors: false };
+    let steps = &scene.steps[..count];
+    // What is left of a run is not foretold.
+    let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });
     let mut recorder = Recorder {
         log,
         results,
         every: scene.output.every,
-        since_written: 0,
-        estimates: Estimates::default(),
+        since_written: record.map_or(0, |(record, _)| record.since_written),
+        estimates,
         ends: Vec::new(),
+        steps,
         seer,
+        keeper,
     };
     let outcome = recorder.steps(&mut simulation);
     let mut summary = Summary { carried: simulation.carried(), ..simulation.summary() };
@@ -85,7 +109,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     summary.estimates.clone_from(&recorder.estimates.steps);
     summary.interrupted = matches!(outcome, Err(Error::Interrupted(_)));
     summary.wall_s = begun.elapsed().as_secs_f64();
-    let prediction = recorder.seer.prediction;
+    let prediction = recorder.seer.as_ref().and_then(|seer| seer.prediction);
     summary.predicted = prediction.map(|prediction| prediction.foretold());
     measure_solver(petsc, &summary.linear, simulation.phases());
     let (own, (messages, bytes)) = (sent(), petsc.sent());
@@ -149,7 +173,9 @@ struct Recorder<'s> {
     estimates: Estimates,
     /// The ends of steps.
     ends: Vec<End>,
-    seer: Seer<'s>,
+    steps: &'s [Step],
+    seer: Option<Seer<'s>>,
+    keeper: Keeper<'s>,
 }
 
 /// Foretells what the run will take, once it has its first systems.
@@ -181,15 +207,21 @@ impl Seer<'_> {
 impl Recorder<'_> {
     /// Runs the steps. Collective.
     fn steps(&mut self, simulation: &mut Simulation) -> Result<()> {
-        let steps = self.seer.steps;
+        let steps = self.steps;
         self.log.start(steps.iter().map(|s| s.duration).sum());
         if simulation.state().increments == 0 {
             let begun = Instant::now();
             self.write_alone(simulation)?;
             simulation.phases().add(Phase::Output, begun.elapsed());
         }
-        for step in steps {
-            let outcome = self.step(simulation, step);
+        // The last of these is under way, or at its end.
+        let begun = simulation.begun;
+        for (k, step) in steps.iter().enumerate().skip(begun.saturating_sub(1)) {
+            let outcome = if k < begun { Ok(()) } else { simulation.begin(step) };
+            let outcome = outcome.and_then(|()| self.step(simulation));
+            if matches!(outcome, Err(Error::Interrupted(_))) {
+                self.keep_last(simulation);
+            }
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
                 let _ = self.write_alone(simulation);
@@ -206,14 +238,14 @@ impl Recorder<'_> {
         Ok(())
     }
 
-    fn step(&mut self, simulation: &mut Simulation, step: &Step) -> Result<()> {
-        simulation.begin(step)?;
-        if self.seer.prediction.is_none() {
-            self.seer.look(simulation)?;
+    /// Goes to the end of the step that is under way. Collective.
+    fn step(&mut self, simulation: &mut Simulation) -> Result<()> {
+        if let Some(seer) = self.seer.as_mut().filter(|seer| seer.prediction.is_none()) {
+            seer.look(simulation)?;
         }
         while let Some(increment) = simulation.advance(&mut |event| self.hear(event))? {
             let begun = Instant::now();
-            self.seer.look_again(simulation)?;
+            self.seer.as_mut().map_or(Ok(()), |seer| seer.look_again(simulation))?;
             self.since_written += 1;
             let written = self.since_written >= self.every || increment.ends_step;
             let recovered = self.recover(simulation, written, increment.ends_step)?;
@@ -229,10 +261,37 @@ impl Recorder<'_> {
             if written {
                 self.write_fields(simulation, Known { energy: energy.as_ref(), ..known })?;
             }
-            simulation.phases().add(Phase::Output, begun.elapsed());
             self.tell(&increment);
+            let is_last = increment.ends_step && simulation.begun == self.steps.len();
+            if self.keeper.is_due(simulation, is_last) {
+                self.keep(simulation)?;
+            }
+            simulation.phases().add(Phase::Output, begun.elapsed());
         }
         Ok(())
+    }
+
+    /// Writes a checkpoint. Collective.
+    fn keep(&mut self, simulation: &Simulation) -> Result<()> {
+        let (history, written, probes) = self.results.lengths();
+        let record = Record {
+            history,
+            written,
+            log: self.log.length(),
+            since_written: self.since_written,
+            stiffness: self.estimates.stiffness(),
+            ..Record::default()
+        };
+        self.keeper.keep(simulation, (record, probes), &self.results.files(), &self.estimates.steps)
+    }
+
+    /// The same of a run that a signal ends: the fields that are written then are not those of an increment that goes on.
+    /// Collective.
+    fn keep_last(&mut self, simulation: &Simulation) {
+        match self.keep(simulation) {
+            Ok(()) => self.log.line("checkpoint written: the same command with --restart goes on from it"),
+            Err(error) => self.log.line(&format!("  warning: no checkpoint: {error}")),
+        }
     }
 
     /// Estimates the error of the increments. Collective.

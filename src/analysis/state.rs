@@ -30,6 +30,8 @@ pub struct State {
     pub(super) touches: Vec<Touch>,
     /// What the last step ended with.
     pub(super) conditions: Conditions,
+    /// Contact force on each tool at the start of each step so far, N: what a force begins with that takes a tool over.
+    pub(super) handed: Vec<Vec<Vec3>>,
 }
 
 impl State {
@@ -44,6 +46,7 @@ impl State {
             seen: vec![0.0; groups],
             touches: vec![Touch::default(); model.pairs.len()],
             conditions: Conditions::none(model),
+            handed: Vec::new(),
         }
     }
 }
@@ -65,8 +68,9 @@ pub(super) struct Progress {
     pub serial: usize,
     pub step: Step,
     pub conditions: Conditions,
-    /// Time, and poses of the tools, at its start.
+    /// Time, displacements of all local nodes, and poses of the tools, at its start.
     pub start: f64,
+    pub before: Vec<Vec3>,
     pub poses: Vec<Pose>,
     /// Force-driven translations of the tools so far in it.
     pub offsets: Vec<Vec3>,

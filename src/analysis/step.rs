@@ -29,7 +29,7 @@ use std::time::Instant;
 pub(super) struct Frame {
     pub(super) progress: Progress,
     pub(super) dofs: DofMap,
-    pattern: Pattern,
+    pub(super) pattern: Pattern,
     /// Supports alone do not hold every body and force-driven tool.
     pub(super) hangs: bool,
     /// Failed increments say more of Newton's method than of its remedies: the last such.
@@ -148,25 +148,39 @@ impl<'a> Simulation<'a> {
             let done = running.frame.progress.increments.done;
             self.state.conditions = running.frame.progress.conditions.ended_at(done);
         }
-        let last = &self.state.conditions;
-        let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, &self.state.u, last))?;
-        conditions.hand_over(last, &self.state.tool_forces);
+        let forces = &self.state.tool_forces;
+        let conditions = self.conditions(step, &self.state.u, &self.state.conditions, forces)?;
+        self.state.handed.push(forces.clone());
+        let progress = self.progress(step, conditions);
+        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))
+    }
+
+    /// The conditions of a step that begins at displacements `u` with the contact `forces` on tools, after what the `last`
+    /// step ended with. Collective.
+    pub(super) fn conditions(&self, step: &Step, u: &[Vec3], last: &Conditions, forces: &[Vec3]) -> Result<Conditions> {
+        let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, u, last))?;
+        conditions.hand_over(last, forces);
+        Ok(conditions)
+    }
+
+    /// The next step at its start, where the simulation is.
+    pub(super) fn progress(&mut self, step: &Step, conditions: Conditions) -> Progress {
         let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
         let contacts = &self.scene.contacts;
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
         self.begun += 1;
-        let progress = Progress {
+        Progress {
             serial: self.begun,
             step: step.clone(),
             conditions,
             start: self.state.time,
+            before: self.state.u.clone(),
             poses: self.model.masters.tools.iter().map(|t| t.committed).collect(),
             offsets: vec![Vec3::zeros(); self.model.masters.tools.len()],
             increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls).meeting(step.corners()),
             ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
             past: Vec::new(),
-        };
-        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))
+        }
     }
 
     /// Makes the equations of a step, in which these slave nodes have some of contact. Collective.
@@ -463,7 +477,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
-    fn watch_ahead(&mut self, frame: &Frame, end: f64) {
+    pub(super) fn watch_ahead(&mut self, frame: &Frame, end: f64) {
         if self.model.is_alone() {
             return;
         }

@@ -31,6 +31,8 @@ pub struct Touch {
     on_tool: Option<Vec3>,
 }
 
+crate::words!(Touch { until, now, force, middle, on_tool });
+
 /// Where all is at an increment's beginning and end.
 struct Motion<'a> {
     before: &'a [Vec3],

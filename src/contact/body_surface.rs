@@ -227,12 +227,26 @@ impl BodySurface {
     /// Collective.
     pub fn tessellate(&self, comm: &SimpleCommunicator, n: usize, place: impl Fn(u32) -> Vec3) -> Tessellation {
         let positions = gather(comm, &self.share_nodes, place);
-        let n = if self.given.smoothing == Smoothing::Facet { 1 } else { n };
+        let n = self.cells(n);
         let mut cells = Tessellation::default();
         for patch in &self.share {
             cells.add_patch(&patch.shape(&pick(&positions, &stencil(patch, &self.share_nodes))), n);
         }
         cells
+    }
+
+    /// A number for each point of [`Self::tessellate`], whatever the partition.
+    pub fn point_numbers(&self, n: usize) -> Vec<u64> {
+        let of_patch = |patch: &MovingPatch| {
+            let first = u64::from(patch.id) << u32::BITS;
+            first..first + Tessellation::points_of(patch.count, self.cells(n)) as u64
+        };
+        self.share.iter().flat_map(of_patch).collect()
+    }
+
+    /// Cells along a side of a patch.
+    fn cells(&self, n: usize) -> usize {
+        if self.given.smoothing == Smoothing::Facet { 1 } else { n }
     }
 }
 

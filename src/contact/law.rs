@@ -61,6 +61,8 @@ pub enum Status {
     Slip = 2,
 }
 
+crate::choices!(Status { Gap, Stick, Slip });
+
 impl Status {
     /// The status in words; without friction what touches neither sticks nor slips.
     pub fn name(self, friction: f64) -> &'static str {

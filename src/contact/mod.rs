@@ -204,6 +204,8 @@ pub struct Committed {
     pub held: Held,
 }
 
+crate::words!(Committed { multiplier, anchor, place, warm, status, held });
+
 /// A multiplier that is held while Newton's method runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Held {
@@ -214,6 +216,8 @@ pub struct Held {
     /// A part that the master carries along: in the frame of the tool, or of the slip origin on a deformable master.
     pub carried: Vec3,
 }
+
+crate::words!(Held { gap, tangential, carried });
 
 /// A local unknown, the force of a slave node, as a linear function of positions: what the last tangent has for it.
 #[derive(Clone, Debug, Default)]
@@ -275,6 +279,25 @@ pub struct Trial {
     /// Residual of the multiplier, or of the local unknown, N.
     pub local: f64,
 }
+
+crate::words!(Trial {
+    status,
+    force,
+    received,
+    yields,
+    projection,
+    left,
+    returns,
+    patience,
+    slip,
+    changed,
+    flips,
+    asked,
+    violation,
+    sigma,
+    position,
+    local,
+});
 
 impl Trial {
     /// The contact force on the node, its own and what it receives as a node of the master.

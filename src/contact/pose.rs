@@ -22,6 +22,8 @@ pub struct Pose {
     pub driven: Vec3,
 }
 
+crate::words!(Pose { rotation, translation, driven });
+
 impl Default for Pose {
     fn default() -> Self {
         Self { rotation: Mat3::identity(), translation: Vec3::zeros(), driven: Vec3::zeros() }

@@ -102,6 +102,11 @@ impl Avoided {
         self.deep
     }
 
+    /// Takes over what [`Self::deep`] was at an earlier state.
+    pub fn remember(&mut self, deep: f64) {
+        self.deep = deep;
+    }
+
     /// The depth by a given thickness, which stays, and a share of it.
     pub fn with_thickness(self, thickness: f64, share: f64) -> Self {
         Self { deep: share * thickness, across: Vec::new(), ..self }

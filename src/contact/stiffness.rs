@@ -112,6 +112,7 @@ mod tests {
             body: 0,
             section: 0,
             id: 1,
+            number: 0,
             mine: true,
         };
         let part = Part {
@@ -123,7 +124,7 @@ mod tests {
             solids: vec![solid],
             ..Part::default()
         };
-        (part, vec![PartFacet { count: 4, nodes: [4, 5, 6, 7], mine: true }])
+        (part, vec![PartFacet { count: 4, nodes: [4, 5, 6, 7], number: 0, mine: true }])
     }
 
     #[test]
@@ -142,7 +143,7 @@ mod tests {
         // Along x there is 2; along z, in the thickness of a layer, 0.25.
         let (mut part, _) = brick([2.0, 2.0, 0.25]);
         part.tie = vec![0, 1, 2, 3, 0, 1, 2, 3];
-        let front = [PartFacet { count: 4, nodes: [0, 1, 5, 4], mine: true }];
+        let front = [PartFacet { count: 4, nodes: [0, 1, 5, 4], number: 0, mine: true }];
         is(contact_stiffness(&part, &front, &backing(true))[0], 10.0 * 0.125);
     }
 }

@@ -47,6 +47,8 @@ pub enum Side {
     Inside,
 }
 
+crate::choices!(Side { Front, Beside, Inside });
+
 /// What was seen of a slave node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sight {
@@ -60,6 +62,8 @@ pub struct Sight {
     /// Depth behind the master, unless it is beside it.
     pub depth: f64,
 }
+
+crate::words!(Sight { gap, normal, patch, side, depth });
 
 /// What is wrong with a node.
 #[derive(Clone, Copy, Debug, PartialEq)]

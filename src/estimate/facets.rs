@@ -46,6 +46,8 @@ pub struct Stiffness {
     pub value: Option<f64>,
 }
 
+crate::words!(Stiffness { last, value });
+
 /// Part of a way along the normal of the contact, at least, for it to be an approach and not a slide.
 const APPROACH: f64 = 0.1;
 

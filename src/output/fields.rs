@@ -14,14 +14,16 @@
 //! so that a kill at any time leaves a file that opens up to the last complete increment.
 
 use super::xdmf::{self, Reference, XdmfField, XdmfGrid};
-use super::{OutputFolder, cannot_write, replace, vtkhdf};
+use super::{OutputFolder, cannot_go_on, cannot_write, one_line, remove, replace, vtkhdf};
 use crate::error::{Error, Result};
 use crate::parallel::{agree, number};
 use hdf5::{Dataset, File, FileBuilder, H5Type, OpenMode};
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
 use std::io::Read as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
 
 /// Shape of a cell. Node order as in Gmsh, VTK and [`crate::mesh`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,6 +87,8 @@ pub struct Fields {
     written: usize,
     /// Their XDMF text; on rank 0 alone.
     increments: String,
+    /// The grids stand in the file already.
+    goes_on: bool,
 }
 
 /// A grid as it stands in the file.
@@ -99,18 +103,18 @@ struct StoredGrid {
 
 /// The rows of a dataset that this rank owns: `first .. first + owned` of `total`.
 #[derive(Clone, Copy, Debug)]
-struct Share {
-    first: u64,
-    owned: u64,
-    total: u64,
+pub(super) struct Share {
+    pub first: u64,
+    pub owned: u64,
+    pub total: u64,
 }
 
 /// A dataset to write, with this rank's rows.
-struct Rows<'a, T> {
-    path: String,
-    width: usize,
-    share: Share,
-    values: &'a [T],
+pub(super) struct Rows<'a, T> {
+    pub path: String,
+    pub width: usize,
+    pub share: Share,
+    pub values: &'a [T],
 }
 
 impl Fields {
@@ -121,12 +125,35 @@ impl Fields {
     pub fn create(folder: &OutputFolder, name: &str, comm: &impl Communicator) -> Result<Self> {
         let h5 = folder.file(&format!("{name}.h5"));
         let xdmf = folder.file(&format!("{name}.xdmf"));
-        let fields = Self { h5, xdmf, grids: Vec::new(), written: 0, increments: String::new() };
-        fields.on_root(comm, || {
-            let file = fields.open(OpenMode::Create)?;
-            file.close().map_err(|error| cannot_write(&fields.h5, error))
-        })?;
-        Ok(fields)
+        create(&h5, comm)?;
+        Ok(Self { h5, xdmf, grids: Vec::new(), written: 0, increments: String::new(), goes_on: false })
+    }
+
+    /// Goes on with the files of an earlier run after so many increments that it had written; what it wrote later is
+    /// taken out. Begins anew where there are none.
+    ///
+    /// # Errors
+    /// [`Error::Input`] when these are not the files.
+    pub fn go_on(folder: &OutputFolder, name: &str, comm: &impl Communicator, written: usize) -> Result<Self> {
+        let (h5, xdmf) = (folder.file(&format!("{name}.h5")), folder.file(&format!("{name}.xdmf")));
+        let mut exists = h5.exists() && (xdmf.exists() || written == 0);
+        comm.process_at_rank(0).broadcast_into(&mut exists);
+        if !exists {
+            return Self::create(folder, name, comm);
+        }
+        let cut = || cut_off(&h5, &xdmf, written).map_err(|what| cannot_go_on(&h5, one_line(&what), ANEW));
+        let increments = on_root(comm, cut)?.unwrap_or_default();
+        Ok(Self { h5, xdmf, grids: Vec::new(), written, increments, goes_on: true })
+    }
+
+    /// Increments written.
+    pub fn written(&self) -> usize {
+        self.written
+    }
+
+    /// The HDF5 file.
+    pub fn file(&self) -> &Path {
+        &self.h5
     }
 
     /// Writes the geometry of a grid, which stays: what moves shows through a `displacement`.
@@ -153,7 +180,12 @@ impl Fields {
         };
         let points_rows = Rows { path: points_path, width: 3, share: points, values: grid.points.as_flattened() };
         let cells_rows = Rows { path: cells_path, width, share: rows, values: &nodes };
-        self.append(comm, &[points_rows], &[cells_rows])?;
+        if self.goes_on {
+            let found = || points_rows.check(&self.h5).and_then(|()| cells_rows.check(&self.h5));
+            on_root(comm, || found().map_err(|what| cannot_go_on(&self.h5, one_line(&what), ANEW)))?;
+        } else {
+            append(&self.h5, comm, &[points_rows], &[cells_rows])?;
+        }
         self.grids.push(StoredGrid { folder, points, cells, xdmf });
         Ok(GridId(self.grids.len() - 1))
     }
@@ -172,7 +204,7 @@ impl Fields {
         let clock = Rows { path: format!("{increment}/time"), width: 1, share, values: &clock[..share.owned as usize] };
         let mut rows = agree(comm, self.rows(&increment, data))?;
         rows.push(clock);
-        self.append(comm, &rows, &[])?;
+        append(&self.h5, comm, &rows, &[])?;
         self.written = number;
 
         let shown = if comm.rank() == 0 {
@@ -194,7 +226,7 @@ impl Fields {
             let path = self.h5.with_file_name(format!("{name}-{}.vtkhdf", grid.folder));
             vtkhdf::write(&self.h5, &path, &grid.folder, grid.xdmf.shape).map_err(|error| cannot_write(&path, error))
         };
-        self.on_root(comm, || self.grids.iter().try_for_each(one))?;
+        on_root(comm, || self.grids.iter().try_for_each(one))?;
         Ok(())
     }
 
@@ -253,48 +285,6 @@ impl Fields {
         (&grid.xdmf, nodes.chain(cells).collect())
     }
 
-    /// Adds datasets to the file: rank 0 creates each, and writes the rows of all ranks.
-    fn append(&self, comm: &impl Communicator, reals: &[Rows<f64>], integers: &[Rows<i64>]) -> Result<()> {
-        let bytes = reals.iter().map(Rows::size).chain(integers.iter().map(Rows::size)).sum();
-        let mut file = self.on_root(comm, || {
-            self.make_room(bytes).map_err(|error| cannot_write(&self.h5, error))?;
-            self.open(OpenMode::ReadWrite)
-        })?;
-        // The first error of rank 0; what the others send is taken all the same.
-        let mut written = Ok(());
-        reals.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
-        integers.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
-        self.on_root(comm, || {
-            let closed = file.take().map_or(Ok(()), File::close);
-            written.and(closed).map_err(|error| cannot_write(&self.h5, error))
-        })?;
-        Ok(())
-    }
-
-    /// What `work` gives on rank 0, and nothing on the others; its error on all.
-    fn on_root<T>(&self, comm: &impl Communicator, work: impl FnOnce() -> Result<T>) -> Result<Option<T>> {
-        agree(comm, if comm.rank() == 0 { work().map(Some) } else { Ok(None) })
-    }
-
-    /// Fills the file to the length that it can get at most with so many more bytes; closing it cuts it to its length.
-    ///
-    /// A full disk is then met before the file is touched: HDF5 can neither close a file that it cannot write nor forget
-    /// it. And HDF5 refuses a file shorter than its tables say, which a kill amid the close could otherwise leave.
-    fn make_room(&self, bytes: u64) -> std::io::Result<()> {
-        let mut disk = std::fs::OpenOptions::new().append(true).open(&self.h5)?;
-        let before = disk.metadata()?.len();
-        let filled = std::io::copy(&mut std::io::repeat(0).take(bytes), &mut disk);
-        if filled.is_err() {
-            disk.set_len(before)?;
-        }
-        filled.map(|_| ())
-    }
-
-    /// Opens the file on this rank alone.
-    fn open(&self, mode: OpenMode) -> Result<File> {
-        FileBuilder::new().open_as(&self.h5, mode).map_err(|error| cannot_write(&self.h5, error))
-    }
-
     /// A name for the folder of a grid in the file that no other grid has.
     fn unused_folder(&self, name: &str) -> String {
         let mut folder = h5_name(name);
@@ -305,7 +295,61 @@ impl Fields {
     }
 }
 
+/// Adds datasets to a file: rank 0 creates each, and writes the rows of all ranks.
+pub(super) fn append(path: &Path, comm: &impl Communicator, reals: &[Rows<f64>], integers: &[Rows<i64>]) -> Result<()> {
+    let bytes = reals.iter().map(Rows::size).chain(integers.iter().map(Rows::size)).sum();
+    let mut file = on_root(comm, || {
+        make_room(path, bytes).map_err(|error| cannot_write(path, error))?;
+        open(path, OpenMode::ReadWrite)
+    })?;
+    // The first error of rank 0; what the others send is taken all the same.
+    let mut written = Ok(());
+    reals.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
+    integers.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
+    on_root(comm, || {
+        let closed = file.take().map_or(Ok(()), File::close);
+        written.and(closed).map_err(|error| cannot_write(path, error))
+    })?;
+    Ok(())
+}
+
+/// Starts an empty file. Collective.
+pub(super) fn create(path: &Path, comm: &impl Communicator) -> Result<()> {
+    let created = on_root(comm, || {
+        let file = open(path, OpenMode::Create)?;
+        file.close().map_err(|error| cannot_write(path, error))
+    });
+    created.map(|_| ())
+}
+
+/// What `work` gives on rank 0, and nothing on the others; its error on all.
+pub(super) fn on_root<T>(comm: &impl Communicator, work: impl FnOnce() -> Result<T>) -> Result<Option<T>> {
+    agree(comm, if comm.rank() == 0 { work().map(Some) } else { Ok(None) })
+}
+
+/// Fills the file to the length that it can get at most with so many more bytes; closing it cuts it to its length.
+///
+/// A full disk is then met before the file is touched: HDF5 can neither close a file that it cannot write nor forget
+/// it. And HDF5 refuses a file shorter than its tables say, which a kill amid the close could otherwise leave.
+fn make_room(path: &Path, bytes: u64) -> std::io::Result<()> {
+    let mut disk = std::fs::OpenOptions::new().append(true).open(path)?;
+    let before = disk.metadata()?.len();
+    let filled = std::io::copy(&mut std::io::repeat(0).take(bytes), &mut disk);
+    if filled.is_err() {
+        disk.set_len(before)?;
+    }
+    filled.map(|_| ())
+}
+
+/// Opens a file on this rank alone.
+fn open(path: &Path, mode: OpenMode) -> Result<File> {
+    FileBuilder::new().open_as(path, mode).map_err(|error| cannot_write(path, error))
+}
+
 impl CellShape {
+    /// All of them, in the order of their numbers.
+    const ALL: [Self; 4] = [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron];
+
     /// Nodes of a cell.
     pub fn node_count(self) -> usize {
         match self {
@@ -317,6 +361,21 @@ impl CellShape {
 }
 
 impl Cell {
+    /// Length of [`Self::to_numbers`].
+    pub const LEN: usize = 9;
+
+    pub fn to_numbers(self) -> [u64; Self::LEN] {
+        let mut numbers = [self.shape as u64; Self::LEN];
+        numbers[1..].copy_from_slice(&self.nodes);
+        numbers
+    }
+
+    pub fn from_numbers(numbers: &[u64; Self::LEN]) -> Self {
+        let mut nodes = [0; 8];
+        nodes.copy_from_slice(&numbers[1..]);
+        Self { shape: CellShape::ALL[numbers[0] as usize], nodes }
+    }
+
     /// The nodes that count.
     pub fn nodes(&self) -> &[u64] {
         &self.nodes[..self.shape.node_count()]
@@ -370,6 +429,19 @@ impl<T: H5Type> Rows<'_, T> {
         }
     }
 
+    /// Whether the dataset stands in a file, as long and wide.
+    fn check(&self, path: &Path) -> std::result::Result<(), String> {
+        let length = self.share.total as usize;
+        let expected = if self.width == 1 { vec![length] } else { vec![length, self.width] };
+        let found = File::open(path).and_then(|file| file.dataset(&self.path)).map(|dataset| dataset.shape());
+        match found {
+            Ok(shape) if shape == expected => Ok(()),
+            Err(_) if length == 0 => Ok(()),
+            Ok(shape) => Err(format!("{} is {shape:?}, and should be {expected:?}", self.path)),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
     /// Bytes that the dataset takes in the file at most, with its part in the tables.
     fn size(&self) -> u64 {
         const TABLES: u64 = 1 << 14;
@@ -389,6 +461,34 @@ impl<T: H5Type> Rows<'_, T> {
     }
 }
 
+/// Takes what was written after so many increments out of both files, all of it without one; gives the XDMF text of what
+/// stays.
+fn cut_off(h5: &Path, xdmf: &Path, written: usize) -> std::result::Result<String, String> {
+    let begins = || File::open(h5).map(|file| file.link_exists("increments/000000")).map_err(|error| error.to_string());
+    // With the state at time 0.
+    let kept = if written > 0 { written + usize::from(begins()?) } else { 0 };
+    let text = if kept > 0 { std::fs::read_to_string(xdmf).map_err(|error| error.to_string())? } else { String::new() };
+    let increments = xdmf::first(&text, kept).ok_or(format!("{} has fewer than {kept} times", xdmf.display()))?;
+    // First, that it never tells of what is not there.
+    match kept {
+        0 => remove(xdmf).map_err(|error| error.to_string())?,
+        _ => replace(xdmf, &xdmf::document(increments)).map_err(|error| error.to_string())?,
+    }
+    let file = File::open_rw(h5).map_err(|error| error.to_string())?;
+    let cut = || -> hdf5::Result<usize> {
+        if !file.link_exists("increments") {
+            return Ok(0);
+        }
+        let group = file.group("increments")?;
+        let names = group.member_names()?;
+        let later = |name: &&String| name.parse::<usize>().is_ok_and(|number| written == 0 || number > written);
+        names.iter().filter(later).try_for_each(|name| group.unlink(name))?;
+        Ok(group.len() as usize)
+    };
+    let left = cut().and_then(|left| file.close().map(|()| left)).map_err(|error| error.to_string())?;
+    if left == kept { Ok(increments.to_string()) } else { Err(format!("it has {left} of {kept} times")) }
+}
+
 fn write_table<T: H5Type, const WIDTH: usize>(dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
     let (rows, first) = (values.as_chunks::<WIDTH>().0, first as usize);
     dataset.write_slice::<_, T, _, _>(rows, (first..first + rows.len(), 0..WIDTH))
@@ -406,14 +506,13 @@ fn check_nodes(grid: &Grid, points: u64) -> Result<()> {
 
 /// The shape of all cells of all ranks, `None` when they differ; a triangle when there are none.
 fn common_shape(comm: &impl Communicator, cells: &[Cell]) -> Option<CellShape> {
-    use CellShape::*;
-    let all = [Triangle, Quadrilateral, Tetrahedron, Hexahedron];
+    let all = CellShape::ALL;
     let own = all.map(|shape| cells.iter().any(|cell| cell.shape == shape));
     let mut present = own;
     comm.all_reduce_into(&own[..], &mut present[..], SystemOperation::logical_or());
     let mut found = all.into_iter().zip(present).filter_map(|(shape, present)| present.then_some(shape));
     match (found.next(), found.next()) {
-        (None, _) => Some(Triangle),
+        (None, _) => Some(CellShape::Triangle),
         (shape, None) => shape,
         _ => None,
     }

@@ -4,14 +4,14 @@ mod read;
 
 pub use read::{Components, DISPLACEMENT, FORCE, History};
 
-use super::{OutputFolder, cannot_write};
+use super::{OutputFolder, cannot_go_on, cannot_write, go_on, length};
 use crate::error::Result;
 use crate::parallel::agree;
 use mpi::traits::*;
 use std::fmt::Write as _;
 use std::fs::File;
-use std::io::Write as _;
-use std::path::PathBuf;
+use std::io::{BufRead, BufReader, Write as _};
+use std::path::{Path, PathBuf};
 
 /// The force and contact history of a run; rank 0 writes it.
 #[derive(Debug)]
@@ -42,6 +42,44 @@ impl HistoryFile {
         let mut history = Self { path, file };
         history.append(comm, header)?;
         Ok(history)
+    }
+
+    /// Goes on with the file of an earlier run, cut to the `length` that it had at a checkpoint. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Input`] on all ranks when it is another file, or has other columns.
+    pub fn go_on(folder: &OutputFolder, comm: &impl Communicator, columns: &[String], length: u64) -> Result<Self> {
+        let help = "`history` of `[output]` must list the same sets as before";
+        Self::resume(
+            folder.file("history.csv"),
+            comm,
+            &header("step,increment,time,iterations", columns),
+            (length, help),
+        )
+    }
+
+    fn resume(path: PathBuf, comm: &impl Communicator, header: &str, (length, help): (u64, &str)) -> Result<Self> {
+        let open = || {
+            let mut head = String::new();
+            let read = File::open(&path).and_then(|file| BufReader::new(file).read_line(&mut head));
+            read.map_err(|error| cannot_go_on(&path, error, ""))?;
+            if head != header {
+                return Err(cannot_go_on(&path, "it has other columns", help));
+            }
+            go_on(&path, length).map_err(|error| cannot_go_on(&path, error, ""))
+        };
+        let file = agree(comm, if comm.rank() == 0 { open().map(Some) } else { Ok(None) })?;
+        Ok(Self { path, file })
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        &self.path
+    }
+
+    /// Bytes written so far; zero on other ranks than 0.
+    pub fn length(&self) -> u64 {
+        length(self.file.as_ref())
     }
 
     /// Writes one increment: name of the step, number of the increment, time, Newton iterations, and the values of the
@@ -79,6 +117,34 @@ impl ProbeFile {
     /// [`crate::error::Error::System`] on all ranks when the file cannot be written.
     pub fn create(folder: &OutputFolder, comm: &impl Communicator, name: &str, columns: &[String]) -> Result<Self> {
         HistoryFile::start(folder, comm, &probe_file(name), || header("increment,time", columns)).map(Self)
+    }
+
+    /// Goes on with the table of an earlier run, cut to the `length` that it had at a checkpoint; one that was not there then
+    /// begins. Collective.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Input`] on all ranks when it has other columns.
+    pub fn go_on(
+        folder: &OutputFolder,
+        comm: &impl Communicator,
+        name: &str,
+        columns: &[String],
+        length: Option<u64>,
+    ) -> Result<Self> {
+        let Some(length) = length else { return Self::create(folder, comm, name, columns) };
+        let help = "a probe must have the same place and fields as before; give another one another name";
+        let path = folder.file(&probe_file(name));
+        HistoryFile::resume(path, comm, &header("increment,time", columns), (length, help)).map(Self)
+    }
+
+    /// Bytes written so far; zero on other ranks than 0.
+    pub fn length(&self) -> u64 {
+        self.0.length()
+    }
+
+    /// The file.
+    pub fn file(&self) -> &Path {
+        self.0.file()
     }
 
     /// Writes rows of one increment, so many values each, which count on rank 0 only. Collective.

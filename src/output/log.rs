@@ -74,10 +74,34 @@ impl Log {
         let path = folder.file("log.txt");
         let file = if comm.rank() == 0 { File::create(&path).map(Some) } else { Ok(None) };
         let file = agree(comm, file.map_err(|error| cannot_write(&path, error)))?;
+        Ok(Self::of(file, comm, quiet))
+    }
+
+    /// Goes on with the log of an earlier run, cut to the `length` that it had at a checkpoint; without one it begins anew.
+    /// Collective.
+    ///
+    /// # Errors
+    /// [`Error::System`] on all ranks when the file cannot be written.
+    pub fn go_on(folder: &OutputFolder, comm: &impl Communicator, quiet: bool, length: u64) -> Result<Self> {
+        let kept = if comm.rank() == 0 { super::go_on(&folder.file("log.txt"), length).ok() } else { None };
+        let mut exists = kept.is_some();
+        comm.process_at_rank(0).broadcast_into(&mut exists);
+        match exists {
+            true => Ok(Self::of(kept, comm, quiet)),
+            false => Self::create(folder, comm, quiet),
+        }
+    }
+
+    /// Bytes in the file so far; zero on other ranks than 0.
+    pub fn length(&self) -> u64 {
+        super::length(self.file.as_ref())
+    }
+
+    fn of(file: Option<File>, comm: &impl Communicator, quiet: bool) -> Self {
         let speaks = comm.rank() == 0;
         let (talks, warns) = (speaks && !quiet, speaks && quiet);
         let (begun, marks) = (Instant::now(), Vec::new());
-        Ok(Self { file, is_open: false, bar: None, talks, warns, end: 0.0, begun, marks, jump: None })
+        Self { file, is_open: false, bar: None, talks, warns, end: 0.0, begun, marks, jump: None }
     }
 
     /// Shows a line, or several; of which those with a warning also when quiet.

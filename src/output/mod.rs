@@ -3,6 +3,7 @@
 //! Files that are replaced as a whole are renamed into place, the others are complete after every increment, so what
 //! stands in the folder is readable at any time, also after a kill.
 
+pub mod checkpoint;
 pub mod fields;
 pub mod figure;
 pub mod history;
@@ -23,8 +24,16 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
-pub const RUN: [&str; 7] =
-    ["fields.xdmf", "fields.h5", "history.csv", "summary.json", "log.txt", "scene.toml", "report.html"];
+pub const RUN: [&str; 8] = [
+    "fields.xdmf",
+    "fields.h5",
+    "history.csv",
+    "summary.json",
+    "log.txt",
+    "scene.toml",
+    "report.html",
+    checkpoint::NAME,
+];
 
 /// Whether a run writes into a folder now; `None` where the file system has no locks.
 pub fn is_being_written(folder: &Path) -> Option<bool> {
@@ -60,6 +69,16 @@ impl OutputFolder {
     /// one of the `results` is one of the `inputs`.
     pub fn create(path: &Path, results: &[&str], inputs: &[Input], comm: &impl Communicator) -> Result<Self> {
         let prepared = if comm.rank() == 0 { prepare(path, results, inputs) } else { Ok(None) };
+        Ok(Self { path: path.to_path_buf(), _lock: agree(comm, prepared)? })
+    }
+
+    /// The folder of an earlier run, to go on in it: nothing is cleared. Collective.
+    ///
+    /// # Errors
+    /// [`Error::Input`] on all ranks when there is none, when it cannot be written, or when another run writes into it.
+    pub fn reopen(path: &Path, comm: &impl Communicator) -> Result<Self> {
+        let prepare = || if path.is_dir() { prepare(path, &[], &[]) } else { Err(not_there(path)) };
+        let prepared = if comm.rank() == 0 { prepare() } else { Ok(None) };
         Ok(Self { path: path.to_path_buf(), _lock: agree(comm, prepared)? })
     }
 
@@ -132,13 +151,42 @@ fn make(path: &Path) -> io::Result<()> {
 
 /// Deletes what an earlier run left.
 fn clear(path: &Path, results: &[&str]) -> io::Result<()> {
-    for name in results.iter().flat_map(|name| [name.to_string(), partial(name)]) {
-        match fs::remove_file(path.join(name)) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+    let names = results.iter().flat_map(|name| [name.to_string(), partial(name)]);
+    names.map(|name| path.join(name)).try_for_each(|file| remove(&file))
+}
+
+/// Deletes a file that may not be there.
+fn remove(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+fn not_there(path: &Path) -> Error {
+    Error::input_anywhere(
+        format!("there is no run to go on with: no folder {}", path.display()),
+        "give its folder with --out DIR, or run without --restart",
+    )
+}
+
+/// Opens a file that an earlier run wrote line by line, cut to the length that it had at a checkpoint, to write on.
+fn go_on(path: &Path, length: u64) -> io::Result<fs::File> {
+    let file = fs::OpenOptions::new().append(true).open(path)?;
+    if file.metadata()?.len() < length {
+        return Err(io::Error::other(format!("it is shorter than at the checkpoint, when it had {length} bytes")));
+    }
+    file.set_len(length)?;
+    Ok(file)
+}
+
+/// Bytes in an open file; zero without one.
+fn length(file: Option<&fs::File>) -> u64 {
+    file.and_then(|file| file.metadata().ok()).map_or(0, |data| data.len())
+}
+
+fn cannot_go_on(path: &Path, what: impl std::fmt::Display, help: &str) -> Error {
+    Error::input_anywhere(format!("cannot go on with {}: {what}", path.display()), help)
 }
 
 fn in_use(path: &Path, holder: &str) -> Error {
@@ -170,9 +218,12 @@ pub(crate) fn replace(path: &Path, text: &str) -> Result<()> {
 
 /// The error of a file that became unwritable during the run.
 fn cannot_write(path: &Path, error: impl std::fmt::Display) -> Error {
-    // HDF5 breaks the line after a time.
-    let error = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
-    Error::System(format!("cannot write {}: {error}", path.display()))
+    Error::System(format!("cannot write {}: {}", path.display(), one_line(&error.to_string())))
+}
+
+/// HDF5 breaks the line after a time.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -28,6 +28,8 @@ pub struct Summary {
     pub converged: bool,
     /// A signal ended the run.
     pub interrupted: bool,
+    /// It went on from a checkpoint after so many increments.
+    pub restarted: Option<usize>,
     /// Name of the scene.
     pub scene: String,
     /// Unknowns in the largest system, multipliers and free tool directions included.
@@ -141,6 +143,7 @@ impl Summary {
         let value = json!({
             "converged": self.converged,
             "interrupted": self.interrupted,
+            "restarted": self.restarted,
             "scene": self.scene,
             "version": env!("CARGO_PKG_VERSION"),
             "ranks": ranks.len(),

@@ -96,6 +96,19 @@ pub(super) fn increment(time: f64, grids: &[(&XdmfGrid, Vec<XdmfField>)]) -> Str
     text
 }
 
+/// The text of the first increments of a whole file, so many of them; `None` when it has fewer.
+pub(super) fn first(document: &str, count: usize) -> Option<&str> {
+    const BEGIN: &str = r#"<Grid Name="increment" "#;
+    if count == 0 {
+        return Some("");
+    }
+    let start = document.find(BEGIN)?;
+    let later = document.match_indices(BEGIN).map(|(at, _)| at).nth(count);
+    // Behind the last increment the collection in time ends.
+    let end = later.or_else(|| document.find("</Grid>\n</Domain>"))?;
+    (document.matches(BEGIN).count() >= count).then(|| &document[start..end])
+}
+
 /// The whole file around its increments.
 pub(super) fn document(increments: &str) -> String {
     format!(
@@ -172,5 +185,12 @@ mod tests {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert_eq!(text.matches("<Grid ").count(), text.matches("</Grid>").count());
+        let (one, two) = (increment(0.1, &[(&grid, vec![])]), increment(0.2, &[(&mixed, vec![])]));
+        let both = document(&format!("{one}{two}"));
+        assert_eq!(
+            [0, 1, 2].map(|count| first(&both, count)),
+            [Some(""), Some(&one[..]), Some(&format!("{one}{two}"))]
+        );
+        assert_eq!(first(&both, 3), None);
     }
 }

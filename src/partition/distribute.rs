@@ -187,14 +187,14 @@ impl<'a> Cut<'a> {
         p.extend([owned, held.len(), mesh.points.len(), mesh.solids.len(), solids.len()].map(|n| n as u64));
         for n in held.iter().map(|&n| n as usize) {
             p.extend([owner[n] as u64, u64::from(place[n]), u64::from(mesh.body[n]), u64::from(mesh.section[n])]);
-            p.extend([mesh.id[n], at(mesh.tie[n])]);
+            p.extend([mesh.id[n], n as u64, at(mesh.tie[n])]);
             p.extend(mesh.points[n].iter().map(|x| x.to_bits()));
         }
         for e in solids {
             let solid = &mesh.solids[e];
             let mine = u64::from(is_own(solid.nodes[0]));
             p.extend([solid.nodes().len() as u64, u64::from(mesh.solid_body[e]), u64::from(mesh.solid_section[e])]);
-            p.extend([solid.id, mine]);
+            p.extend([solid.id, e as u64, mine]);
             p.extend(solid.nodes().iter().map(|&n| at(n)));
         }
         p.push(mesh.sets.len() as u64);
@@ -202,8 +202,9 @@ impl<'a> Cut<'a> {
             let (nodes, facets) = (nodes.of(rank), facets.of(rank));
             p.extend([nodes.len() as u64, facets.len() as u64]);
             p.extend(nodes.iter().map(|&k| at(set.nodes[k as usize])));
-            for facet in facets.iter().map(|&k| &set.facets[k as usize]) {
-                p.extend([u64::from(facet.count), u64::from(is_own(facet.nodes[0]))]);
+            for &k in facets {
+                let facet = &set.facets[k as usize];
+                p.extend([u64::from(facet.count), u64::from(k), u64::from(is_own(facet.nodes[0]))]);
                 p.extend(facet.nodes().iter().map(|&n| at(n)));
             }
         }
@@ -230,6 +231,7 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         part.body.push(next() as u32);
         part.section.push(next() as u32);
         part.id.push(next());
+        part.number.push(next());
         part.tie.push(next() as u32);
         part.points.push(Vec3::from_fn(|_, _| f64::from_bits(next())));
     }
@@ -237,19 +239,19 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         let count = next() as usize;
         let shape = if count == 4 { SolidShape::Tet4 } else { SolidShape::Hex8 };
         let [body, section] = [next() as u32, next() as u32];
-        let (id, mine) = (next(), next() == 1);
+        let (id, number, mine) = (next(), next(), next() == 1);
         let mut nodes = [0; 8];
         nodes[..count].fill_with(|| next() as u32);
-        part.solids.push(PartSolid { shape, nodes, body, section, id, mine });
+        part.solids.push(PartSolid { shape, nodes, body, section, id, number, mine });
     }
     for _ in 0..next() {
         let (node_count, facet_count) = (next(), next());
         let mut set = PartSet { nodes: (0..node_count).map(|_| next() as u32).collect(), facets: Vec::new() };
         for _ in 0..facet_count {
-            let (count, mine) = (next() as u8, next() == 1);
+            let (count, number, mine) = (next() as u8, next(), next() == 1);
             let mut nodes = [0; 4];
             nodes[..count as usize].fill_with(|| next() as u32);
-            set.facets.push(PartFacet { count, nodes, mine });
+            set.facets.push(PartFacet { count, nodes, number, mine });
         }
         part.sets.push(set);
     }

@@ -4,7 +4,8 @@
 //! holds every element that touches one of them, and sees the other nodes of those elements as its halo. It can then
 //! assemble its own rows of any finite-element matrix without sending matrix entries. Surfaces are seen farther than that:
 //! [`Gather`] fetches values of nodes wherever they are owned, [`parcels`] deals out the pieces of a surface, and
-//! [`directory`] finds which of them come near the points of which rank.
+//! [`directory`] finds which of them come near the points of which rank. What is written to files stands in an
+//! [`Order`] of its own, whatever the partition.
 
 pub mod directory;
 mod distribute;
@@ -12,6 +13,7 @@ mod gather;
 mod graph;
 mod halo;
 mod lists;
+mod order;
 pub mod parcels;
 
 pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
@@ -19,6 +21,7 @@ pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
 pub use halo::Halo;
 pub use lists::Lists;
+pub use order::Order;
 pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
@@ -36,6 +39,8 @@ pub struct PartSolid {
     pub section: u32,
     /// Its number in the mesh file, for messages.
     pub id: u64,
+    /// Its number among the elements of all bodies, whatever the partition.
+    pub number: u64,
     /// This rank counts it in sums and writes it: it owns the element's first node.
     pub mine: bool,
 }
@@ -68,6 +73,8 @@ pub struct PartFacet {
     pub count: u8,
     /// Local nodes, counter-clockwise seen from outside.
     pub nodes: [u32; 4],
+    /// Its number in the set, whatever the partition.
+    pub number: u64,
     /// This rank counts it in sums and writes it.
     pub mine: bool,
 }
@@ -94,6 +101,8 @@ pub struct Part {
     pub section: Vec<u32>,
     /// The number a node has in its mesh file, for messages.
     pub id: Vec<u64>,
+    /// Its number among the nodes of all bodies, whatever the partition.
+    pub number: Vec<u64>,
     /// The local node whose displacement this node shares (plane strain); mostly itself.
     pub tie: Vec<u32>,
     pub solids: Vec<PartSolid>,

@@ -18,6 +18,7 @@ mod parse;
 mod probes;
 mod reader;
 mod references;
+mod same;
 mod schema;
 mod solver;
 mod steps;
@@ -386,6 +387,8 @@ pub struct Spring {
 pub struct Output {
     /// Every so many increments; the last of each step always is.
     pub every: usize,
+    /// How often all is kept that a run goes on from.
+    pub checkpoint: Option<Checkpoint>,
     /// Sets whose displacement and reaction stand in the history: `body.group`, `body`.
     pub history: Vec<Located<String>>,
     /// Fields that are written; displacements always are.
@@ -393,6 +396,15 @@ pub struct Output {
     /// Whether they are described for VTK, too.
     pub vtkhdf: bool,
     pub probes: Vec<Probe>,
+}
+
+/// How often a checkpoint is written, besides at the end of the run; whichever comes first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checkpoint {
+    /// Every so many increments.
+    pub increments: Option<usize>,
+    /// After so many minutes of wall time.
+    pub minutes: Option<f64>,
 }
 
 /// Controls of the nonlinear solution.

@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool, contacts, gravity,
-    materials, overrides, probes, solver, steps, tools, trade,
+    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool,
+    contacts, gravity, materials, overrides, probes, solver, steps, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -269,10 +269,12 @@ fn face_groups(item: &Item, known: &[&str]) -> Result<Vec<FaceGroup>> {
 
 fn output(root: &Table, names: &Names) -> Result<Output> {
     let fields = Quantity::USUAL.to_vec();
-    let mut output = Output { every: 1, history: Vec::new(), fields, vtkhdf: false, probes: Vec::new() };
-    let keys = ["every", "history", "fields", "vtkhdf", "probe"];
+    let mut output =
+        Output { every: 1, checkpoint: None, history: Vec::new(), fields, vtkhdf: false, probes: Vec::new() };
+    let keys = ["every", "checkpoint", "history", "fields", "vtkhdf", "probe"];
     let Some(table) = root.optional("output", |item| item.table(&keys))? else { return Ok(output) };
     output.every = table.optional("every", Item::count)?.unwrap_or(1);
+    output.checkpoint = table.optional("checkpoint", checkpoint)?;
     for item in table.optional("history", Item::list)?.unwrap_or_default() {
         let set = names.set(&item, "tools always are in the history")?;
         if output.history.iter().any(|other| other.value == set.value) {
@@ -289,6 +291,16 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
     output.vtkhdf = table.optional("vtkhdf", Item::boolean)?.unwrap_or(false);
     output.probes = probes::read(&table, names)?;
     Ok(output)
+}
+
+fn checkpoint(item: &Item) -> Result<Checkpoint> {
+    let table = item.table(&["increments", "minutes"])?;
+    let (increments, minutes) =
+        (table.optional("increments", Item::count)?, table.optional("minutes", Item::positive)?);
+    if increments.is_none() && minutes.is_none() {
+        return Err(table.error("does not say how often", "add `increments = 10`, or `minutes = 30.0`"));
+    }
+    Ok(Checkpoint { increments, minutes })
 }
 
 fn controls(root: &Table) -> Result<Controls> {

@@ -3,6 +3,7 @@
 
 use super::element::Amplitudes;
 use super::material::State;
+use crate::words::Words;
 use std::ops::Range;
 
 /// What elements remember, one element after the other.
@@ -59,6 +60,34 @@ impl History {
     pub fn accept(&mut self, states: Vec<State>) {
         self.states = states;
         self.accepted.clone_from(&self.amplitudes);
+    }
+
+    /// The most states of an element, and whether one has enhanced strain.
+    pub fn most(&self) -> (usize, bool) {
+        let counts = self.starts.windows(2).map(|ends| (ends[1] - ends[0]) as usize);
+        (counts.max().unwrap_or(0), self.accepted.iter().any(Option::is_some))
+    }
+
+    /// Adds what an element remembers of the last accepted increment, as much as the [`most`](Self::most) have.
+    pub fn put(&self, element: usize, (points, enhanced): (usize, bool), words: &mut Vec<f64>) {
+        let states = self.of(element);
+        let missing = std::iter::repeat_n(&State::VIRGIN, points - states.len());
+        states.iter().chain(missing).for_each(|state| state.put(words));
+        if enhanced {
+            self.accepted[element].as_deref().cloned().put(words);
+        }
+    }
+
+    /// Makes an element remember what was [`put`](Self::put).
+    pub fn take(&mut self, element: usize, (points, enhanced): (usize, bool), words: &mut &[f64]) {
+        let range = self.range(element);
+        let states: Vec<State> = (0..points).map(|_| State::take(words)).collect();
+        let count = range.len();
+        self.states[range].copy_from_slice(&states[..count]);
+        if enhanced {
+            self.accepted[element] = <Option<Amplitudes> as Words>::take(words).map(Box::new);
+            self.amplitudes[element].clone_from(&self.accepted[element]);
+        }
     }
 
     /// Goes back to the amplitudes of the last accepted increment.

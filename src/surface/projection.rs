@@ -18,7 +18,7 @@ use crate::{Mat3, Vec3};
 use nalgebra::{Matrix2, Matrix3x2};
 
 /// The closest point of a surface to a point x.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Projection {
     /// Distance, positive outside the tool.
     pub gap: f64,
@@ -32,6 +32,8 @@ pub struct Projection {
     /// Parameters of the piece, perhaps a little beyond its domain; 0 for analytic shapes.
     pub xi: [f64; 2],
 }
+
+crate::words!(Projection { gap, point, normal, normal_gradient, patch, xi });
 
 /// Where the distance to one piece is least.
 #[derive(Clone, Copy, Debug)]

@@ -33,6 +33,11 @@ impl Tessellation {
         if patch.count == 3 { self.add_triangle(patch, n) } else { self.add_quad(patch, n) }
     }
 
+    /// How many points a patch of so many corners has in `n` by `n` cells.
+    pub fn points_of(corners: u8, n: usize) -> usize {
+        if corners == 3 { (n + 1) * (n + 2) / 2 } else { (n + 1) * (n + 1) }
+    }
+
     /// A surface between the values of its parameters, in rising order.
     pub fn of_grid(surface: &dyn Parametric, [u, v]: &[Vec<f64>; 2]) -> Self {
         let mut cells = Self::default();

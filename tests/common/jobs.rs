@@ -1,7 +1,8 @@
 //! Runs that something happens to: their processes, and what they leave.
 
+use super::{Bench, mpirun};
 use std::path::Path;
-use std::process::Child;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A block under a plate that touches it, to which steps are added.
@@ -23,6 +24,53 @@ master = "plate"
 friction = 0.2
 
 "#;
+
+/// A run under way.
+pub struct Job {
+    pub child: Child,
+    pub ranks: Vec<u32>,
+}
+
+impl Job {
+    /// Starts a run into `out`, and waits until so many increments have converged.
+    pub fn start(bench: &Bench, ranks: usize, rows: usize, arguments: &[&str]) -> Self {
+        // That of the run before would count.
+        let _ = std::fs::remove_file(bench.path("out/history.csv"));
+        Self::go_on(bench, ranks, rows, arguments)
+    }
+
+    /// The same of one that may go on where another was.
+    pub fn go_on(bench: &Bench, ranks: usize, rows: usize, arguments: &[&str]) -> Self {
+        let mut command = mpirun(ranks);
+        command.args(["run", "scene.toml", "--out", "out"]).args(arguments).current_dir(bench.path(""));
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+        let out = bench.path("out");
+        wait_for(&mut child, 60, "rows", |_| (rows_in(&out) >= rows).then_some(()));
+        let started = |child: &mut Child| Some(children(child.id())).filter(|found| found.len() == ranks);
+        let ranks = wait_for(&mut child, 60, "the ranks", started);
+        Self { child, ranks }
+    }
+
+    /// Waits for the end of the job and of its ranks; its exit code, and what it said of errors.
+    pub fn end(mut self) -> (i32, String) {
+        let status = wait_for(&mut self.child, 60, "the end of the job", |job| job.try_wait().unwrap());
+        let gone = || self.ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
+        wait_for(&mut self.child, 30, "the end of the ranks", |_| gone().then_some(()));
+        let mut said = String::new();
+        std::io::Read::read_to_string(self.child.stderr.as_mut().unwrap(), &mut said).unwrap();
+        (status.code().unwrap_or(-1), said)
+    }
+}
+
+/// Whole rows of the history so far.
+pub fn rows_in(out: &Path) -> usize {
+    let text = std::fs::read_to_string(out.join("history.csv")).unwrap_or_default();
+    text.matches('\n').count().saturating_sub(1)
+}
+
+pub fn send(signal: &str, pid: u32) {
+    assert!(Command::new("kill").args(["-s", signal, &pid.to_string()]).status().unwrap().success());
+}
 
 /// The times in `fields.xdmf` after 0, with which it begins. Its tags must close, and its data must stand in `fields.h5` in the
 /// size it promises.

@@ -98,6 +98,8 @@ pub struct Amplitudes {
     pub(super) slopes: [[f64; DISPLACEMENTS]; MODES],
 }
 
+crate::words!(Amplitudes { at, values, slopes });
+
 impl Default for Amplitudes {
     fn default() -> Self {
         Self { at: [0.0; DISPLACEMENTS], values: [0.0; MODES], slopes: [[0.0; DISPLACEMENTS]; MODES] }

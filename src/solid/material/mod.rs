@@ -38,6 +38,8 @@ pub struct State {
     pub equivalent: f64,
 }
 
+crate::words!(State { plastic_strain, equivalent });
+
 impl State {
     /// Of a material that has not flowed.
     pub const VIRGIN: Self = Self { plastic_strain: [0.0; 6], equivalent: 0.0 };

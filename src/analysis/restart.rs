@@ -1,0 +1,427 @@
+//! A simulation as tables, and back from them on any number of ranks.
+//!
+//! Written is what nothing else tells: displacements, what points and contacts remember, poses of tools, how far the step is.
+//! What the scene and these say is made anew: conditions, by beginning all steps until then again; equations, patterns, normals,
+//! and what is near of masters. Nodes, elements and slave nodes have their rows by their numbers in the whole mesh.
+//!
+//! What has been read is then judged by the model, not by itself: forces are evaluated at it, must be those that the last
+//! increment ended with, and in balance.
+
+use super::Simulation;
+use super::conditions::Conditions;
+use super::ladder::Tries;
+use super::newton::{Newton, Share, Start, System, update_halo};
+use super::state::State;
+use super::step::Running;
+use super::watch::Touch;
+use crate::Vec3;
+use crate::contact::{Committed, Manner, Pair, Pose, Sight, Slave, Trial};
+use crate::error::Result;
+use crate::model::Model;
+use crate::output::OutputFolder;
+use crate::output::checkpoint::{self, Stored, Table};
+use crate::parallel::{any, max};
+use crate::partition::Order;
+use crate::solid::history::History;
+use crate::words::Words;
+use mpi::topology::SimpleCommunicator;
+use petsc::Problem;
+
+/// Rows of nodes, elements, and the slave nodes of each pair.
+pub(super) struct Layout {
+    nodes: Order,
+    solids: Order,
+    pairs: Vec<Order>,
+}
+
+impl Layout {
+    /// Of a model. Collective.
+    pub fn new(comm: &SimpleCommunicator, model: &Model) -> Self {
+        let part = &model.part;
+        let slaves = |pair: &Pair| -> Vec<u64> { pair.slaves.iter().map(|s| part.number[s.node as usize]).collect() };
+        Self {
+            nodes: Order::new(comm, &part.number[..part.owned]),
+            solids: Order::new(comm, &part.solids.iter().map(|solid| solid.number).collect::<Vec<_>>()),
+            pairs: model.pairs.iter().map(|pair| Order::new(comm, &slaves(pair))).collect(),
+        }
+    }
+}
+
+/// What is the same on all ranks.
+#[derive(Clone, Debug)]
+struct Common {
+    /// Of the scene, from 0.
+    step: usize,
+    time: f64,
+    increments: usize,
+    tool_forces: Vec<Vec3>,
+    seen: Vec<f64>,
+    touches: Vec<Touch>,
+    handed: Vec<Vec<Vec3>>,
+    /// Of the tools at the last converged increment.
+    poses: Vec<Pose>,
+    /// Of the step: as in [`super::state::Progress`].
+    start: f64,
+    start_poses: Vec<Pose>,
+    offsets: Vec<Vec3>,
+    course: [f64; 2],
+    tries: Tries,
+    /// Fractions of the step of the past unknowns, and those of the tools.
+    past: Vec<(f64, Vec<Vec3>)>,
+    /// The most states of an element, and whether any has enhanced strain.
+    points: (usize, bool),
+}
+
+crate::words!(Common {
+    step,
+    time,
+    increments,
+    tool_forces,
+    seen,
+    touches,
+    handed,
+    poses,
+    start,
+    start_poses,
+    offsets,
+    course,
+    tries,
+    past,
+    points,
+});
+
+/// What a slave node remembers.
+#[derive(Clone, Copy, Debug, Default)]
+struct OfSlave {
+    committed: Committed,
+    accepted: Trial,
+    sight: Sight,
+    /// In self-contact.
+    deep: Option<f64>,
+    /// It has equations.
+    near: bool,
+}
+
+crate::words!(OfSlave { committed, accepted, sight, deep, near });
+
+/// Vectors of a node: its displacement, the force on it, and its displacement at the start of the step.
+const OF_NODE: usize = 3;
+
+impl<'a> Simulation<'a> {
+    /// Writes a checkpoint in a step that is under way; of its own the driver adds `texts`, and numbers that are the same on
+    /// all ranks. Collective.
+    ///
+    /// # Errors
+    /// A file that cannot be written, on all ranks.
+    pub(super) fn save(
+        &self,
+        folder: &OutputFolder,
+        layout: &Layout,
+        own: &impl Words,
+        texts: &[(&str, &str)],
+    ) -> Result<()> {
+        let Some(running) = &self.running else { return Ok(()) };
+        let points = self.points();
+        let mut words = self.common(running, points).to_words();
+        own.put(&mut words);
+        let mut tables = vec![self.nodes(running, &layout.nodes), self.solids(points, &layout.solids)];
+        tables.extend((0..self.model.pairs.len()).map(|p| self.slaves(running, p, &layout.pairs[p])));
+        checkpoint::write(folder, self.comm, texts, &words, &tables)
+    }
+
+    /// The most states of an element on all ranks, and whether any has enhanced strain. Collective.
+    fn points(&self) -> (usize, bool) {
+        let (most, enhanced) = self.model.history.most();
+        let mut all = [most as f64, f64::from(enhanced)];
+        max(self.comm, &mut all);
+        (all[0] as usize, all[1] > 0.0)
+    }
+
+    fn common(&self, running: &Running, points: (usize, bool)) -> Common {
+        let (state, progress) = (&self.state, &running.frame.progress);
+        let dofs = &running.frame.dofs;
+        let of_tools = |x: &[f64]| dofs.tool.iter().map(|e| unknowns(e, |e| dofs.local(e), x)).collect();
+        Common {
+            step: self.begun - 1,
+            time: state.time,
+            increments: state.increments,
+            tool_forces: state.tool_forces.clone(),
+            seen: state.seen.clone(),
+            touches: state.touches.clone(),
+            handed: state.handed.clone(),
+            poses: self.model.masters.tools.iter().map(|tool| tool.committed).collect(),
+            start: progress.start,
+            start_poses: progress.poses.clone(),
+            offsets: progress.offsets.clone(),
+            course: progress.increments.course(),
+            tries: progress.ladder.tries(),
+            past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
+            points,
+        }
+    }
+
+    fn nodes<'l>(&self, running: &Running, order: &'l Order) -> Table<'l> {
+        let (progress, dofs) = (&running.frame.progress, &running.frame.dofs);
+        let mut rows = Vec::new();
+        for n in 0..self.model.part.owned {
+            [self.state.u[n], self.state.reactions[n], progress.before[n]].put(&mut rows);
+            let past = progress.past.iter().map(|(_, x)| unknowns(&dofs.node[n], |e| dofs.local(e), x));
+            past.for_each(|past| past.put(&mut rows));
+        }
+        Table { name: "nodes".into(), order, width: 3 * (OF_NODE + progress.past.len()), rows }
+    }
+
+    fn solids<'l>(&self, points: (usize, bool), order: &'l Order) -> Table<'l> {
+        let mut rows = Vec::new();
+        (0..self.model.part.solids.len()).for_each(|e| self.model.history.put(e, points, &mut rows));
+        Table { name: "elements".into(), order, width: width_of_solid(points), rows }
+    }
+
+    fn slaves<'l>(&self, running: &Running, p: usize, order: &'l Order) -> Table<'l> {
+        let (pair, frame) = (&self.model.pairs[p], &running.frame);
+        let mut rows = Vec::new();
+        for (s, slave) in pair.slaves.iter().enumerate() {
+            let Slave { committed, accepted, sight, .. } = *slave;
+            let deep = pair.avoided.get(s).map(|avoided| avoided.deep());
+            OfSlave { committed, accepted, sight, deep, near: frame.dofs.near[p][s] }.put(&mut rows);
+            let equations = &frame.dofs.multiplier[p][s];
+            let past = frame.progress.past.iter().map(|(_, x)| unknowns(equations, |e| frame.dofs.local(e), x));
+            past.for_each(|past| past.put(&mut rows));
+        }
+        Table { name: name_of_pair(p), order, width: width_of_slave() + 3 * frame.progress.past.len(), rows }
+    }
+
+    /// Goes to a checkpoint of a run of the same scene, into the step that was under way; gives what the driver had added.
+    /// Collective.
+    ///
+    /// # Errors
+    /// A checkpoint of something else, or one at which forces are not as they were, on all ranks.
+    pub(super) fn restore<T: Words>(&mut self, stored: &Stored, layout: &Layout) -> Result<T> {
+        let words = stored.words(self.comm)?;
+        let mut words = &words[..];
+        let common = Common::take(&mut words);
+        let own = T::take(&mut words);
+        let Some(steps) = self.scene.steps.get(..=common.step) else {
+            return Err(stored.refused("the scene has fewer steps than it was in"));
+        };
+        let past = common.past.len();
+        let nodes = stored.table(self.comm, "nodes", &layout.nodes, 3 * (OF_NODE + past))?;
+        let nodes = Rows { words: nodes, width: 3 * (OF_NODE + past) };
+        let before = self.vectors(&nodes, 2);
+        self.state = State {
+            time: common.time,
+            increments: common.increments,
+            u: self.vectors(&nodes, 0),
+            reactions: (0..self.model.part.owned).map(|n| nodes.vector(n, 1)).collect(),
+            tool_forces: common.tool_forces.clone(),
+            seen: common.seen.clone(),
+            touches: common.touches.clone(),
+            conditions: Conditions::none(&self.model),
+            handed: common.handed.clone(),
+        };
+        self.restore_solids(stored, layout, common.points)?;
+        let pairs = self.restore_slaves(stored, layout, past)?;
+        for (tool, pose) in self.model.masters.tools.iter_mut().zip(&common.poses) {
+            (tool.committed, tool.trial) = (*pose, *pose);
+        }
+        self.model.turn_slaves(&self.state.u);
+        // Only of the last step do they depend on where nodes were.
+        let mut last = Conditions::none(&self.model);
+        for (step, forces) in steps.iter().zip(&common.handed) {
+            let conditions = self.conditions(step, &before, &last, forces)?;
+            self.state.conditions = std::mem::replace(&mut last, conditions);
+        }
+        self.begun = common.step;
+        let mut progress = self.progress(&steps[common.step], last);
+        progress.increments.go_on(common.course);
+        progress.ladder.go_on(common.tries);
+        (progress.start, progress.before, progress.poses, progress.offsets) =
+            (common.start, before, common.start_poses, common.offsets);
+        let near = pairs.iter().map(|rows| rows.iter().map(|(slave, _)| slave.near).collect()).collect();
+        self.set_up(progress, near)?;
+        self.restore_past(&common.past, &nodes, &pairs);
+        match self.departs()? {
+            None => Ok(own),
+            Some(what) => Err(stored.refused(&what)),
+        }
+    }
+
+    /// A vector of each local node. Collective.
+    fn vectors(&self, nodes: &Rows, k: usize) -> Vec<Vec3> {
+        let part = &self.model.part;
+        let of = |n: usize| if n < part.owned { nodes.vector(n, k) } else { Vec3::zeros() };
+        let mut values: Vec<Vec3> = (0..part.points.len()).map(of).collect();
+        update_halo(&self.model, self.comm, &mut values);
+        values
+    }
+
+    fn restore_solids(&mut self, stored: &Stored, layout: &Layout, points: (usize, bool)) -> Result<()> {
+        if points != self.points() {
+            return Err(stored.refused("its elements remember other things"));
+        }
+        let width = width_of_solid(points);
+        let rows = Rows { words: stored.table(self.comm, "elements", &layout.solids, width)?, width };
+        for e in 0..self.model.part.solids.len() {
+            self.model.history.take(e, points, &mut rows.of(e));
+        }
+        Ok(())
+    }
+
+    /// What the slave nodes of each pair remember, with their past multipliers.
+    fn restore_slaves(
+        &mut self,
+        stored: &Stored,
+        layout: &Layout,
+        past: usize,
+    ) -> Result<Vec<Vec<(OfSlave, Vec<Vec3>)>>> {
+        let mut pairs = Vec::new();
+        for (p, pair) in self.model.pairs.iter_mut().enumerate() {
+            let width = width_of_slave() + 3 * past;
+            let rows = Rows { words: stored.table(self.comm, &name_of_pair(p), &layout.pairs[p], width)?, width };
+            let mut of_pair = Vec::new();
+            for (s, slave) in pair.slaves.iter_mut().enumerate() {
+                let mut words = rows.of(s);
+                let of = OfSlave::take(&mut words);
+                (slave.committed, slave.sight) = (of.committed, of.sight);
+                (slave.accepted, slave.trial) = (of.accepted, of.accepted);
+                if let Some((deep, avoided)) = of.deep.zip(pair.avoided.get_mut(s)) {
+                    avoided.remember(deep);
+                }
+                of_pair.push((of, (0..past).map(|_| Vec3::take(&mut words)).collect()));
+            }
+            pairs.push(of_pair);
+        }
+        Ok(pairs)
+    }
+
+    /// The past unknowns of the step, in its numbering.
+    fn restore_past(&mut self, tools: &[(f64, Vec<Vec3>)], nodes: &Rows, pairs: &[Vec<(OfSlave, Vec<Vec3>)>]) {
+        let Some(Running { frame, .. }) = &mut self.running else { return };
+        let dofs = &frame.dofs;
+        for (k, (fraction, of_tools)) in tools.iter().enumerate() {
+            let mut x = vec![0.0; dofs.count];
+            let mut set = |equations: &[i64; 3], value: Vec3| {
+                for d in 0..3 {
+                    if let Some(row) = dofs.local(equations[d]) {
+                        x[row] = value[d];
+                    }
+                }
+            };
+            (0..self.model.part.owned).for_each(|n| set(&dofs.node[n], nodes.vector(n, OF_NODE + k)));
+            for (equations, rows) in dofs.multiplier.iter().zip(pairs) {
+                equations.iter().zip(rows).for_each(|(equations, (_, past))| set(equations, past[k]));
+            }
+            dofs.tool.iter().zip(of_tools).for_each(|(equations, value)| set(equations, *value));
+            frame.progress.past.push((*fraction, x));
+        }
+    }
+
+    /// Why this state is not that which the last increment ended with, by forces that are evaluated anew. Collective.
+    fn departs(&mut self) -> Result<Option<String>> {
+        /// Of the forces of a body, contact or tool; and of what was let through as a residual, where rounding leaves more.
+        const APART: f64 = 1e-6;
+        const MORE: f64 = 10.0;
+        let Some(mut running) = self.running.take() else { return Ok(None) };
+        let frame = &mut running.frame;
+        let done = frame.progress.increments.done;
+        self.watch_ahead(frame, done);
+        let start = Start {
+            offsets: &frame.progress.offsets,
+            s: done,
+            share: Share { begin: done, ..Share::ALL },
+            tolerance: self.scene.solver.tolerance,
+            strict: false,
+            manner: Manner::default(),
+            max_iterations: 1,
+            seen: &self.state.seen,
+            floors: &self.floors,
+        };
+        let system = System {
+            comm: self.comm,
+            model: &mut self.model,
+            dofs: &mut frame.dofs,
+            pattern: &mut frame.pattern,
+            conditions: &frame.progress.conditions,
+            phases: &self.phases,
+            start_poses: &frame.progress.poses,
+            committed: &self.state.u,
+        };
+        let mut watcher = |_: usize, _: f64, _: [usize; 2]| Ok(());
+        let mut newton = Newton::new(system, (&start, &mut watcher));
+        let mut here = vec![0.0; newton.system.dofs.count];
+        newton.start_behind(&mut here);
+        let (mut x, mut r) = (here.clone(), vec![0.0; here.len()]);
+        newton.start_ahead(&here, &mut x);
+        let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));
+        // A constraint that gives way along the surface does so in each increment anew: by so much of the friction.
+        let slack = newton.system.model.pairs.iter().flat_map(|pair| &pair.slaves).map(|s| s.law.compliance.slack);
+        let mut worst = [apart(&newton, &self.state), slack.fold(0.0, f64::max)];
+        let residual = newton.found.balance.relative();
+        let limit = newton.limit();
+        let broken = any(self.comm, broken);
+        max(self.comm, &mut worst);
+        let [off, slack] = worst;
+        let allowed = APART.max(MORE * limit).max(slack);
+        for slave in self.model.pairs.iter_mut().flat_map(|pair| &mut pair.slaves) {
+            slave.trial = slave.accepted;
+        }
+        self.running = Some(running);
+        let is_off = |x: f64| x.is_nan() || x > allowed;
+        Ok(if broken {
+            Some("an element is turned inside out at it".into())
+        } else if is_off(off) {
+            Some(format!("forces at it differ from those that it had by {off:.1e} of them"))
+        } else if done > 0.0 && is_off(residual) {
+            Some(format!("forces at it are out of balance by {residual:.1e} of them"))
+        } else {
+            None
+        })
+    }
+}
+
+/// How far forces on nodes and tools are from those of the last increment, over those of their body or tool.
+fn apart(newton: &Newton, state: &State) -> f64 {
+    let (model, balance) = (&newton.system.model, &newton.found.balance);
+    let first = model.sections.len() + model.pairs.len();
+    let over = |off: Vec3, group: usize| off.amax() / balance.scale(group);
+    let node = |n: usize| over(newton.found.forces[n] - state.reactions[n], model.part.section[n] as usize);
+    let tool = |t: usize| over(newton.found.tool_forces[t] - state.tool_forces[t], first + t);
+    let all = (0..model.part.owned).map(node).chain((0..state.tool_forces.len()).map(tool));
+    all.fold(0.0, |most, off| if off.is_nan() { f64::INFINITY } else { most.max(off) })
+}
+
+/// Rows of a table.
+struct Rows {
+    words: Vec<f64>,
+    width: usize,
+}
+
+impl Rows {
+    fn of(&self, row: usize) -> &[f64] {
+        &self.words[row * self.width..(row + 1) * self.width]
+    }
+
+    /// The k-th of the vectors of a row.
+    fn vector(&self, row: usize, k: usize) -> Vec3 {
+        Vec3::from_column_slice(&self.of(row)[3 * k..3 * k + 3])
+    }
+}
+
+/// The unknowns of three equations; zero where this rank has none.
+fn unknowns(equations: &[i64; 3], local: impl Fn(i64) -> Option<usize>, x: &[f64]) -> Vec3 {
+    Vec3::from_fn(|d, _| local(equations[d]).map_or(0.0, |k| x[k]))
+}
+
+fn name_of_pair(p: usize) -> String {
+    format!("contact {p}")
+}
+
+fn width_of_slave() -> usize {
+    OfSlave::default().to_words().len()
+}
+
+fn width_of_solid(points: (usize, bool)) -> usize {
+    let mut words = Vec::new();
+    History::new([points]).put(0, points, &mut words);
+    words.len()
+}
