@@ -521,7 +521,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         let mut stiffest: Vec<Option<u32>> = vec![None; mesh.points.len()];
         for (solid, &section) in mesh.solids.iter().zip(&sections) {
             for &n in solid.nodes() {
-                let of_node = stiffest[n as usize].get_or_insert(section);
+                let of_node = stiffest[(n - offset) as usize].get_or_insert(section);
                 if young[section as usize] > young[*of_node as usize] {
                     *of_node = section;
                 }
