@@ -111,8 +111,9 @@ def color_by(display, source, field, view, more):
 
 
 def arrows(contact, length, view):
-    """Contact forces, the largest drawn `length` long, heads on the nodes."""
-    largest = contact.PointData.GetArray("force").GetRange(-1)[1]
+    """Contact forces, if they were written, the largest drawn `length` long, heads on the nodes."""
+    force = contact.PointData.GetArray("force")
+    largest = force.GetRange(-1)[1] if force else 0.0
     if largest == 0.0:
         return
     glyph = simple.Glyph(Input=contact, GlyphType="Arrow")
