@@ -4,7 +4,7 @@
 //! (smoothing, formulations, material models, methods) are at home further down, in leaves that use nothing.
 //!
 //! - [`failure`]: why an increment has no solution
-//! - [`words`]: structs as numbers, for checkpoints
+//! - [`mod@words`]: structs as numbers, for checkpoints
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges

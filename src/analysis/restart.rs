@@ -104,6 +104,9 @@ struct OfSlave {
 
 crate::words!(OfSlave { committed, accepted, sight, deep, near });
 
+/// The same with its past multipliers.
+type Remembered = (OfSlave, Vec<Vec3>);
+
 /// Vectors of a node: its displacement, the force on it, and its displacement at the start of the step.
 const OF_NODE: usize = 3;
 
@@ -268,12 +271,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// What the slave nodes of each pair remember, with their past multipliers.
-    fn restore_slaves(
-        &mut self,
-        stored: &Stored,
-        layout: &Layout,
-        past: usize,
-    ) -> Result<Vec<Vec<(OfSlave, Vec<Vec3>)>>> {
+    fn restore_slaves(&mut self, stored: &Stored, layout: &Layout, past: usize) -> Result<Vec<Vec<Remembered>>> {
         let mut pairs = Vec::new();
         for (p, pair) in self.model.pairs.iter_mut().enumerate() {
             let width = width_of_slave() + 3 * past;
@@ -295,7 +293,7 @@ impl<'a> Simulation<'a> {
     }
 
     /// The past unknowns of the step, in its numbering.
-    fn restore_past(&mut self, tools: &[(f64, Vec<Vec3>)], nodes: &Rows, pairs: &[Vec<(OfSlave, Vec<Vec3>)>]) {
+    fn restore_past(&mut self, tools: &[(f64, Vec<Vec3>)], nodes: &Rows, pairs: &[Vec<Remembered>]) {
         let Some(Running { frame, .. }) = &mut self.running else { return };
         let dofs = &frame.dofs;
         for (k, (fraction, of_tools)) in tools.iter().enumerate() {
