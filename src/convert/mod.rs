@@ -1,8 +1,8 @@
 //! `nagata convert`: a whole deck of Abaqus or CalculiX becomes a scene, which refers to the deck for its mesh.
 //!
-//! The deck is read once, with all its cards ([`mesh::abaqus`](crate::mesh)). Each connected part of the mesh is a body, each
+//! The deck is read once, with all its cards. Each connected part of the mesh is a body, each
 //! rigid body that something meets a tool; materials, contacts and steps follow. In a deck conditions act until they are
-//! changed, in a scene a step has only what it lists: [`conditions`] carries them on, and each step is written out.
+//! changed, in a scene a step has only what it lists: they are carried on, and each step is written out.
 //! A deck can also name nodes, faces and elements one by one; groups for those are put into a file of their own, which
 //! includes the deck.
 //!
