@@ -191,11 +191,11 @@ mod tests {
         };
         let mut words = thing.to_words();
         let length = words.len();
-        Thing { place: Some(Vec3::x() * f64::INFINITY), ..thing.clone() }.put(&mut words);
+        Thing { place: Some(Vec3::repeat(f64::INFINITY)), ..thing.clone() }.put(&mut words);
         assert_eq!(words.len(), 2 * length);
         let mut rest = &words[..];
         assert_eq!(Thing::take(&mut rest), thing);
-        assert_eq!(Thing::take(&mut rest).place, Some(Vec3::x() * f64::INFINITY));
+        assert_eq!(Thing::take(&mut rest).place, Some(Vec3::repeat(f64::INFINITY)));
         assert!(rest.is_empty());
         assert_eq!(f64::take(&mut rest), 0.0);
     }

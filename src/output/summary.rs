@@ -242,7 +242,7 @@ mod tests {
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
-            "converged interrupted scene version ranks dofs multipliers matrix_entries carried elements increments cutbacks jumps iterations outer_iterations \
+            "converged interrupted restarted scene version ranks dofs multipliers matrix_entries carried elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds growths analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
              wall_s cpu_s phases_s phase_calls peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls \
              predicted"
