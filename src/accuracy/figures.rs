@@ -38,7 +38,7 @@ impl Histogram {
 /// Draws the distributions of distance error and normal error side by side.
 ///
 /// # Errors
-/// [`Error::System`] when the text cannot be made.
+/// [`crate::error::Error::System`] when the text cannot be made.
 pub fn errors(title: &str, distance: &Histogram, normal: &Histogram) -> Result<String> {
     titled(title, (1000, 380), |body| {
         let halves = body.split_evenly((1, 2));
@@ -157,7 +157,7 @@ fn view_of(tiles: &[Tile]) -> Vec3 {
 /// Draws where points outside and inside have no normal projection, and their shares of all, from `dead`.
 ///
 /// # Errors
-/// [`Error::System`] when the text cannot be made.
+/// [`crate::error::Error::System`] when the text cannot be made.
 pub fn dead_zones(title: &str, tiles: &[Tile], dead: &[[f64; 2]; 2]) -> Result<String> {
     let view = view_of(tiles);
     let [right, up] = upright(&view);

@@ -52,57 +52,8 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut simulation = Simulation::new(comm, petsc, scene)?;
     agree(comm, interrupt::heed())?;
     let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
-    let (machine, damage) = Machine::find(comm);
-    let inputs = [("scene file", options.source)];
-    let replaced = output::results_in(options.out);
-    let replaced: Vec<&str> = replaced.iter().map(String::as_str).collect();
-    let folder = match options.restart {
-        true => OutputFolder::reopen(options.out, comm)?,
-        false => OutputFolder::create(options.out, &replaced, &inputs, comm)?,
-    };
-    let mut keeper = Keeper::new(&folder, &simulation)?;
-    let mut estimates = Estimates::default();
-    let record = options.restart.then(|| keeper.go_back(&mut simulation, &mut estimates)).transpose()?;
-    let model = simulation.model();
-    let results = simulation.phases().time(Phase::Output, || match &record {
-        Some((record, probes)) => Results::go_on(comm, &folder, scene, model, (record.history, record.written, probes)),
-        None => Results::create(comm, &folder, scene, model),
-    })?;
-    let mut log = match &record {
-        Some((record, _)) => Log::go_on(&folder, comm, options.quiet, record.log)?,
-        None => Log::create(&folder, comm, options.quiet)?,
-    };
-    folder.write(comm, "scene.toml", &scene.text)?;
-    if record.is_some() {
-        let super::State { increments, time, .. } = simulation.state();
-        log.line(&format!("goes on from the checkpoint after increment {increments}, time {time:.6}"));
-    }
-    log.line(&describe::heading(comm, scene, model));
-    let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
-    bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
-    model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
-    model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
-    simulation.gaps().iter().for_each(|line| log.line(line));
-    log.line(&scene.solver.describe());
-    log.record(&scene.controls.describe());
-    model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
-    log.record(&machine.origin());
-    damage.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
-    let count = options.steps.unwrap_or(usize::MAX).min(scene.steps.len());
-    let steps = &scene.steps[..count];
-    // What is left of a run is not foretold.
-    let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });
-    let mut recorder = Recorder {
-        log,
-        results,
-        every: scene.output.every,
-        since_written: record.map_or(0, |(record, _)| record.since_written),
-        estimates,
-        ends: Vec::new(),
-        steps,
-        seer,
-        keeper,
-    };
+    let folder = open(comm, options)?;
+    let mut recorder = Recorder::new(&folder, &mut simulation, (scene, options), size)?;
     let outcome = recorder.steps(&mut simulation);
     let mut summary = Summary { carried: simulation.carried(), ..simulation.summary() };
     summary.converged = outcome.is_ok();
@@ -141,6 +92,37 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
         written = written.and(write_report(comm, &folder, log));
     }
     outcome.and(written)
+}
+
+/// The folder that the run writes into. Collective.
+fn open(comm: &SimpleCommunicator, options: &Options) -> Result<OutputFolder> {
+    if options.restart {
+        return OutputFolder::reopen(options.out, comm);
+    }
+    let replaced = output::results_in(options.out);
+    let replaced: Vec<&str> = replaced.iter().map(String::as_str).collect();
+    OutputFolder::create(options.out, &replaced, &[("scene file", options.source)], comm)
+}
+
+/// What the log says of a run that begins, or goes on. Collective.
+fn announce(log: &mut Log, simulation: &Simulation, machine: (&Machine, Option<String>), goes_on: bool) {
+    let (comm, scene, model) = (simulation.comm(), simulation.scene(), simulation.model());
+    if goes_on {
+        let super::State { increments, time, .. } = simulation.state();
+        log.line(&format!("goes on from the checkpoint after increment {increments}, time {time:.6}"));
+    }
+    log.line(&describe::heading(comm, scene, model));
+    let (bodies, contacts) = (describe::bodies(scene, model), describe::contacts(comm, model));
+    bodies.lines().chain(contacts.lines()).for_each(|line| log.record(line));
+    model.masters.tools.iter().for_each(|tool| log.line(&describe::tool(tool)));
+    model.masters.surfaces.iter().for_each(|surface| log.line(&describe::master(surface)));
+    simulation.gaps().iter().for_each(|line| log.line(line));
+    log.line(&scene.solver.describe());
+    log.record(&scene.controls.describe());
+    model.warnings.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
+    let (machine, damage) = machine;
+    log.record(&machine.origin());
+    damage.iter().for_each(|warning| log.line(&format!("  warning: {warning}")));
 }
 
 /// Writes the page of a run that has ended. Collective.
@@ -201,6 +183,48 @@ impl Seer<'_> {
     /// Once the first factorization has told what factors are.
     fn look_again(&mut self, simulation: &Simulation) -> Result<()> {
         if self.knows_factors { Ok(()) } else { self.look(simulation) }
+    }
+}
+
+impl<'s> Recorder<'s> {
+    /// Opens the files, after the last checkpoint where the run goes on, and says what is modelled. Collective.
+    fn new(
+        folder: &'s OutputFolder,
+        simulation: &mut Simulation,
+        (scene, options): (&'s Scene, &Options),
+        size: Size,
+    ) -> Result<Self> {
+        let (machine, damage) = Machine::find(simulation.comm());
+        let mut keeper = Keeper::new(folder, simulation)?;
+        let mut estimates = Estimates::default();
+        let record = options.restart.then(|| keeper.go_back(simulation, &mut estimates)).transpose()?;
+        let (comm, model) = (simulation.comm(), simulation.model());
+        let results = simulation.phases().time(Phase::Output, || match &record {
+            Some((record, probes)) => {
+                Results::go_on(comm, folder, scene, model, (record.history, record.written, probes))
+            }
+            None => Results::create(comm, folder, scene, model),
+        })?;
+        let mut log = match &record {
+            Some((record, _)) => Log::go_on(folder, comm, options.quiet, record.log)?,
+            None => Log::create(folder, comm, options.quiet)?,
+        };
+        folder.write(comm, "scene.toml", &scene.text)?;
+        announce(&mut log, simulation, (&machine, damage), record.is_some());
+        let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];
+        // What is left of a run is not foretold.
+        let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });
+        Ok(Self {
+            log,
+            results,
+            every: scene.output.every,
+            since_written: record.map_or(0, |(record, _)| record.since_written),
+            estimates,
+            ends: Vec::new(),
+            steps,
+            seer,
+            keeper,
+        })
     }
 }
 

@@ -18,7 +18,7 @@ const LINE: u32 = 18;
 /// Draws the errors of all quantities for people against a price.
 ///
 /// # Errors
-/// [`Error::System`] when the text cannot be made.
+/// [`crate::error::Error::System`] when the text cannot be made.
 pub fn fronts(title: &str, sheet: &Sheet, price: Price) -> Result<String> {
     let quantities: Vec<Quantity> = sheet.shown().collect();
     let columns = if quantities.len() > 1 { 2 } else { 1 };

@@ -38,9 +38,20 @@ impl History {
         self.apart_at(reference, of, &times)
     }
 
+    /// Whose vectors count. Where there are contacts, forces of sets of a body do not: at the edges of a set supports of others
+    /// bear a part, which is the smaller the finer the mesh.
+    fn counted(&self, of: &Components) -> Vec<&str> {
+        let mut sources = self.sources(of[0]);
+        let is_contact = |source: &str| self.column(&format!("{source}.active")).is_some();
+        if of == &FORCE && sources.iter().any(|source| is_contact(source)) {
+            sources.retain(|source| !source.contains('.') || is_contact(source));
+        }
+        sources
+    }
+
     fn apart_at(&self, reference: &Self, of: &Components, times: &[f64]) -> Option<Apart> {
         let (mut all, mut rms, mut scale) = (Vec::new(), Vec::new(), 0.0f64);
-        for source in reference.sources(of[0]) {
+        for source in reference.counted(of) {
             let exact = reference.vectors(source, of)?;
             scale = exact.iter().map(norm).fold(scale, f64::max);
             let Some(own) = self.vectors(source, of) else { continue };
@@ -135,6 +146,18 @@ mod tests {
         let apart = square([4, 4], 0.1).apart(&square([4, 4], 0.0), &FORCE).unwrap();
         assert!((apart.largest - 0.025).abs() < 1e-15 && (apart.rms - 0.025).abs() < 1e-15, "{apart:?}");
         assert_eq!(square([4, 4], 0.1).apart(&square([4, 4], 0.0), &DISPLACEMENT), None);
+    }
+
+    #[test]
+    fn forces_of_sets_count_where_there_are_no_contacts() {
+        let of = |contact: &str, base: f64| {
+            let text = format!("step,time,b.base.fx,b.base.fy,b.base.fz{contact}c.fx,c.fy,c.fz\ns,1,{base},0,0,1,2,0,0\n");
+            History::parse(&text).unwrap()
+        };
+        for (contact, expected) in [(",c.active,", 0.0), (",d,", 0.5)] {
+            let apart = of(contact, 2.0).apart(&of(contact, 1.0), &FORCE).unwrap();
+            assert_eq!(apart.largest, expected);
+        }
     }
 
     #[test]
