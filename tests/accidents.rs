@@ -43,7 +43,10 @@ fn ended_in_order(bench: &Bench, signal: &str, (code, said): (i32, String)) {
     assert_eq!(shown_times(&run.out), [history.last("time")]);
     let moved = run.field("increments/000001/tool_plate/node/displacement");
     assert_small("motion of the plate", moved[2] - history.last("plate.uz"), 1e-12);
-    assert_eq!(std::fs::read_dir(&run.out).unwrap().count(), nagata::output::RUN.len());
+    let there = |name: &&&str| run.out.join(name).exists();
+    let written: Vec<_> = nagata::output::RUN.iter().filter(there).collect();
+    // A report has not been asked for.
+    assert_eq!((std::fs::read_dir(&run.out).unwrap().count(), written.len()), (written.len(), nagata::output::RUN.len() - 1));
 }
 
 #[test]

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -134,13 +135,16 @@ impl<'f> Keeper<'f> {
     }
 }
 
-/// The checksums of the files of a scene.
+/// The checksums of the files of a scene; those of descriptions that do not act need not be there.
 fn checksums(scene: &Scene) -> Result<String> {
     let mut lines = String::new();
     for path in scene.files() {
-        let sum = File::open(path).and_then(|mut file| checksum(&mut file, u64::MAX));
-        let sum = sum.map_err(|error| Error::input_anywhere(format!("cannot read {}: {error}", path.display()), ""))?;
-        let _ = writeln!(lines, "{sum:016x} {}", path.file_name().unwrap_or_default().display());
+        let sum = match File::open(path).and_then(|mut file| checksum(&mut file, u64::MAX)) {
+            Ok(sum) => format!("{sum:016x}"),
+            Err(error) if error.kind() == ErrorKind::NotFound => "none".into(),
+            Err(error) => return Err(Error::input_anywhere(format!("cannot read {}: {error}", path.display()), "")),
+        };
+        let _ = writeln!(lines, "{sum} {}", path.file_name().unwrap_or_default().display());
     }
     Ok(lines)
 }

@@ -151,8 +151,8 @@ mod tests {
     #[test]
     fn forces_of_sets_count_where_there_are_no_contacts() {
         let of = |contact: &str, base: f64| {
-            let text =
-                format!("step,time,b.base.fx,b.base.fy,b.base.fz{contact}c.fx,c.fy,c.fz\ns,1,{base},0,0,1,2,0,0\n");
+            let head = "step,increment,time,iterations,b.base.fx,b.base.fy,b.base.fz";
+            let text = format!("{head}{contact}c.fx,c.fy,c.fz\ns,1,1,3,{base},0,0,1,2,0,0\n");
             History::parse(&text).unwrap()
         };
         for (contact, expected) in [(",c.active,", 0.0), (",d,", 0.5)] {
