@@ -209,6 +209,8 @@ impl<'s> Recorder<'s> {
             Some((record, _)) => Log::go_on(folder, comm, options.quiet, record.log)?,
             None => Log::create(folder, comm, options.quiet)?,
         };
+        // Of the run that goes on.
+        folder.discard(comm, &["summary.json", report::NAME])?;
         folder.write(comm, "scene.toml", &scene.text)?;
         announce(&mut log, simulation, (&machine, damage), record.is_some());
         let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];
