@@ -18,7 +18,7 @@
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
 //! - [`contact`]: masters (placed tools, surfaces of bodies), contact pairs, the laws of contact, and the contact element
-//! - [`output`]: HDF5/XDMF, history, summary, log, phases
+//! - [`output`]: fields for ParaView and VTK, tables of history and probes, checkpoints, summary, log, phases, figures
 //! - [`report`]: one page of what runs have left in their folders
 //! - [`accuracy`]: how well a surface is described: errors, dead zones, projections of points
 //! - [`model`]: scene and meshes to what is modelled, and no more than the scene asks for

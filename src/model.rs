@@ -4,6 +4,7 @@
 mod bodies;
 pub mod elements;
 pub mod locate;
+mod sections;
 mod shared;
 pub mod states;
 
@@ -25,6 +26,7 @@ use crate::surface::MovingPatch;
 use bodies::Meshed;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use sections::Sections;
 use std::collections::BTreeMap;
 
 /// A deformable body on this rank.
@@ -504,7 +506,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
     for (index, (body, Meshed { mut mesh, mut ties, last })) in
         scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
     {
-        let offset = global.points.len() as u32;
+        let (offset, sections) = (global.points.len() as u32, Sections::new(scene, body, &mesh)?);
         global.last_id.push(last);
         for (set, name) in global.sets.iter_mut().zip(names) {
             if let Some(found) = resolve(&body.name.value, &mesh, name)? {
@@ -515,21 +517,9 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
         ties.iter_mut().for_each(|tie| *tie += offset);
         mesh.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|n| *n += offset);
-        let sections = solid_sections(body, &mesh)?;
-        let young: Vec<f64> =
-            body.sections().map(|name| scene.material(&name.value).map_or(0.0, scene::MaterialModel::young)).collect();
-        let mut stiffest: Vec<Option<u32>> = vec![None; mesh.points.len()];
-        for (solid, &section) in mesh.solids.iter().zip(&sections) {
-            for &n in solid.nodes() {
-                let of_node = stiffest[(n - offset) as usize].get_or_insert(section);
-                if young[section as usize] > young[*of_node as usize] {
-                    *of_node = section;
-                }
-            }
-        }
-        global.section.extend(stiffest.into_iter().map(|section| first_section + section.unwrap_or_default()));
-        global.solid_section.extend(sections.into_iter().map(|section| first_section + section));
-        first_section += young.len() as u32;
+        global.section.extend(sections.nodes.iter().map(|section| first_section + section));
+        global.solid_section.extend(sections.solids.iter().map(|section| first_section + section));
+        first_section += body.sections().count() as u32;
         global.body.extend(std::iter::repeat_n(index as u32, mesh.points.len()));
         global.solid_body.extend(std::iter::repeat_n(index as u32, mesh.solids.len()));
         join(&mut global.tie, ties);
@@ -695,32 +685,6 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
     set.nodes.iter_mut().for_each(|n| *n += offset);
     set.facets.iter_mut().for_each(|f| f.nodes.iter_mut().for_each(|n| *n += offset));
     set
-}
-
-/// The section of each element in those of its body: 0, or that of a group with a material of its own.
-///
-/// # Errors
-/// A group that the mesh has not, without elements, or one that shares elements with another.
-fn solid_sections(body: &scene::Body, mesh: &Mesh) -> Result<Vec<u32>> {
-    let mut sections = vec![0; mesh.solids.len()];
-    let with_elements = || mesh.groups.iter().filter(|(_, group)| !group.solids.is_empty()).map(|(name, _)| name);
-    for (section, (name, _)) in (1..).zip(&body.materials) {
-        let elements = mesh.groups.get(&name.value).map_or(&[][..], |group| &group.solids);
-        if elements.is_empty() {
-            let what = format!("body `{}` has no group `{}` of elements", body.name.value, name.value);
-            return Err(Error::input(&name.at, what, did_you_mean(&name.value, with_elements().map(String::as_str))));
-        }
-        for &element in elements {
-            let known = std::mem::replace(&mut sections[element as usize], section);
-            if known > 0 {
-                let id = mesh.solids[element as usize].id;
-                let (other, _) = &body.materials[known as usize - 1];
-                let what = format!("element {id} is in group `{}` and in group `{}`", other.value, name.value);
-                return Err(Error::input(&name.at, what, "name groups that share no elements"));
-            }
-        }
-    }
-    Ok(sections)
 }
 
 /// The element formulation of each section: the user's, checked against the mesh, or the mesh's own. Collective.

@@ -46,7 +46,10 @@ fn ended_in_order(bench: &Bench, signal: &str, (code, said): (i32, String)) {
     let there = |name: &&&str| run.out.join(name).exists();
     let written: Vec<_> = nagata::output::RUN.iter().filter(there).collect();
     // A report has not been asked for.
-    assert_eq!((std::fs::read_dir(&run.out).unwrap().count(), written.len()), (written.len(), nagata::output::RUN.len() - 1));
+    assert_eq!(
+        (std::fs::read_dir(&run.out).unwrap().count(), written.len()),
+        (written.len(), nagata::output::RUN.len() - 1)
+    );
 }
 
 #[test]

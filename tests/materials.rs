@@ -59,14 +59,46 @@ fn stress(young: f64, stretch: f64) -> f64 {
 fn halves_in_a_row_and_side_by_side() {
     let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
     let force = |group: &str, ranks: usize| {
-        let body = format!("material = \"soft\"\nmaterials = {{ {group} = \"hard\" }}");
+        let body = format!("material = \"soft\"\nmaterials = {{ {group} }}");
         bench(&body, &cards, PULL).solve(ranks, &[]).history().last("bar.right.fx")
     };
     // Lengths of 2 and 2, pulled by 0.4: the stretches of equal stress.
     let hard = root(1.0, 1.2, |hard| stress(250.0, hard) - stress(10.0, 2.2 - hard));
     for ranks in [1, 2] {
-        assert_close("in a row", force("far", ranks), 4.0 * stress(250.0, hard), 1e-9);
-        assert_close("side by side", force("lower", ranks), 2.0 * (stress(250.0, 1.1) + stress(10.0, 1.1)), 1e-9);
+        for group in ["far = \"hard\"", "near = \"hard\", far = \"soft\""] {
+            assert_close(group, force(group, ranks), 4.0 * stress(250.0, hard), 1e-9);
+        }
+        assert_close(
+            "side by side",
+            force("lower = \"hard\"", ranks),
+            2.0 * (stress(250.0, 1.1) + stress(10.0, 1.1)),
+            1e-9,
+        );
+    }
+}
+
+/// Each side of a joint has its own stress, up to the joint.
+#[test]
+fn stress_jumps_between_materials() {
+    let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
+    let probe = |name: &str, z: f64| {
+        format!(
+            "[[output.probe]]\nname = \"{name}\"\npoint = [2.5, 0.5, {z:?}]\nfields = [\"nodal_stress\", \"stress_jump\"]\n"
+        )
+    };
+    let scene = PULL.to_string() + &probe("hard", 0.9) + &probe("soft", 1.1);
+    for ranks in [1, 2] {
+        let run = bench("material = \"soft\"\nmaterials = { lower = \"hard\" }", &cards, &scene).solve(ranks, &[]);
+        for (name, young) in [("hard", 250.0), ("soft", 10.0)] {
+            let table = std::fs::read_to_string(run.out.join(format!("probe-{name}.csv"))).unwrap();
+            let cell = |line: &str, name: &str| {
+                let k = table.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
+                line.split(',').nth(k).unwrap().parse::<f64>().unwrap()
+            };
+            let last = table.lines().last().unwrap();
+            assert_close(name, cell(last, "nodal_stress.xx"), stress(young, 1.1), 1e-9);
+            assert!(cell(last, "stress_jump").abs() < 1e-9, "{last}");
+        }
     }
 }
 

@@ -192,7 +192,9 @@ impl Probe {
                 (Quantity::Nodal(measure), Some(recovered)) => {
                     let mut tensor = [0.0; 6];
                     for (n, share) in spot.shares() {
-                        let own = recovered.of(measure.is_of_strain(), model, n);
+                        let strain = measure.is_of_strain();
+                        let of_element = |e| recovered.of_element(strain, model, e, n);
+                        let own = spot.element.map_or_else(|| recovered.of(strain, model, n), of_element);
                         (0..6).for_each(|k| tensor[k] += share * own[k]);
                     }
                     measure.add(&tensor, &mut values);

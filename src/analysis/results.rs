@@ -67,8 +67,8 @@ impl Results {
         Self::new(comm, (history, Fields::create(folder, "fields", comm)?, probes), scene, model)
     }
 
-    /// Goes on with the files of an earlier run, of which so many bytes of history and so many increments of fields stay.
-    /// Collective.
+    /// Goes on with the files of an earlier run, of which so many bytes of history and so many increments of fields stay, none
+    /// of these, nor the state at time 0, without a number. Collective.
     ///
     /// # Errors
     /// Files that are not those of this scene, on all ranks.
@@ -77,7 +77,7 @@ impl Results {
         folder: &OutputFolder,
         scene: &Scene,
         model: &Model,
-        (history, written, probes): (u64, usize, &Lengths),
+        (history, written, probes): (u64, Option<usize>, &Lengths),
     ) -> Result<Self> {
         let history = HistoryFile::go_on(folder, comm, &columns(model, &watched(scene)), history)?;
         let probes = Probes::go_on(comm, folder, scene, model, probes)?;

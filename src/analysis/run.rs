@@ -201,7 +201,9 @@ impl<'s> Recorder<'s> {
         let (comm, model) = (simulation.comm(), simulation.model());
         let results = simulation.phases().time(Phase::Output, || match &record {
             Some((record, probes)) => {
-                Results::go_on(comm, folder, scene, model, (record.history, record.written, probes))
+                // The state at time 0 is written by a run without increments, this one if it has none.
+                let written = (simulation.state().increments > 0).then_some(record.written);
+                Results::go_on(comm, folder, scene, model, (record.history, written, probes))
             }
             None => Results::create(comm, folder, scene, model),
         })?;
@@ -209,6 +211,8 @@ impl<'s> Recorder<'s> {
             Some((record, _)) => Log::go_on(folder, comm, options.quiet, record.log)?,
             None => Log::create(folder, comm, options.quiet)?,
         };
+        // Of the run that goes on.
+        folder.discard(comm, &["summary.json", report::NAME])?;
         folder.write(comm, "scene.toml", &scene.text)?;
         announce(&mut log, simulation, (&machine, damage), record.is_some());
         let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];

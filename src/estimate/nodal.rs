@@ -24,6 +24,12 @@ impl Recovered {
     pub fn of(&self, strain: bool, model: &Model, n: usize) -> Voigt {
         if strain { self.strain(model, n) } else { self.stress(model, n) }
     }
+
+    /// The same in the material of element `e`.
+    pub fn of_element(&self, strain: bool, model: &Model, e: usize, n: usize) -> Voigt {
+        let values = self.beside(model, e, model.part.tie[n] as usize);
+        if strain { std::array::from_fn(|k| values[6 + k]) } else { cauchy(&values) }
+    }
 }
 
 fn cauchy(values: &Values) -> Voigt {

@@ -8,7 +8,6 @@ use crate::parallel::{max, word_of_largest};
 use crate::partition::parcels::{bounds, grown};
 use crate::solid::element::{hex8, tet4};
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::*;
 
 /// A point in an element of this rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,12 +17,14 @@ pub struct Spot {
     /// Their shape functions at the point.
     shape: [f64; 8],
     count: usize,
+    /// The element; `None` of a node.
+    pub element: Option<usize>,
 }
 
 impl Spot {
     /// The place of a local node.
     pub fn node(n: u32) -> Self {
-        Self { nodes: [n; 8], shape: [1.0; 8], count: 1 }
+        Self { nodes: [n; 8], shape: [1.0; 8], count: 1, element: None }
     }
 
     /// The nodes with their shape functions.
@@ -46,8 +47,9 @@ pub fn locate(
     points: &[Vec3],
     body: Option<usize>,
 ) -> Result<Vec<Option<Spot>>, usize> {
-    // The lowest body counts, there the element that the point is least past the edge of, of the lowest rank.
-    let mut spots: Vec<Option<(f64, Spot)>> = vec![None; points.len()];
+    // The lowest body counts, there the element that the point is least past the edge of, of these the first in the mesh:
+    // between two materials that is the same on any number of ranks.
+    let mut spots: Vec<Option<(f64, u64, Spot)>> = vec![None; points.len()];
     for e in mine(model) {
         let solid = &model.part.solids[e];
         if body.is_some_and(|body| body != solid.body as usize) {
@@ -57,24 +59,25 @@ pub fn locate(
         let Some((low, high)) = bounds(corners) else { continue };
         let (low, high) = grown((low, high), EDGE * (high - low).norm());
         for (x, best) in points.iter().zip(&mut spots) {
-            let is_better = |key: f64| best.is_none_or(|(other, _)| key < other);
+            let is_better = |key: f64| best.is_none_or(|(other, number, _)| (key, solid.number) < (other, number));
             let near = (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
             if near && is_better(f64::from(solid.body)) {
-                let found = spot_in(model, e, x).map(|(past, spot)| (f64::from(solid.body) + past, spot));
-                *best = found.filter(|(key, _)| is_better(*key)).or(*best);
+                let found = spot_in(model, e, x).map(|(past, spot)| (f64::from(solid.body) + past, solid.number, spot));
+                *best = found.filter(|(key, ..)| is_better(*key)).or(*best);
             }
         }
     }
-    let mut lowest: Vec<f64> = spots.iter().map(|s| s.map_or(f64::NEG_INFINITY, |(key, _)| -key)).collect();
+    let mut lowest: Vec<f64> = spots.iter().map(|s| s.map_or(f64::NEG_INFINITY, |(key, ..)| -key)).collect();
     max(comm, &mut lowest);
     if let Some(lost) = lowest.iter().position(|key| key.is_infinite()) {
         return Err(lost);
     }
-    let rank = -f64::from(comm.rank());
-    let has = |k: usize| spots[k].is_some_and(|(key, _)| key == -lowest[k]);
-    let mut first: Vec<f64> = (0..points.len()).map(|k| if has(k) { rank } else { f64::NEG_INFINITY }).collect();
+    let has = |s: &Option<(f64, u64, Spot)>, lowest: f64| s.filter(|(key, ..)| *key == -lowest);
+    let best: Vec<_> = spots.iter().zip(lowest).map(|(s, lowest)| has(s, lowest)).collect();
+    let number = |s: &Option<(f64, u64, Spot)>| s.map_or(f64::NEG_INFINITY, |(_, number, _)| -(number as f64));
+    let mut first: Vec<f64> = best.iter().map(number).collect();
     max(comm, &mut first);
-    let own = |k: usize| spots[k].filter(|_| has(k) && first[k] == rank).map(|(_, spot)| spot);
+    let own = |k: usize| best[k].filter(|_| number(&best[k]) == first[k]).map(|(.., spot)| spot);
     Ok((0..points.len()).map(own).collect())
 }
 
@@ -109,5 +112,5 @@ fn spot_in(model: &Model, e: usize, x: &Vec3) -> Option<(f64, Spot)> {
         }
     };
     let past = if past < ROUNDING { 0.0 } else { past };
-    (past <= EDGE).then_some((past, Spot { nodes: solid.nodes, shape, count: solid.nodes().len() }))
+    (past <= EDGE).then_some((past, Spot { nodes: solid.nodes, shape, count: solid.nodes().len(), element: Some(e) }))
 }

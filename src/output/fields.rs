@@ -129,21 +129,21 @@ impl Fields {
         Ok(Self { h5, xdmf, grids: Vec::new(), written: 0, increments: String::new(), goes_on: false })
     }
 
-    /// Goes on with the files of an earlier run after so many increments that it had written; what it wrote later is
-    /// taken out. Begins anew where there are none.
+    /// Goes on with the files of an earlier run after so many increments that it had written, and the state at time 0; what it
+    /// wrote later is taken out, without a number all of it. Begins anew where there are none.
     ///
     /// # Errors
     /// [`Error::Input`] when these are not the files.
-    pub fn go_on(folder: &OutputFolder, name: &str, comm: &impl Communicator, written: usize) -> Result<Self> {
+    pub fn go_on(folder: &OutputFolder, name: &str, comm: &impl Communicator, written: Option<usize>) -> Result<Self> {
         let (h5, xdmf) = (folder.file(&format!("{name}.h5")), folder.file(&format!("{name}.xdmf")));
-        let mut exists = h5.exists() && (xdmf.exists() || written == 0);
+        let mut exists = h5.exists() && (xdmf.exists() || written.is_none());
         comm.process_at_rank(0).broadcast_into(&mut exists);
         if !exists {
             return Self::create(folder, name, comm);
         }
         let cut = || cut_off(&h5, &xdmf, written).map_err(|what| cannot_go_on(&h5, one_line(&what), ANEW));
         let increments = on_root(comm, cut)?.unwrap_or_default();
-        Ok(Self { h5, xdmf, grids: Vec::new(), written, increments, goes_on: true })
+        Ok(Self { h5, xdmf, grids: Vec::new(), written: written.unwrap_or_default(), increments, goes_on: true })
     }
 
     /// Increments written.
@@ -461,12 +461,12 @@ impl<T: H5Type> Rows<'_, T> {
     }
 }
 
-/// Takes what was written after so many increments out of both files, all of it without one; gives the XDMF text of what
+/// Takes what was written after so many increments out of both files, all of it without a number; gives the XDMF text of what
 /// stays.
-fn cut_off(h5: &Path, xdmf: &Path, written: usize) -> std::result::Result<String, String> {
+fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Result<String, String> {
     let begins = || File::open(h5).map(|file| file.link_exists("increments/000000")).map_err(|error| error.to_string());
     // With the state at time 0.
-    let kept = if written > 0 { written + usize::from(begins()?) } else { 0 };
+    let kept = written.map_or(Ok(0), |written| begins().map(|begins| written + usize::from(begins)))?;
     let text = if kept > 0 { std::fs::read_to_string(xdmf).map_err(|error| error.to_string())? } else { String::new() };
     let increments = xdmf::first(&text, kept).ok_or(format!("{} has fewer than {kept} times", xdmf.display()))?;
     // First, that it never tells of what is not there.
@@ -481,7 +481,7 @@ fn cut_off(h5: &Path, xdmf: &Path, written: usize) -> std::result::Result<String
         }
         let group = file.group("increments")?;
         let names = group.member_names()?;
-        let later = |name: &&String| name.parse::<usize>().is_ok_and(|number| written == 0 || number > written);
+        let later = |name: &&String| name.parse::<usize>().is_ok_and(|number| written.is_none_or(|last| number > last));
         names.iter().filter(later).try_for_each(|name| group.unlink(name))?;
         Ok(group.len() as usize)
     };

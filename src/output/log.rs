@@ -92,8 +92,11 @@ impl Log {
         }
     }
 
-    /// Bytes in the file so far; zero on other ranks than 0.
-    pub fn length(&self) -> u64 {
+    /// Bytes in the file so far, with the line of iterates ended; zero on other ranks than 0.
+    pub fn length(&mut self) -> u64 {
+        if std::mem::take(&mut self.is_open) {
+            self.write("\n");
+        }
         super::length(self.file.as_ref())
     }
 

@@ -108,6 +108,15 @@ impl OutputFolder {
         self.path.join(name)
     }
 
+    /// Deletes these files, where they are there: they no longer tell how the run stands. Collective.
+    ///
+    /// # Errors
+    /// [`Error::Input`] on all ranks when the folder cannot be written.
+    pub fn discard(&self, comm: &impl Communicator, names: &[&str]) -> Result<()> {
+        let discard = || clear(&self.path, names).map_err(|error| not_writable(&self.path, &error));
+        agree(comm, if comm.rank() == 0 { discard() } else { Ok(()) })
+    }
+
     /// Writes a file as a whole on rank 0; the `text` of other ranks does not count. Collective.
     ///
     /// # Errors

@@ -94,7 +94,7 @@ pub fn run(options: &Options) -> Result<()> {
     for (k, number) in plan.order().into_iter().enumerate() {
         study.perform(&plan.runs[number], &format!("{} of {total}", k + 1))?;
         let is_reference = study.chain.first().is_some_and(|first| first.0 == number);
-        if number == 0 || is_reference && !study.takes_next_reference() {
+        if number == 0 || is_reference && !study.takes_next_reference()? {
             study.must_have_converged()?;
         }
         study.write()?;
@@ -184,7 +184,7 @@ impl<'a> Study<'a> {
 
     /// Takes the next of the chain for the reference, if the run just made was that, failed or took too long, and nobody asked
     /// for it.
-    fn takes_next_reference(&mut self) -> bool {
+    fn takes_next_reference(&mut self) -> Result<bool> {
         let failed = self.runs.last().is_some_and(|made| made.cost().is_none());
         let can = failed && self.plan.reference.is_suggested && self.chain.len() > 1;
         if can {
@@ -193,8 +193,9 @@ impl<'a> Study<'a> {
             eprintln!(
                 "`{label}` takes its place: errors that it shares with the scene, such as the mesh's, do not count"
             );
+            self.compare()?;
         }
-        can
+        Ok(can)
     }
 
     /// 0 for the reference, 1 for the next to it, ...

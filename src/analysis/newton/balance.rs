@@ -142,10 +142,11 @@ impl Balance {
         self.groups[group].force.max(self.eased_share * self.seen[group])
     }
 
-    /// The largest residual over its scale.
+    /// The largest residual over its scale. A section that no node counts to, as a soft layer between stiff ones, has neither.
     pub fn relative(&self) -> f64 {
+        let all = (0..self.groups.len()).filter(|g| self.groups[*g].residual != 0.0);
         let of = |g: usize| self.groups[g].residual / self.scale(g);
-        (0..self.groups.len()).map(of).fold(0.0, |most, r| if r > most || r.is_nan() { r } else { most })
+        all.map(of).fold(0.0, |most, r| if r > most || r.is_nan() { r } else { most })
     }
 
     /// Whether all residuals are within the limits of a tolerance.

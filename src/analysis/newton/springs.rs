@@ -9,7 +9,7 @@ impl Newton<'_> {
         for (&n, stiffness) in &conditions.springs {
             let n = n as usize;
             let force = stiffness.component_mul(&self.found.u[n]);
-            self.found.balance.load(model.part.body[n] as usize, force.amax());
+            self.found.balance.load(model.part.section[n] as usize, force.amax());
             for d in 0..3 {
                 if let Some(k) = dofs.local(dofs.node[n][d]) {
                     r[k] += force[d];
