@@ -219,6 +219,40 @@ fn what_is_no_checkpoint_of_the_scene_is_refused() {
 }
 
 /// A checkpoint that is whole, but whose displacements are not those at which its forces were: the model finds out.
+/// Multipliers that are no unknowns go on, too; a probe goes on where it was.
+#[test]
+fn other_methods_and_probes_go_on() {
+    let scene = |method: &str| {
+        format!(
+            "[body.b]\nmaterial = \"m\"\nblock = {{ box = {{ size = [4, 2, 2] }}, elements = [4, 2, 2] }}\n\
+             [material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [tool.t]\ncylinder = {{ point = [2.1, 0, 4], axis = [0, 1, 0], radius = 2.0 }}\n\
+             [contact.c]\nslave = \"b.zmax\"\nmaster = \"t\"\nfriction = 0.3\nmethod = \"{method}\"\n\
+             [[step]]\nname = \"down\"\nincrements = 2\nfix = [{{ set = \"b.zmin\" }}]\n\
+             move = [{{ target = \"t\", by = [0, 0, -0.2] }}]\n\
+             [[step]]\nname = \"along\"\nincrements = 3\nfix = [{{ set = \"b.zmin\" }}]\n\
+             move = [{{ target = \"t\", by = [0.3, 0, 0] }}]\n\
+             [output]\ncheckpoint = {{ increments = 1 }}\n\
+             [[output.probe]]\nname = \"p\"\npoint = [1.5, 1.0, 1.5]\nfields = [\"displacement\"]\n"
+        )
+    };
+    for method in ["uzawa", "lagrange", "penalty"] {
+        let bench = Bench::new(&scene(method));
+        let whole = bench.solve(1, &[]);
+        assert_eq!(run(&bench, 1, &["--steps", "1"]).code, 0);
+        let moved = run(&bench, 1, &["--restart", "--set", "output.probe.p.point=[1.5, 1.0, 1.6]"]);
+        assert!(moved.code == 2 && moved.stderr.contains("probe `p` has another place"), "{}", moved.stderr);
+        let rest = run(&bench, 2, &["--restart"]);
+        assert_eq!(rest.code, 0, "{method}\n{}", rest.stderr);
+        let out = Run::of(bench.path("out"));
+        for name in ["t.fx", "t.fz"] {
+            common::assert_close(name, out.history().last(name), whole.history().last(name), 1e-9);
+        }
+        let rows = |run: &Run| fs::read_to_string(run.out.join("probe-p.csv")).unwrap().lines().count();
+        assert_eq!(rows(&out), rows(&whole));
+    }
+}
+
 #[test]
 fn a_state_out_of_balance_is_refused() {
     let bench = Bench::new(PRESS);

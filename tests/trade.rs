@@ -301,10 +301,11 @@ fn a_suggested_reference_that_fails_gives_its_place_to_the_next() {
     let bench = Bench::new(scene);
     let (_, stderr) = succeeds(&bench, &["--vary", "solver.tolerance=1e-6", "--no-combined"]);
     assert!(stderr.contains("`reference without split` takes its place"), "{stderr}");
-    let rows = rows(&bench);
-    assert_eq!(rows["reference"]["code"], "2");
-    assert_eq!(rows["reference without split"]["kind"], "reference");
-    assert!(rows["solver.tolerance=1e-6"]["force"].parse::<f64>().unwrap() < 0.1);
+    let table = fs::read_to_string(bench.path("out/trade.csv")).unwrap();
+    assert!(
+        table.contains(",reference,failed,2,") && table.contains(",reference without split,reference,0,"),
+        "{table}"
+    );
 }
 
 /// A signal ends the run under way; what is finished is not made again.

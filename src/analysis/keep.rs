@@ -12,7 +12,6 @@ use crate::parallel::{agree, any};
 use crate::scene::{Checkpoint, Scene};
 use mpi::traits::*;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::ErrorKind;
@@ -83,9 +82,7 @@ impl<'f> Keeper<'f> {
         summary.restarted = Some(increments);
         estimates.go_on(list("estimates"), record.stiffness.clone());
         self.last = (Instant::now(), increments);
-        let probes = told["probes"].as_object().into_iter().flatten();
-        let probes = probes.map(|(name, length)| (name.clone(), length.as_u64().unwrap_or_default()));
-        Ok((record, probes.collect()))
+        Ok((record, serde_json::from_value(told["probes"].clone()).unwrap_or_default()))
     }
 
     /// Whether a checkpoint is asked for after an increment, the last of the run or not; rank 0's clock counts. Collective.
@@ -125,7 +122,7 @@ impl<'f> Keeper<'f> {
         let told = json!({
             "estimates": estimates,
             "warnings": summary.warnings,
-            "probes": probes.into_iter().collect::<BTreeMap<_, _>>(),
+            "probes": probes,
         });
         let told = told.to_string();
         let texts = [("scene", &simulation.scene().text[..]), ("files", &self.files), ("told", &told)];

@@ -12,13 +12,14 @@ use crate::output::quantity::Quantity;
 use crate::parallel::{max, sum};
 use crate::scene::{self, ProbePlace, Scene};
 use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The probes of a scene with their tables.
-pub(super) struct Probes(Vec<(Probe, String, ProbeFile)>);
+pub(super) struct Probes(Vec<(Probe, [String; 2], ProbeFile)>);
 
-/// How long the table of each probe is, by the probes' names.
-pub(super) type Lengths = Vec<(String, u64)>;
+/// What each probe looks at, and how long its table is, by the probes' names.
+pub(super) type Lengths = BTreeMap<String, (String, u64)>;
 
 /// A probe with its places found.
 struct Probe {
@@ -43,6 +44,17 @@ pub(super) fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> 
     scene.output.probes.iter().try_for_each(|probe| Probe::new(comm, probe, model).map(|_| ()))
 }
 
+/// Refuses probes that are not what those of the same name were when their tables were so long.
+///
+/// # Errors
+/// A probe with another place, or other fields.
+pub(super) fn check_same(scene: &Scene, lengths: &Lengths) -> Result<()> {
+    let differs = |probe: &&scene::Probe| lengths.get(&probe.name.value).is_some_and(|(was, _)| *was != probe.words());
+    let Some(probe) = scene.output.probes.iter().find(differs) else { return Ok(()) };
+    let what = format!("probe `{}` has another place, or other fields, than at the checkpoint", probe.name.value);
+    Err(Error::input(&probe.name.at, what, "give another probe another name"))
+}
+
 impl Probes {
     /// Finds the places and begins the tables. Collective.
     ///
@@ -55,7 +67,7 @@ impl Probes {
     /// Goes on with the tables of an earlier run, as long as they were. Collective.
     ///
     /// # Errors
-    /// As [`Self::create`]; a table with other columns.
+    /// As [`Self::create`]; a table of something else.
     pub fn go_on(
         comm: &SimpleCommunicator,
         folder: &OutputFolder,
@@ -64,17 +76,17 @@ impl Probes {
         lengths: &Lengths,
     ) -> Result<Self> {
         let begin = |given: &scene::Probe| {
-            let (probe, name) = (Probe::new(comm, given, model)?, &given.name.value);
-            let length = lengths.iter().find(|(known, _)| known == name).map(|(_, length)| *length);
+            let (probe, name, words) = (Probe::new(comm, given, model)?, &given.name.value, given.words());
+            let length = lengths.get(name).map(|(_, length)| *length);
             let file = ProbeFile::go_on(folder, comm, name, &probe.columns(), length)?;
-            Ok((probe, name.clone(), file))
+            Ok((probe, [name.clone(), words], file))
         };
         Ok(Self(scene.output.probes.iter().map(begin).collect::<Result<_>>()?))
     }
 
     /// Bytes so far, which count on rank 0.
     pub fn lengths(&self) -> Lengths {
-        self.0.iter().map(|(_, name, file)| (name.clone(), file.length())).collect()
+        self.0.iter().map(|(_, [name, words], file)| (name.clone(), (words.clone(), file.length()))).collect()
     }
 
     /// The tables.

@@ -22,6 +22,7 @@ use crate::output::OutputFolder;
 use crate::output::checkpoint::{self, Stored, Table};
 use crate::parallel::{any, max};
 use crate::partition::Order;
+use crate::scene::Enforcement;
 use crate::solid::history::History;
 use crate::words::Words;
 use mpi::topology::SimpleCommunicator;
@@ -350,6 +351,8 @@ impl<'a> Simulation<'a> {
         newton.start_behind(&mut here);
         let (mut x, mut r) = (here.clone(), vec![0.0; here.len()]);
         newton.start_ahead(&here, &mut x);
+        let uzawa = newton.system.model.pairs.iter_mut().filter(|pair| pair.method == Enforcement::Uzawa);
+        uzawa.flat_map(|pair| &mut pair.slaves).for_each(Slave::hand_back);
         let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));
         // A constraint that gives way along the surface does so in each increment anew: by so much of the friction.
         let slack = newton.system.model.pairs.iter().flat_map(|pair| &pair.slaves).map(|s| s.law.compliance.slack);

@@ -1,7 +1,7 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
 use super::body_fields::{BodyFields, Known};
-use super::probes::{Lengths, Probes};
+use super::probes::{self, Lengths, Probes};
 use super::{Increment, SetReading, Simulation, State, Way};
 use crate::Vec3;
 use crate::contact::Status;
@@ -79,6 +79,7 @@ impl Results {
         model: &Model,
         (history, written, probes): (u64, Option<usize>, &Lengths),
     ) -> Result<Self> {
+        probes::check_same(scene, probes)?;
         let history = HistoryFile::go_on(folder, comm, &columns(model, &watched(scene)), history)?;
         let probes = Probes::go_on(comm, folder, scene, model, probes)?;
         Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)
@@ -134,6 +135,11 @@ impl Results {
     /// Bytes of history and of the tables of probes, which count on rank 0, and increments of fields, so far.
     pub fn lengths(&self) -> (u64, usize, Lengths) {
         (self.history.length(), self.fields.written(), self.probes.lengths())
+    }
+
+    /// Whether the fields of an earlier run are there still.
+    pub fn goes_on(&self) -> bool {
+        self.fields.goes_on()
     }
 
     /// The files that are written on and on.

@@ -215,6 +215,11 @@ impl<'s> Recorder<'s> {
         folder.discard(comm, &["summary.json", report::NAME])?;
         folder.write(comm, "scene.toml", &scene.text)?;
         announce(&mut log, simulation, (&machine, damage), record.is_some());
+        if record.is_some() && !results.goes_on() {
+            let warning = "the fields that the run had written are gone, and begin anew".to_string();
+            log.line(&format!("  warning: {warning}"));
+            simulation.warned(warning);
+        }
         let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];
         // What is left of a run is not foretold.
         let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });

@@ -442,6 +442,14 @@ impl Slave {
         }
     }
 
+    /// Takes back the gap of the last increment, which a multiplier has taken over for the next: the force is then again that
+    /// of its end.
+    pub fn hand_back(&mut self) {
+        if let (Status::Stick | Status::Slip, Some(p)) = (self.accepted.status, self.accepted.projection) {
+            self.held.gap -= p.gap;
+        }
+    }
+
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
     /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
     /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.

@@ -146,6 +146,11 @@ impl Fields {
         Ok(Self { h5, xdmf, grids: Vec::new(), written: written.unwrap_or_default(), increments, goes_on: true })
     }
 
+    /// Whether what an earlier run wrote is there still.
+    pub fn goes_on(&self) -> bool {
+        self.goes_on
+    }
+
     /// Increments written.
     pub fn written(&self) -> usize {
         self.written

@@ -63,7 +63,7 @@ struct Shown {
 impl Source {
     fn read(file: File, path: &Path) -> Result<Self> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let increments = sorted(&file.group("increments")?)?;
+        let increments = if file.link_exists("increments") { sorted(&file.group("increments")?)? } else { Vec::new() };
         let time = |number: &String| file.dataset(&format!("increments/{number}/time"))?.read_raw::<f64>();
         let times = increments.iter().map(time).collect::<Result<Vec<_>>>()?.concat();
         Ok(Self { file, name, increments, times })

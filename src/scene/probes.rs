@@ -17,6 +17,19 @@ pub struct Probe {
     pub fields: Vec<Quantity>,
 }
 
+impl Probe {
+    /// Where it looks and at what, as a text that is the same if these are.
+    pub fn words(&self) -> String {
+        let place = match &self.place {
+            ProbePlace::Point(x) => format!("point {:?}", x.value.as_slice()),
+            ProbePlace::Set(set) => format!("set {}", set.value),
+            ProbePlace::Path(ends, count) => format!("path {:?} {count}", ends.value.map(|x| [x.x, x.y, x.z])),
+        };
+        let body = self.body.as_ref().map_or("", |body| &body.value);
+        format!("{place} {body} {:?}", self.fields)
+    }
+}
+
 /// Where a probe looks.
 #[derive(Clone, Debug)]
 pub enum ProbePlace {
