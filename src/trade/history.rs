@@ -4,6 +4,9 @@ pub use crate::output::history::{DISPLACEMENT, FORCE, History};
 
 use crate::output::history::Components;
 
+/// Of the largest force, what is none but rounding.
+const NOTHING: f64 = 1e-9;
+
 /// How far two curves are apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Apart {
@@ -38,15 +41,18 @@ impl History {
         self.apart_at(reference, of, &times)
     }
 
-    /// Whose vectors count. Where there are contacts, forces of sets of a body do not: at the edges of a set supports of others
-    /// bear a part, which is the smaller the finer the mesh.
+    /// Whose vectors count. Where tools and contacts bear forces, those of sets of a body do not: at the edges of a set
+    /// supports of others bear a part, which is the smaller the finer the mesh. Those of self-contact sum to nothing.
     fn counted(&self, of: &Components) -> Vec<&str> {
-        let mut sources = self.sources(of[0]);
-        let is_contact = |source: &str| self.column(&format!("{source}.active")).is_some();
-        if of == &FORCE && sources.iter().any(|source| is_contact(source)) {
-            sources.retain(|source| !source.contains('.') || is_contact(source));
-        }
-        sources
+        let sources = self.sources(of[0]);
+        let is_met = |source: &&str| !source.contains('.') || self.column(&format!("{source}.active")).is_some();
+        let largest_of = |sources: &[&str]| {
+            let all = sources.iter().filter_map(|source| self.vectors(source, of)).flatten();
+            all.map(|vector| norm(&vector)).fold(0.0, f64::max)
+        };
+        let met: Vec<&str> = sources.iter().copied().filter(is_met).collect();
+        let bears = of == &FORCE && largest_of(&met) > NOTHING * largest_of(&sources);
+        if bears { met } else { sources }
     }
 
     fn apart_at(&self, reference: &Self, of: &Components, times: &[f64]) -> Option<Apart> {
@@ -149,14 +155,15 @@ mod tests {
     }
 
     #[test]
-    fn forces_of_sets_count_where_there_are_no_contacts() {
-        let of = |contact: &str, base: f64| {
+    fn forces_of_sets_count_where_contacts_bear_none() {
+        let of = |[more, name]: [&str; 2], base: f64, borne: f64| {
             let head = "step,increment,time,iterations,b.base.fx,b.base.fy,b.base.fz";
-            let text = format!("{head}{contact}c.fx,c.fy,c.fz\ns,1,1,3,{base},0,0,1,2,0,0\n");
+            let text = format!("{head},{more},{name}.fx,{name}.fy,{name}.fz\ns,1,1,3,{base},0,0,1,{borne},0,0\n");
             History::parse(&text).unwrap()
         };
-        for (contact, expected) in [(",c.active,", 0.0), (",d,", 0.5)] {
-            let apart = of(contact, 2.0).apart(&of(contact, 1.0), &FORCE).unwrap();
+        let contact = ["c.active", "c"];
+        for (names, borne, expected) in [(contact, 2.0, 0.0), (contact, 0.0, 1.0), (["d", "b.c"], 2.0, 0.5)] {
+            let apart = of(names, 2.0, borne).apart(&of(names, 1.0, borne), &FORCE).unwrap();
             assert_eq!(apart.largest, expected);
         }
     }
