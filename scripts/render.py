@@ -184,6 +184,10 @@ def draw(view, size, sources, time, args):
     if colored is None:
         known = sorted({n for s in (body, contact) if s for n in s.PointData.keys() + s.CellData.keys()})
         sys.exit(f"scripts/render: there is no field {name}; there are {', '.join(known)}")
+    data = colored.PointData if association(colored, name) == "POINTS" else colored.CellData
+    low, high = data.GetArray(name).GetRange(0)
+    if not low <= high:
+        sys.exit(f"scripts/render: {name} has no values at time {time:g}; some fields have them at ends of steps only")
 
     view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]
