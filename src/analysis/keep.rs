@@ -29,7 +29,7 @@ pub(super) struct Record {
     pub since_written: usize,
     /// What the contacts of tools have shown so far.
     pub stiffness: Vec<Stiffness>,
-    /// Of the summary: increments, cutbacks, jumps, iterations, outer iterations, patterns, growths.
+    /// Those of [`Summary::counts_mut`](crate::output::summary::Summary::counts_mut).
     pub counts: [usize; 7],
 }
 
@@ -74,10 +74,8 @@ impl<'f> Keeper<'f> {
         let told: Value = serde_json::from_str(&told?).unwrap_or_default();
         let list = |key: &str| told[key].as_array().cloned().unwrap_or_default();
         let summary = &mut simulation.summary;
-        let [increments, cutbacks, jumps, iterations, outer, rebuilds, growths] = record.counts;
-        (summary.increments, summary.cutbacks, summary.jumps) = (increments, cutbacks, jumps);
-        (summary.iterations, summary.outer_iterations) = (iterations, outer);
-        (summary.pattern_rebuilds, summary.growths) = (rebuilds, growths);
+        summary.counts_mut().into_iter().zip(record.counts).for_each(|(count, was)| *count = was);
+        let increments = summary.increments;
         summary.warnings = list("warnings").iter().filter_map(|w| w.as_str().map(str::to_string)).collect();
         summary.restarted = Some(increments);
         estimates.go_on(list("estimates"), record.stiffness.clone());
@@ -110,15 +108,7 @@ impl<'f> Keeper<'f> {
         let forced = if comm.rank() == 0 { forced() } else { Ok(()) };
         agree(comm, forced.map_err(|error| Error::System(format!("results cannot be forced to the disk: {error}"))))?;
         let summary = &simulation.summary;
-        let counts = [
-            summary.increments,
-            summary.cutbacks,
-            summary.jumps,
-            summary.iterations,
-            summary.outer_iterations,
-            summary.pattern_rebuilds,
-            summary.growths,
-        ];
+        let counts = summary.clone().counts_mut().map(|count| *count);
         let told = json!({
             "estimates": estimates,
             "warnings": summary.warnings,

@@ -102,6 +102,19 @@ fn milli(value: f64) -> f64 {
 }
 
 impl Summary {
+    /// What is counted over all of a run that goes on from a checkpoint.
+    pub fn counts_mut(&mut self) -> [&mut usize; 7] {
+        [
+            &mut self.increments,
+            &mut self.cutbacks,
+            &mut self.jumps,
+            &mut self.iterations,
+            &mut self.outer_iterations,
+            &mut self.pattern_rebuilds,
+            &mut self.growths,
+        ]
+    }
+
     /// Takes note of the size of a system.
     pub fn count(&mut self, unknowns: u64, multipliers: u64, entries: u64) {
         self.dofs = self.dofs.max(unknowns);
