@@ -260,7 +260,7 @@ impl Cli {
                 let loaded = scene.load(comm)?;
                 let begun = Instant::now();
                 let mut model = Model::new(comm, &loaded, &Phases::default())?;
-                let text = describe::check(comm, &petsc, &loaded, &mut model, begun)?;
+                let text = analysis::check(comm, &petsc, &loaded, &mut model, begun)?;
                 if comm.rank() == 0 {
                     // Whoever reads it may have stopped.
                     let _ = write!(std::io::stdout(), "{text}");

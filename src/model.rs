@@ -270,16 +270,14 @@ impl Model {
             .into_iter()
             .map(|n| {
                 let stiffness = stiffness[n as usize].min(softest);
-                // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
-                let given = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
-                let given = given.unwrap_or(self.penalty_share(contact.method) * stiffness);
-                let held = contact.method.holds_multipliers();
-                Slave::new(n, contact.friction, given, self.controls.augmentation * stiffness, held)
+                Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
             })
             .collect();
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         let body = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
-        Pair {
+        // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
+        let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
+        let mut pair = Pair {
             name: contact.name.value.clone(),
             master,
             body: body(&contact.slave.value).unwrap_or_default(),
@@ -293,6 +291,7 @@ impl Model {
             friction: contact.friction,
             tangent: contact.tangent,
             method: contact.method,
+            asked: (contact.method, penalty),
             tolerance: contact.tolerance,
             set: self.set_index[&contact.slave.value],
             slaves,
@@ -306,7 +305,9 @@ impl Model {
             is_second: false,
             sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
             avoided: shunned,
-        }
+        };
+        pair.enforce(contact.method);
+        pair
     }
 
     /// Tells slave nodes that others of their surface may make the same constraint.
@@ -451,15 +452,6 @@ impl Model {
         set.nodes.iter().for_each(|&n| has[self.part.section[n as usize] as usize] = 1.0);
         max(comm, &mut has);
         (0..has.len()).filter(|&section| has[section] > 0.0).collect()
-    }
-
-    /// Automatic penalty over the stiffness with which a slave node, or a softer master, resists contact.
-    fn penalty_share(&self, method: Enforcement) -> f64 {
-        match method {
-            Enforcement::AugmentedLagrangian | Enforcement::Lagrange => self.controls.augmentation,
-            Enforcement::Uzawa => self.controls.uzawa_penalty,
-            Enforcement::Penalty => self.controls.penalty_method,
-        }
     }
 
     /// Slave nodes of all ranks, for each pair. Collective.

@@ -218,8 +218,7 @@ fn what_is_no_checkpoint_of_the_scene_is_refused() {
     refuses(1, &every, "there is no checkpoint out/checkpoint.h5");
 }
 
-/// A checkpoint that is whole, but whose displacements are not those at which its forces were: the model finds out.
-/// Multipliers that are no unknowns go on, too; a probe goes on where it was.
+/// Multipliers that are no unknowns go on, too; a probe goes on where it was. No run goes back to an earlier step.
 #[test]
 fn other_methods_and_probes_go_on() {
     let scene = |method: &str| {
@@ -250,9 +249,13 @@ fn other_methods_and_probes_go_on() {
         }
         let rows = |run: &Run| fs::read_to_string(run.out.join("probe-p.csv")).unwrap().lines().count();
         assert_eq!(rows(&out), rows(&whole));
+        let back = run(&bench, 1, &["--restart", "--steps", "1"]);
+        let says = "the checkpoint is in step `along`, number 2, and --steps 1 ends before";
+        assert!(back.code == 2 && back.stderr.contains(says), "{}", back.stderr);
     }
 }
 
+/// A checkpoint that is whole, but whose displacements are not those at which its forces were: the model finds out.
 #[test]
 fn a_state_out_of_balance_is_refused() {
     let bench = Bench::new(PRESS);

@@ -5,7 +5,7 @@ Two problems, the meshes of whose tools have 2, 4, 8 ... edges on each quarter c
 
 - ironing: inputs/ironing-rigid.toml with a slide of 100 mm in place of 250, in increments of the same size, against
   the exact profile;
-- cup: inputs/square-cup-small.toml drawn by 5 mm in place of 40, in 50 even increments, against the exact Bezier
+- cup: inputs/square-cup-small.toml drawn by 2.5 mm in place of 40, in 25 even increments, against the exact Bezier
   patches.
 
 The error is that of the forces (of the indenter along y and x; of the punch along z) at the times of the reference,
@@ -58,7 +58,7 @@ CASES = {
                     ["step.slide.increments=320", "step.slide.move.0.by=[100.0, 0.0, 0.0]", "output.every=1000"],
                     ["indenter.fy", "indenter.fx"], 8),
     "cup": Case("square-cup-small", "square-cup", {t: f"square-cup-{t}.msh" for t in ("die", "holder", "punch")},
-                "bezier", ["step.draw.duration=5.0", "step.draw.move.0.by=[0.0, 0.0, -5.0]",
+                "bezier", ["step.draw.duration=2.5", "step.draw.move.0.by=[0.0, 0.0, -2.5]",
                            "step.draw.increment={ initial = 0.1, min = 0.001, max = 0.1 }", "output.every=1000"],
                 ["punch.fz"], 10),
 }
@@ -146,7 +146,7 @@ def draw(rows, path):
                               fontsize=7)
         edges.set_xlabel("edges of the tool to a quarter circle")
         cost.set_xlabel("Newton iterations")
-        edges.set_ylabel(f"{name}: error of the force over the largest force")
+        edges.set_ylabel(f"{name}: error of the force over its largest")
         edges.legend(fontsize=8)
         for axis in (edges, cost):
             axis.grid(alpha=0.3, which="both")
@@ -157,8 +157,8 @@ def main():
     parser = arguments(__doc__)
     parser.add_argument("--case", nargs="+", choices=CASES, default=list(CASES), help="(all)")
     parser.add_argument("--patches", type=int, nargs="+", default=[2, 4, 8], metavar="N", help="(2 4 8)")
-    parser.add_argument("--facets", type=int, nargs="+", default=[2, 4, 8, 16, 32, 64], metavar="N",
-                        help="(2 4 8 16 32 64)")
+    parser.add_argument("--facets", type=int, nargs="+", default=[2, 4, 8, 16, 32, 64, 128], metavar="N",
+                        help="(2 4 8 16 32 64 128)")
     parser.add_argument("--ranks", type=int, default=1, metavar="N", help="(%(default)s)")
     add_out(parser, OUT / "facets")
     args = parser.parse_args()

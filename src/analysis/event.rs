@@ -2,6 +2,7 @@
 
 use super::ladder::Way;
 use crate::error::Result;
+pub use crate::output::log::Iteration;
 
 /// What has happened. All ranks are told the same, at once.
 #[derive(Clone, Copy, Debug)]
@@ -22,21 +23,6 @@ pub enum Event<'a> {
     Detail(&'a str),
 }
 
-/// An iterate.
-#[derive(Clone, Copy, Debug)]
-pub struct Iteration<'a> {
-    pub step: &'a str,
-    /// Number of the increment that is sought, from 1.
-    pub increment: usize,
-    /// From 0, which is the start.
-    pub number: usize,
-    /// Largest residual over the forces that it counts against.
-    pub residual: f64,
-    /// Contact nodes that have changed their status, and that touch.
-    pub changes: usize,
-    pub touching: usize,
-}
-
 /// An increment that has failed.
 #[derive(Clone, Copy, Debug)]
 pub struct Retried<'a> {
@@ -54,6 +40,8 @@ pub enum Remedy {
     Cut,
     /// Constraints give way before they are tightened.
     Yield,
+    /// Multipliers of contacts that make the same conditions are held.
+    Hold,
     /// What touches sticks until it settles.
     Settle,
     /// A jump.

@@ -1,9 +1,16 @@
 //! What is tried, in which order, when an increment does not converge.
 //!
 //! 1. Newton's method from the extrapolation of the last increments, where there is one, then from the converged state.
-//! 2. Where the matrix is singular and multipliers are unknowns: with constraints that give way until they are tightened, for
-//!    several may make the same condition. Once that has helped, it is the way of the step. In self-contact, where they give
-//!    way always, by more, and wherever an increment has failed: nodes that almost meet send each other to and fro.
+//! 2. Where the matrix is singular and multipliers are unknowns, several may make the same condition.
+//!
+//!    Where nodes touch several masters, one of them with friction, the multipliers of these contacts are held from then on, by
+//!    Uzawa's method, and no unknowns: penalties share out what a node gets of each. A block that is pushed into a corner of
+//!    three planes with friction takes some 15 iterations an increment then; with constraints that give way it is cut without
+//!    end, or comes out unlike in directions that are alike. So it is, too, where such an increment has failed twice.
+//!
+//!    Elsewhere constraints give way until they are tightened. Once that has helped, it is the way of the step. In
+//!    self-contact, where they give way always, by more, and wherever an increment has failed: nodes that almost meet send
+//!    each other to and fro.
 //! 3. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
 //!    balance, for a few iterations at most, and slips only then; with the automatic penalty, too, where another one is
 //!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
@@ -98,6 +105,8 @@ pub struct Ladder {
     pub can_yield: Yields,
     /// Constraints give way until they are tightened; `None` when it did not help in this increment.
     yields: Option<bool>,
+    /// Nodes touch several masters with friction and multipliers that are unknowns.
+    pub can_hold: bool,
     /// Jumps that may fail.
     most_jumps: usize,
     /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
@@ -122,6 +131,7 @@ impl Ladder {
             can_settle,
             can_yield: Yields::Never,
             yields: Some(false),
+            can_hold: false,
             most_jumps,
             settles: false,
             way,
@@ -191,6 +201,11 @@ impl Ladder {
             return (!shortest).then_some(Remedy::Cut);
         }
         let singular = matches!(cause, Cause::Singular | Cause::Rounding);
+        if self.can_hold && (cause.is_linear() || self.has_failed()) {
+            self.yields = Some(false);
+            self.failures += 1;
+            return Some(Remedy::Hold);
+        }
         if self.can_yield.after(cause) && self.yields == Some(false) {
             self.yields = Some(true);
             self.failures += 1;
@@ -272,6 +287,23 @@ mod tests {
         let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true, &Controls::default()) };
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
+    }
+
+    /// Where nodes are on several masters, at once where the matrix is singular, elsewhere when it fails again.
+    #[test]
+    fn multipliers_of_nodes_on_several_masters_are_held() {
+        let mut increments = Increments::new(
+            &Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() },
+            1.0,
+            &Controls::default(),
+        );
+        let ladder =
+            Ladder { can_hold: true, can_yield: Yields::OnceSingular, ..Ladder::new(true, true, &Controls::default()) };
+        assert_eq!({ ladder }.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Hold));
+        let mut twice = ladder;
+        let remedies = [0, 1].map(|_| twice.fail(&mut increments, 0.5, Cause::Iteration));
+        assert_eq!(remedies, [Some(Remedy::Cut), Some(Remedy::Hold)]);
+        assert!(!twice.yields());
     }
 
     #[test]

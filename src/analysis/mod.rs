@@ -21,12 +21,14 @@
 //! - `suspects`: what of its contacts may be why it does not converge
 //! - `runaway`: tools that nothing can hold
 //! - [`cost`]: what a run will cost
+//! - [`check`](check()): what can be known without solving
 //! - [`describe`]: what is said
 //!
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
 //! again from it, shorter, until it would be shorter than the scene's minimum.
 
 mod body_fields;
+mod check;
 mod conditioning;
 mod conditions;
 pub mod cost;
@@ -53,6 +55,7 @@ mod step;
 mod suspects;
 mod watch;
 
+pub use check::check;
 pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried};
 pub use ladder::Way;
 pub use run::{Options, run};

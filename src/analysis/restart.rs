@@ -69,6 +69,8 @@ struct Common {
     tries: Tries,
     /// Fractions of the step of the past unknowns, and those of the tools.
     past: Vec<(f64, Vec<Vec3>)>,
+    /// Of each pair, whether its multipliers are held though the scene says otherwise.
+    held: Vec<bool>,
     /// The most states of an element, and whether any has enhanced strain.
     points: (usize, bool),
 }
@@ -88,6 +90,7 @@ crate::words!(Common {
     course,
     tries,
     past,
+    held,
     points,
 });
 
@@ -160,6 +163,7 @@ impl<'a> Simulation<'a> {
             course: progress.increments.course(),
             tries: progress.ladder.tries(),
             past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
+            held: self.model.pairs.iter().map(|pair| pair.method != pair.asked.0).collect(),
             points,
         }
     }
@@ -224,6 +228,9 @@ impl<'a> Simulation<'a> {
             handed: common.handed.clone(),
         };
         self.restore_solids(stored, layout, common.points)?;
+        for (pair, _) in self.model.pairs.iter_mut().zip(&common.held).filter(|(_, held)| **held) {
+            pair.enforce(Enforcement::Uzawa);
+        }
         let pairs = self.restore_slaves(stored, layout, past)?;
         for (tool, pose) in self.model.masters.tools.iter_mut().zip(&common.poses) {
             (tool.committed, tool.trial) = (*pose, *pose);

@@ -8,7 +8,7 @@ use super::estimates::Estimates;
 use super::keep::{Keeper, Record};
 use super::paths::{self, End};
 use super::results::Results;
-use super::{Event, Increment, Iteration, Simulation, describe};
+use super::{Event, Increment, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
 use crate::estimate::recovery::Recovered;
@@ -198,6 +198,15 @@ impl<'s> Recorder<'s> {
         let mut keeper = Keeper::new(folder, simulation)?;
         let mut estimates = Estimates::default();
         let record = options.restart.then(|| keeper.go_back(simulation, &mut estimates)).transpose()?;
+        let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];
+        if simulation.begun > steps.len() {
+            let (step, asked) = (&scene.steps[simulation.begun - 1].name.value, steps.len());
+            let what = format!(
+                "the checkpoint is in step `{step}`, number {}, and --steps {asked} ends before",
+                simulation.begun
+            );
+            return Err(Error::input_anywhere(what, "give more steps, or run without --restart"));
+        }
         let (comm, model) = (simulation.comm(), simulation.model());
         let results = simulation.phases().time(Phase::Output, || match &record {
             Some((record, probes)) => {
@@ -220,7 +229,6 @@ impl<'s> Recorder<'s> {
             log.line(&format!("  warning: {warning}"));
             simulation.warned(warning);
         }
-        let steps = &scene.steps[..options.steps.unwrap_or(usize::MAX).min(scene.steps.len())];
         // What is left of a run is not foretold.
         let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });
         Ok(Self {
@@ -373,9 +381,7 @@ impl Recorder<'_> {
 
     fn hear(&mut self, event: &Event) -> Result<()> {
         match event {
-            &Event::Iteration(Iteration { step, increment, number, residual, changes, touching }) => {
-                self.log.iteration(&log::Iterate { step, increment, number, residual, changes, touching });
-            }
+            Event::Iteration(iteration) => self.log.iteration(iteration),
             Event::Jumping { number, drag } => self.log.jump(*number, *drag),
             Event::Retried(retried) => self.log.line(&describe::retried(retried)),
             Event::Jumped { step, steps } => {

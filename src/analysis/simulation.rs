@@ -164,11 +164,12 @@ impl<'a> Simulation<'a> {
     /// A failing library.
     pub fn go_back(&mut self, to: &Checkpoint) -> Result<()> {
         self.state.clone_from(&to.state);
+        let same_methods = self.model.pairs.iter().map(|pair| pair.method).eq(to.memory.methods());
         to.memory.give(&mut self.model);
         let same =
             |running: &&mut Running| to.progress.as_ref().is_some_and(|p| p.serial == running.frame.progress.serial);
         let near = self.running.as_ref().map(|running| &running.frame.dofs.near);
-        let same_equations = !any(self.comm, near != to.near.as_ref());
+        let same_equations = same_methods && !any(self.comm, near != to.near.as_ref());
         if let (Some(running), Some(progress)) = (self.running.as_mut().filter(same), &to.progress)
             && same_equations
         {

@@ -6,7 +6,7 @@ use super::increments::Increments;
 use super::ladder::Ladder;
 use super::watch::Touch;
 use crate::Vec3;
-use crate::contact::{Avoided, Committed, Pair, Pose, Sight, Trial};
+use crate::contact::{Avoided, Committed, Enforcement, Pair, Pose, Sight, Trial};
 use crate::model::Model;
 use crate::scene::Step;
 use crate::solid;
@@ -91,6 +91,7 @@ pub(super) struct Memory {
 /// What a contact pair remembers.
 #[derive(Clone, Debug)]
 struct OfPair {
+    method: Enforcement,
     /// Of the last converged increment; the iterate; what was seen.
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
     outward: Vec<Vec3>,
@@ -101,6 +102,7 @@ impl Memory {
     /// What a model remembers.
     pub fn of(model: &Model) -> Self {
         let of_pair = |pair: &Pair| OfPair {
+            method: pair.method,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
             outward: pair.outward.clone(),
             avoided: pair.avoided.clone(),
@@ -112,6 +114,11 @@ impl Memory {
         }
     }
 
+    /// How the pairs are enforced.
+    pub fn methods(&self) -> impl Iterator<Item = Enforcement> {
+        self.pairs.iter().map(|pair| pair.method)
+    }
+
     /// Makes a model remember this.
     pub fn give(&self, model: &mut Model) {
         model.history.clone_from(&self.solids);
@@ -119,6 +126,9 @@ impl Memory {
             (tool.committed, tool.trial) = (*pose, *pose);
         }
         for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {
+            if pair.method != memory.method {
+                pair.enforce(memory.method);
+            }
             for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {
                 (slave.committed, slave.accepted, slave.trial, slave.sight) = (*committed, *accepted, *trial, *sight);
             }

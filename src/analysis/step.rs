@@ -17,12 +17,13 @@ use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
 use crate::model::{Model, states};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, sum, word_of_largest};
+use crate::parallel::{agree, any, first_word, max, sum, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
@@ -284,24 +285,29 @@ impl<'a> Simulation<'a> {
                     frame.progress.past.clear();
                     observer(&Event::Detail("    again, not ahead of the last state"))?;
                 }
-                Attempt::Failed(failed) => self.retry(frame, failed, duration, observer)?,
+                Attempt::Failed(failed) => {
+                    if self.retry(frame, failed, duration, observer)? == Remedy::Hold {
+                        self.hold(running)?;
+                        return self.seek(running, observer);
+                    }
+                }
             }
         }
         Ok(None)
     }
 
     /// Decides what to do about an increment that failed.
-    fn retry(&mut self, frame: &mut Frame, failed: Failed, duration: f64, observer: &mut Observer) -> Result<()> {
+    fn retry(&mut self, frame: &mut Frame, failed: Failed, duration: f64, observer: &mut Observer) -> Result<Remedy> {
         let end = failed.end;
         let done = frame.progress.increments.done;
         let size = (end - done) * duration;
         if let Some(told) = self.runaway(frame, end) {
             return Err(Error::Diverged(Box::new(told)));
         }
-        let can_yield = self.yields();
+        let (can_yield, can_hold) = (self.yields(), self.shared().contains(&true));
         let Progress { increments, ladder, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
-        ladder.can_yield = can_yield;
+        (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
             let plain = frame.plain.take().filter(|_| is_remedy && failed.cause.is_of_remedy());
             let told = plain.unwrap_or(failed);
@@ -312,6 +318,42 @@ impl<'a> Simulation<'a> {
         observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
         if !is_remedy {
             frame.plain = Some(failed);
+        }
+        Ok(remedy)
+    }
+
+    /// The pairs with multipliers as unknowns of which a slave node touches another master, too, as the iterate is, one of them
+    /// with friction. Collective.
+    fn shared(&self) -> Vec<bool> {
+        let pairs = &self.model.pairs;
+        let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
+            let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
+            touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
+        }
+        let mut shared = vec![0.0; pairs.len()];
+        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
+            at.iter().for_each(|&p| shared[p] = 1.0);
+        }
+        max(self.comm, &mut shared);
+        shared.iter().map(|shared| *shared > 0.0).collect()
+    }
+
+    /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's
+    /// equations anew. Collective.
+    fn hold(&mut self, running: &mut Running<'a>) -> Result<()> {
+        let shared = self.shared();
+        let Model { part, masters, pairs, .. } = &mut self.model;
+        masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
+        masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
+        for (pair, _) in pairs.iter_mut().zip(shared).filter(|(_, shared)| *shared) {
+            pair.hold(&masters.of(pair.master));
+        }
+        let progress = Progress { past: Vec::new(), ..running.frame.progress.clone() };
+        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))?;
+        if let Some(new) = self.running.take() {
+            let before = std::mem::replace(running, new);
+            (running.told, running.frame.plain) = (before.told, before.frame.plain);
         }
         Ok(())
     }

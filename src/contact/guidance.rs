@@ -79,11 +79,11 @@ fn reason(slave: &Side, master: &Side) -> Option<String> {
     }
 }
 
-/// The side of a contact between bodies that is far softer than the other, if one is.
+/// The side of a contact between bodies whose materials are all far softer than those of the other, if one is.
 pub fn far_softer<'a>(scene: &Scene, contact: &'a scene::Contact) -> Option<&'a str> {
     let sides = [&contact.slave.value, &contact.master.value];
     let [slave, master] = sides.map(|set| young(scene, set));
-    match (slave > RIGID * master, master > RIGID * slave) {
+    match (slave.0 > RIGID * master.1, master.0 > RIGID * slave.1) {
         (true, _) => Some(sides[1]),
         (_, true) => Some(sides[0]),
         _ => None,
@@ -186,10 +186,12 @@ fn mean(comm: &SimpleCommunicator, part: &Part, facets: &[PartFacet], of_section
     sums[0] / sums[1]
 }
 
-/// Young's modulus of the body that a set is on; of the first of its materials.
-fn young(scene: &Scene, set: &str) -> f64 {
-    let body = scene.bodies.iter().find(|b| set.split('.').next() == Some(b.name.value.as_str()));
-    body.and_then(|body| scene.material(&body.material.value)).map_or(0.0, scene::MaterialModel::young)
+/// Least and largest Young's modulus of the materials of the body that a set is on.
+fn young(scene: &Scene, set: &str) -> (f64, f64) {
+    let sections =
+        scene.sections().filter(|(b, _)| set.split('.').next() == Some(scene.bodies[*b].name.value.as_str()));
+    let moduli = sections.filter_map(|(_, material)| scene.material(&material.value)).map(scene::MaterialModel::young);
+    moduli.fold((f64::INFINITY, 0.0), |(least, most), young| (least.min(young), f64::max(most, young)))
 }
 
 #[cfg(test)]

@@ -60,7 +60,10 @@ pub struct Pair {
     /// Coulomb coefficient.
     pub friction: f64,
     pub tangent: Tangent,
+    /// How it is enforced: as the scene says, or by Uzawa's method since several contacts made the same conditions.
     pub method: Enforcement,
+    /// What the scene says, with the penalty that it gives.
+    pub asked: (Enforcement, Option<f64>),
     /// With Uzawa's method: penetration and slip that may remain, a length; `None` is what the solver's tolerance lets through.
     pub tolerance: Option<f64>,
     /// Index of the slave surface in the part's sets.
@@ -119,6 +122,23 @@ impl Pair {
             .fold(self.controls.step_facets * self.facet_size, f64::min)
     }
 
+    /// Has the slave nodes enforced by a method, with the penalty of the scene where it is the one that was asked for.
+    pub fn enforce(&mut self, method: Enforcement) {
+        let given = self.asked.1.filter(|_| method == self.asked.0);
+        self.method = method;
+        for slave in &mut self.slaves {
+            let stiffness = slave.automatic / self.controls.augmentation;
+            slave.enforce(method, given.unwrap_or(penalty_share(method, &self.controls) * stiffness));
+        }
+    }
+
+    /// Has multipliers that are unknowns held from now on, with the forces of the last converged increment, at which the
+    /// master's `ground` is.
+    pub fn hold(&mut self, ground: &Ground) {
+        self.enforce(Enforcement::Uzawa);
+        self.slaves.iter_mut().for_each(|slave| slave.committed.held = slave.held_at(ground));
+    }
+
     /// Multipliers that a slave node may have as unknowns: none when they are held, one without friction, three with.
     pub fn width(&self) -> usize {
         match self.method.holds_multipliers() {
@@ -126,6 +146,15 @@ impl Pair {
             false if self.friction > 0.0 => 3,
             false => 1,
         }
+    }
+}
+
+/// Automatic penalty over the stiffness with which a slave node, or a softer master, resists contact.
+fn penalty_share(method: Enforcement, controls: &Controls) -> f64 {
+    match method {
+        Enforcement::AugmentedLagrangian | Enforcement::Lagrange => controls.augmentation,
+        Enforcement::Uzawa => controls.uzawa_penalty,
+        Enforcement::Penalty => controls.penalty_method,
     }
 }
 
@@ -338,12 +367,11 @@ impl Trial {
 }
 
 impl Slave {
-    /// A node with its penalty and the automatic augmentation, force per length. The latter acts below the penalty where
-    /// multipliers are held, else the penalty itself.
-    pub fn new(node: u32, friction: f64, penalty: f64, automatic: f64, held: bool) -> Self {
-        let augmentation = if held { automatic.min(penalty) } else { penalty };
-        let compliance = Compliance::default();
-        let law = Law { friction, normal: augmentation, tangential: augmentation, penalty, rough: false, compliance };
+    /// A node with the automatic augmentation, force per length, that is not enforced yet.
+    pub fn new(node: u32, friction: f64, automatic: f64) -> Self {
+        let (compliance, augmentation) = (Compliance::default(), automatic);
+        let law =
+            Law { friction, normal: automatic, tangential: automatic, penalty: automatic, rough: false, compliance };
         let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
         let (sight, sighted) = (Sight::default(), Sight::default());
@@ -362,6 +390,13 @@ impl Slave {
             sight,
             sighted,
         }
+    }
+
+    /// Has the node enforced with a penalty, force per length. Where multipliers are held the automatic augmentation acts below
+    /// it, else the penalty itself.
+    fn enforce(&mut self, method: Enforcement, penalty: f64) {
+        self.augmentation = if method.holds_multipliers() { self.automatic.min(penalty) } else { penalty };
+        self.law = Law { normal: self.augmentation, tangential: self.augmentation, penalty, ..self.law };
     }
 
     /// Bytes that it takes, with what it was last evaluated with.
@@ -438,6 +473,19 @@ impl Slave {
         match (method, frame.try_inverse()) {
             (Enforcement::Penalty, Some(inverse)) => Held { carried: inverse * tangential, ..Held::default() },
             (Enforcement::Uzawa, Some(inverse)) => Held { gap, carried: inverse * tangential, ..Held::default() },
+            _ => Held::default(),
+        }
+    }
+
+    /// What Uzawa's method begins with after an increment that another one has ended with, the master's `ground` as it was then.
+    fn held_at(&self, ground: &Ground) -> Held {
+        let Trial { status, force, projection, .. } = &self.accepted;
+        match (status, projection, ground.carrier(projection.as_ref()).try_inverse()) {
+            (Status::Stick | Status::Slip, Some(p), Some(inverse)) => Held {
+                gap: force.dot(&p.normal) / self.law.penalty,
+                tangential: Vec3::zeros(),
+                carried: inverse * self.accepted.traction(),
+            },
             _ => Held::default(),
         }
     }

@@ -39,9 +39,11 @@ pub struct Log {
 
 /// An iterate of Newton's method.
 #[derive(Clone, Copy, Debug)]
-pub struct Iterate<'a> {
+pub struct Iteration<'a> {
     pub step: &'a str,
+    /// Number of the increment that is sought, from 1.
     pub increment: usize,
+    /// From 0, which is the start.
     pub number: usize,
     /// Largest residual over the forces that it counts against.
     pub residual: f64,
@@ -143,7 +145,7 @@ impl Log {
     }
 
     /// Shows an iterate; in the file those of an attempt stand in one line, which grows.
-    pub fn iteration(&mut self, at: &Iterate) {
+    pub fn iteration(&mut self, at: &Iteration) {
         let begin = if self.is_open { "" } else { "    residual/force (status changes):" };
         self.write(&format!("{begin} {}", residual(at)));
         self.is_open = true;
@@ -216,7 +218,7 @@ impl Drop for Log {
 }
 
 /// Residual and status changes of an iterate, for the file.
-fn residual(at: &Iterate) -> String {
+fn residual(at: &Iteration) -> String {
     match at.changes {
         0 => format!("{:.1e}", at.residual),
         changes => format!("{:.1e} ({changes})", at.residual),
@@ -224,11 +226,11 @@ fn residual(at: &Iterate) -> String {
 }
 
 /// What stands behind the bar.
-fn progress(at: &Iterate, jump: Option<usize>, left: Option<f64>) -> String {
+fn progress(at: &Iteration, jump: Option<usize>, left: Option<f64>) -> String {
     let jump = jump.map_or(String::new(), |step| format!("jump, step {step}, "));
     let left =
         left.map_or(String::new(), |left| format!(", about {} left", HumanDuration(Duration::from_secs_f64(left))));
-    let Iterate { increment, number, residual, touching, .. } = at;
+    let Iteration { increment, number, residual, touching, .. } = at;
     format!("increment {increment}, {jump}iteration {number}, residual {residual:.1e}, {touching} touching{left}")
 }
 
@@ -307,12 +309,12 @@ mod tests {
 
     #[test]
     fn an_iterate_is_shown_as_it_is() {
-        let at = Iterate { step: "press", increment: 12, number: 3, residual: 2.34e-4, changes: 0, touching: 24 };
+        let at = Iteration { step: "press", increment: 12, number: 3, residual: 2.34e-4, changes: 0, touching: 24 };
         assert_eq!(progress(&at, None, None), "increment 12, iteration 3, residual 2.3e-4, 24 touching");
         let text = progress(&at, Some(4), Some(200.0));
         let rest = "iteration 3, residual 2.3e-4, 24 touching, about 3 minutes left";
         assert_eq!(text, format!("increment 12, jump, step 4, {rest}"));
-        assert_eq!([0, 2].map(|changes| residual(&Iterate { changes, ..at })), ["2.3e-4", "2.3e-4 (2)"]);
+        assert_eq!([0, 2].map(|changes| residual(&Iteration { changes, ..at })), ["2.3e-4", "2.3e-4 (2)"]);
     }
 
     #[test]

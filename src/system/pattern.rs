@@ -17,7 +17,7 @@ use crate::partition::Lists;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
-/// Length from which a row is rid of repetitions: long before it is crowded with them.
+/// Length from which a row is rid of repetitions, and then whenever it has grown to twice what was left.
 const CROWDED: usize = 600;
 
 /// No entry.
@@ -98,7 +98,7 @@ impl Pattern {
     }
 
     /// Writes the columns of all rows: those that elements couple with a node, and what else is added to its rows.
-    fn fill(&mut self, model: &Model, dofs: &DofMap, node_of: &[u32], mut added: BTreeMap<usize, Vec<i32>>) {
+    fn fill(&mut self, model: &Model, dofs: &DofMap, node_of: &[u32], mut added: BTreeMap<usize, Row>) {
         let part = &model.part;
         let touching = Lists::new(part.owned, part.solids.len(), |e, each| {
             let nodes = carrying(model, &part.solids[e]).iter().map(|&n| n as usize);
@@ -111,7 +111,7 @@ impl Pattern {
         let mut row = 0;
         while row < dofs.count {
             columns.clear();
-            columns.extend(added.remove(&row).into_iter().flatten());
+            columns.extend(added.remove(&row).into_iter().flat_map(|row| row.columns));
             let mut rows = 1;
             if node_of[row] != NOWHERE {
                 let node = node_of[row];
@@ -209,7 +209,15 @@ struct Added<'a> {
     rows: &'a [u32],
     /// The node of each row.
     node_of: Vec<u32>,
-    columns: BTreeMap<usize, Vec<i32>>,
+    columns: BTreeMap<usize, Row>,
+}
+
+/// Columns that are added to a row, some of them more than once.
+#[derive(Default)]
+struct Row {
+    columns: Vec<i32>,
+    /// So many were left when it was last rid of repetitions.
+    tidy: usize,
 }
 
 impl Added<'_> {
@@ -217,9 +225,10 @@ impl Added<'_> {
         let node = self.node_of[row];
         let first = if node == NOWHERE { row } else { self.rows[node as usize] as usize };
         let row = self.columns.entry(first).or_default();
-        row.extend(columns);
-        if row.len() > CROWDED {
-            tidy(row);
+        row.columns.extend(columns);
+        if row.columns.len() > CROWDED.max(2 * row.tidy) {
+            tidy(&mut row.columns);
+            row.tidy = row.columns.len();
         }
     }
 

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::oracle::{balance, near, same, value};
 use crate::scenes::{BAR, METHODS, SLAB, plate};
 
-family!(to_and_fro, node_on_two_tools, node_on_three_tools, coincident_tools, trench, across_an_edge);
+family!(to_and_fro, node_on_two_tools, node_on_three_tools, into_a_corner, coincident_tools, trench, across_an_edge);
 
 /// A slab is drawn over a grid of facets by whole facets and back: its nodes begin, turn and end on vertices.
 fn to_and_fro() -> Vec<Case> {
@@ -140,6 +140,50 @@ fn node_on_three_tools() -> Vec<Case> {
             } else {
                 case.oracle(value("wx.fx/wz.fz", 1.0, 1e-6, "all axes alike"))
             });
+        }
+    }
+    cases
+}
+
+/// A block is pushed into a corner of three planes with friction, and eased: nodes on its edges bear two of them, one all
+/// three. What presses all sides alike gives all planes the same.
+fn into_a_corner() -> Vec<Case> {
+    let (head, _) = BAR.split_once("[tool.p]").unwrap();
+    let head = head
+        .replace("symmetry = [\"xmin\", \"ymin\", \"zmin\"]\n", "")
+        .replace("elements = [2, 2, 2]", "elements = [3, 3, 3]");
+    let alike = |f: f64| {
+        let side = |axis: &str| format!("{{ set = \"b.{axis}max\", value = {f:?} }}");
+        format!("pressure = [{}, {}, {}]", side("x"), side("y"), side("z"))
+    };
+    let askew = |f: f64| format!("force = [{{ target = \"b.zmax\", total = {:?} }}]", [-2.0 * f, -1.5 * f, -3.0 * f]);
+    let weight =
+        |f: f64| format!("body_force = [{{ body = \"b\", per_volume = {:?} }}]", [-0.3 * f, -0.25 * f, -0.4 * f]);
+    let loads: [(&str, &dyn Fn(f64) -> String); 3] = [("alike", &alike), ("askew", &askew), ("by weight", &weight)];
+    let mut cases = Vec::new();
+    for (name, load) in loads {
+        let scene = |method: &str| {
+            let mut text = head.clone();
+            for (name, normal) in [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])] {
+                text += &format!(
+                    "[tool.w{name}]\nplane = {{ point = [0, 0, 0], normal = {normal:?} }}\n[contact.c{name}]\nslave = \"b.{name}min\"\nmaster = \"w{name}\"\nfriction = 0.3\nmethod = \"{method}\"\n"
+                );
+            }
+            text += &format!("[[step]]\nname = \"push\"\nincrements = 4\n{}\n", load(1.0));
+            text += &format!("[[step]]\nname = \"ease\"\nincrements = 2\n{}\n", load(0.5));
+            text + "[output]\nevery = 1000\nhistory = [\"b\"]\n"
+        };
+        let uzawa = Case::text("uzawa", scene("uzawa"));
+        for method in METHODS.into_iter().filter(|method| *method != "uzawa") {
+            let tolerance = if method == "penalty" { 5e-2 } else { 1e-6 };
+            let mut case = Case::text(format!("{name}, {method}"), scene(method)).must_run();
+            for force in ["wx.fx@push", "wy.fy@push", "wz.fz@push", "wx.fz@push", "wz.fz"] {
+                case = case.oracle(same(force, uzawa.clone(), tolerance, "uzawa"));
+            }
+            if name == "alike" {
+                case = case.oracle(value("wx.fx/wz.fz", 1.0, 1e-6, "all axes alike"));
+            }
+            cases.push(case.quick_if(method == "augmented-lagrangian"));
         }
     }
     cases
