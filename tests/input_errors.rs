@@ -111,7 +111,7 @@ fn a_group_that_the_mesh_does_not_have() {
 fn groups_that_are_no_planes_of_symmetry() {
     let symmetry =
         |group: &str| bench("rubber\"\nmesh", &format!("rubber\"\nsymmetry = [\"bottom\", {group:?}]\nmesh"));
-    let words = ["`slab.edge` lies in no plane that is orthogonal", "name a group with all the faces"];
+    let words = ["`slab.edge` lies in more than one plane", "name a group with all the faces"];
     refuses(&symmetry("edge"), &[], "scene.toml:3:23: ", &words);
     let bench = symmetry("middle");
     bench.write("slab.inp", &(deck([2, 1, 1]) + "\n*NSET, NSET=middle\n2, 5, 8, 11\n"));

@@ -187,7 +187,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn set_up(&mut self, progress: Progress, near: Near) -> Result<()> {
         let conditions = &progress.conditions;
         let begun = Instant::now();
-        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
+        let dofs = DofMap::new(self.comm, &self.model, conditions.supports(), &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
         let set_up_s = begun.elapsed().as_secs_f64();
         let symmetric = conditions.is_symmetric(&self.model);

@@ -9,6 +9,8 @@ use crate::Vec3;
 use crate::error::{Error, Location, Result};
 
 const SHARE: &str = "it is a share of the slave nodes";
+/// Share of a motion across a direction that counts as rounding.
+const ALONG: f64 = 1e-6;
 const ADD_STEP: &str = "add a table `[[step]]` with its increments and conditions";
 
 /// The steps, one or more, with unique names.
@@ -122,30 +124,48 @@ fn increment(step: &Table, duration: f64) -> Result<Increment> {
 }
 
 fn fix(item: &Item, names: &Names) -> Result<Fix> {
-    let table = item.table(&["set", "directions"])?;
+    let table = item.table(&["set", "directions", "normal"])?;
     let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a tool stands still unless the step moves it")?;
-    Ok(Fix { set, directions: table.optional("directions", Item::directions)?.unwrap_or([true; 3]) })
+    let (directions, normal) = directions(&table)?;
+    Ok(Fix { set, directions, normal })
+}
+
+/// In which directions nodes are prescribed: along the axes that are named, all by default, or along a unit vector alone.
+fn directions(table: &Table) -> Result<([bool; 3], Option<Vec3>)> {
+    match (table.get("directions"), table.get("normal")) {
+        (Some(_), Some(item)) => Err(item.error("stands beside `directions`", "keep one of the two")),
+        (None, Some(item)) => Ok(([false; 3], Some(item.unit_vector()?))),
+        (Some(item), None) => Ok((item.directions()?, None)),
+        (None, None) => Ok(([true; 3], None)),
+    }
 }
 
 fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
-    let table = item.table(&["target", "by", "directions", "rotate", "table"])?;
+    let table = item.table(&["target", "by", "directions", "normal", "rotate", "table"])?;
     let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
     let (by, rotate) = (table.optional("by", Item::vector)?, table.optional("rotate", rotation)?);
     if by.is_none() && rotate.is_none() {
         return Err(table.error("does not say how to move", "add `by = [0.0, 0.0, 1.0]`"));
     }
     let by = by.unwrap_or_else(Vec3::zeros);
-    let directions = table.optional("directions", Item::directions)?.unwrap_or([true; 3]);
-    match (kind, table.get("directions"), table.get("rotate")) {
+    let (directions, normal) = directions(&table)?;
+    match (kind, table.get("directions").or(table.get("normal")), table.get("rotate")) {
         (Target::Tool, Some(item), _) => {
             return Err(item.error("is for sets; a tool moves in all three", "remove it"));
         }
         (Target::Set, _, Some(item)) => return Err(item.error("is for tools; a set only translates", "remove it")),
         _ => {}
     }
-    if let (Some(axis), Some(item)) = ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis]), table.get("by")) {
+    if let (Some(axis), Some(item)) =
+        ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis] && normal.is_none()), table.get("by"))
+    {
         let what = format!("moves in {}, which `directions` leaves free", letter(axis));
         return Err(item.error(what, "make it 0, or add the direction"));
+    }
+    if let (Some(normal), Some(item)) = (normal, table.get("by"))
+        && (by - normal * normal.dot(&by)).norm() > ALONG * by.norm()
+    {
+        return Err(item.error("moves across `normal`, where it leaves the set free", "make it a multiple of `normal`"));
     }
     let begins_at_rest = |item: &Item| {
         let table = amplitude::read(item, duration)?;
@@ -153,7 +173,7 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
         if table.begin() == 0.0 { Ok(table) } else { Err(item.error("begins away from where its target is", help)) }
     };
     let table = table.optional("table", begins_at_rest)?;
-    Ok(Move { target, by, directions, rotate, table })
+    Ok(Move { target, by, directions, normal, rotate, table })
 }
 
 fn rotation(item: &Item) -> Result<Rotation> {
