@@ -13,7 +13,7 @@ use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::{Facet, Mesh, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
@@ -117,10 +117,7 @@ impl Model {
             stiffness: 0.0,
         };
         let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
-        let mut tools = Vec::new();
-        for tool in &scene.tools {
-            tools.push(Tool::new(comm, tool, &scene.controls)?);
-        }
+        let tools = Faults::all(scene.tools.iter().map(|tool| Tool::new(comm, tool, &scene.controls)))?;
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let pairs = Vec::new();
         let warnings = Vec::new();
@@ -492,14 +489,16 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
 /// Meshes that cannot be read, or have not what the scene names.
 pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
     let mut global = GlobalMesh { sets: vec![GlobalSet::default(); names.len()], ..GlobalMesh::default() };
-    let mut first_section = 0;
+    let (mut first_section, mut faults) = (0, Faults::default());
     for (index, (body, Meshed { mut mesh, mut ties, last })) in
         scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
     {
         let (offset, sections) = (global.points.len() as u32, Sections::new(scene, body, &mesh)?);
         global.last_id.push(last);
         for (set, name) in global.sets.iter_mut().zip(names) {
-            if let Some(found) = resolve(&body.name.value, &mesh, name)? {
+            let found = resolve(&body.name.value, &mesh, name);
+            faults.note(&found);
+            if let Ok(Some(found)) = found {
                 *set = shifted(found, offset);
             }
         }
@@ -517,6 +516,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         join(&mut global.id, mesh.point_ids);
         join(&mut global.solids, mesh.solids);
     }
+    faults.finish()?;
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {
         let slave = names.iter().position(|n| n.value == contact.slave.value).unwrap_or_default();
@@ -525,15 +525,13 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         }
     }
     let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
-    for name in of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set))) {
-        if names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty()) {
-            return Err(Error::input(
-                &name.at,
-                format!("`{}` has no faces", name.value),
-                "name a group of faces on the surface of the body",
-            ));
-        }
-    }
+    let of_faces = of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
+    Faults::all(of_faces.map(|name| {
+        let is_bare = names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty());
+        let what = format!("`{}` has no faces", name.value);
+        let help = "name a group of faces on the surface of the body";
+        if is_bare { Err(Error::input(&name.at, what, help)) } else { Ok(()) }
+    }))?;
     Ok(global)
 }
 

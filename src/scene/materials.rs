@@ -2,7 +2,7 @@
 
 use super::reader::{Item, Table};
 use super::{Body, Formulation, Hardening, Hill, Isochoric, Located, Material, MaterialModel, Scene};
-use crate::error::Result;
+use crate::error::{Faults, Result};
 use crate::{Mat3, Vec3};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -59,15 +59,24 @@ pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
         }
     }
     let no_less = |item: &Item| item.number_that_is("0 or more", |value| value >= 0.0, "");
-    let density = table.optional("density", no_less)?;
-    let model = if HYPERELASTIC.contains(&kind) { hyperelastic(kind, &table)? } else { elastic(kind, &table)? };
-    Ok(Material { name, model, density })
+    let density = table.optional("density", no_less);
+    let model = if HYPERELASTIC.contains(&kind) { hyperelastic(kind, &table) } else { elastic(kind, &table) };
+    let mut faults = Faults::default();
+    faults.note(&density);
+    faults.note(&model);
+    faults.finish()?;
+    Ok(Material { name, model: model?, density: density? })
 }
 
 /// Those that begin with Young's modulus and Poisson's ratio.
 fn elastic(kind: Kind, table: &Table) -> Result<MaterialModel> {
-    let young = table.require("young", "210000.0")?.positive()?;
-    let poisson = poisson(&table.require("poisson", "0.3")?)?;
+    let young = table.require("young", "210000.0").and_then(|item| item.positive());
+    let poisson = table.require("poisson", "0.3").and_then(|item| poisson(&item));
+    let mut faults = Faults::default();
+    faults.note(&young);
+    faults.note(&poisson);
+    faults.finish()?;
+    let (young, poisson) = (young?, poisson?);
     Ok(match kind {
         Kind::J2 => MaterialModel::Plastic { young, poisson, hill: None, hardening: hardening(table)? },
         Kind::Hill => {

@@ -6,7 +6,7 @@ use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
 use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
 use crate::Vec3;
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Faults, Location, Result};
 
 const SHARE: &str = "it is a share of the slave nodes";
 /// Share of a motion across a direction that counts as rounding.
@@ -20,18 +20,20 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
         Error::Input { at, what, .. } => Error::Input { at, what, help: ADD_STEP.to_string() },
         other => other,
     })?;
-    let mut steps: Vec<Step> = Vec::new();
-    for item in items {
-        let step = step(&item, steps.len() + 1, names, steps.last())?;
+    let (mut steps, mut faults): (Vec<Step>, _) = (Vec::new(), Faults::default());
+    for (k, item) in items.iter().enumerate() {
+        // What follows a step that is wrong is not known to keep what it keeps.
+        let before = (steps.len() == k).then(|| steps.last());
+        let step = step(item, k + 1, names, before);
+        faults.note(&step);
+        let Ok(step) = step else { continue };
         if steps.iter().any(|other| other.name.value == step.name.value) {
-            return Err(Error::input(
-                &step.name.at,
-                format!("two steps are named `{}`", step.name.value),
-                "rename one",
-            ));
+            let what = format!("two steps are named `{}`", step.name.value);
+            faults.note::<()>(&Err(Error::input(&step.name.at, what, "rename one")));
         }
         steps.push(step);
     }
+    faults.finish()?;
     Ok(steps)
 }
 
@@ -52,29 +54,49 @@ const KEYS: [&str; 13] = [
     "gravity",
 ];
 
-fn step(item: &Item, number: usize, names: &Names, before: Option<&Step>) -> Result<Step> {
+/// A step after the one `before`, if there is one, and if it is known.
+fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>) -> Result<Step> {
     let table = item.table(&KEYS)?;
     let name = match table.optional("name", Item::located_string)? {
         Some(name) => check_name(&name.value, &name.at).map(|()| name)?,
         None => item.located(format!("step {number}")),
     };
     let duration = table.optional("duration", Item::positive)?.unwrap_or(1.0);
+    let (increment, fix) = (increment(&table, duration), table.each("fix", |item| fix(item, names)));
+    let moves = table.each("move", |item| movement(item, names, duration));
+    let forces = table.each("force", |item| force(item, names, duration));
+    let pressures = table.each("pressure", |item| pressure(item, names, duration));
+    let body_forces = table.each("body_force", |item| body_force(item, names, duration));
+    let springs = table.each("spring", |item| spring(item, names));
+    let gravity = table.optional("gravity", |item| Ok(item.located(item.vector()?)));
+    let mut faults = Faults::default();
+    faults.note(&increment);
+    faults.note(&fix);
+    faults.note(&moves);
+    faults.note(&forces);
+    faults.note(&pressures);
+    faults.note(&body_forces);
+    faults.note(&springs);
+    faults.note(&gravity);
+    faults.finish()?;
     let mut step = Step {
         name,
         duration,
-        increment: increment(&table, duration)?,
-        fix: table.each("fix", |item| fix(item, names))?,
-        pressures: table.each("pressure", |item| pressure(item, names, duration))?,
-        body_forces: table.each("body_force", |item| body_force(item, names, duration))?,
-        moves: table.each("move", |item| movement(item, names, duration))?,
-        forces: table.each("force", |item| force(item, names, duration))?,
-        springs: table.each("spring", |item| spring(item, names))?,
-        gravity: table.optional("gravity", |item| Ok(item.located(item.vector()?)))?,
+        increment: increment?,
+        fix: fix?,
+        pressures: pressures?,
+        body_forces: body_forces?,
+        moves: moves?,
+        forces: forces?,
+        springs: springs?,
+        gravity: gravity?,
         weights: Vec::new(),
     };
-    keep(&mut step, before, &table, |name| names.is_tool(name))?;
+    if let Some(before) = before {
+        keep(&mut step, before, &table, |name| names.is_tool(name))?;
+        amplitude::check_beginnings(&step, before)?;
+    }
     step.check(|name| names.is_tool(name))?;
-    amplitude::check_beginnings(&step, before)?;
     Ok(step)
 }
 
