@@ -43,7 +43,7 @@ use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::output::quantity::Quantity;
 pub use crate::solid::element::Formulation;
-pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel};
+pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel, Orthotropy};
 pub use crate::surface::{Smoothing, Transfer, Weight};
 use std::path::PathBuf;
 
