@@ -275,10 +275,22 @@ impl DofMap {
         self.node_of(model, equation).map(|(node, _)| place_of(model, node))
     }
 
+    /// The free motion of a tool that a local equation is of, in words.
+    fn tool_motion(&self, model: &Model, equation: usize) -> Option<String> {
+        let wanted = self.first + equation as i64;
+        let find = |(t, equations): (usize, &[i64; 3])| Some((t, equations.iter().position(|&e| e == wanted)?));
+        let (t, d) = self.tool.iter().enumerate().find_map(find)?;
+        Some(format!(
+            "the motion along {} of the force-driven tool `{}`",
+            ["x", "y", "z"][d],
+            model.masters.tools[t].name
+        ))
+    }
+
     /// The node and component, or else the slave or tool, of a local equation, for messages.
     pub fn describe(&self, model: &Model, equation: usize) -> String {
         let Some((node, direction)) = self.node_of(model, equation) else {
-            return "the motion of a force-driven tool".into();
+            return self.tool_motion(model, equation).unwrap_or("the motion of a force-driven tool".into());
         };
         let along = |d: usize| match self.axes.of(node as usize) {
             Some(axes) => format!("({:.3}, {:.3}, {:.3}) of", axes[(0, d)], axes[(1, d)], axes[(2, d)]),
