@@ -31,6 +31,8 @@ pub enum Error {
         /// What would be right; may be empty.
         help: String,
     },
+    /// Several parts of the input are wrong, independently of each other: exit code 2.
+    Inputs(Vec<Error>),
     /// The solution did not converge: exit code 1, results until then are kept.
     Diverged(Box<Failure>),
     /// A library or system call failed: exit code 3.
@@ -62,9 +64,55 @@ impl Error {
     pub fn exit_code(&self) -> i32 {
         match self {
             Self::Diverged(_) => 1,
-            Self::Input { .. } => 2,
+            Self::Input { .. } | Self::Inputs(_) => 2,
             Self::System(_) => 3,
             Self::Interrupted(_) => 4,
+        }
+    }
+}
+
+/// Errors of parts that do not depend on each other, which are told together.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<Error>);
+
+impl Faults {
+    /// Keeps the error of a result, if it has one.
+    pub fn note<T>(&mut self, result: &Result<T>) {
+        match result {
+            Ok(_) => {}
+            Err(Error::Inputs(errors)) => self.0.extend(errors.iter().cloned()),
+            Err(error) => self.0.push(error.clone()),
+        }
+    }
+
+    /// All values.
+    ///
+    /// # Errors
+    /// Those of all results that have none.
+    pub fn all<T>(results: impl IntoIterator<Item = Result<T>>) -> Result<Vec<T>> {
+        let (mut faults, results) = (Self::default(), results.into_iter().collect::<Vec<_>>());
+        results.iter().for_each(|result| faults.note(result));
+        faults.finish()?;
+        results.into_iter().collect()
+    }
+
+    /// Whether there are none.
+    ///
+    /// # Errors
+    /// Those that there are, in the order of their places; one that is not of the input alone.
+    pub fn finish(mut self) -> Result<()> {
+        if let Some(k) = self.0.iter().position(|error| !matches!(error, Error::Input { .. })) {
+            return Err(self.0.swap_remove(k));
+        }
+        let place = |error: &Error| match error {
+            Error::Input { at: Some(at), .. } => (at.file.clone(), at.line, at.column),
+            _ => ("".into(), 0, 0),
+        };
+        self.0.sort_by_key(place);
+        match self.0.len() {
+            0 => Ok(()),
+            1 => Err(self.0.remove(0)),
+            _ => Err(Error::Inputs(self.0)),
         }
     }
 }
@@ -94,6 +142,11 @@ impl fmt::Display for Error {
                     write!(f, "\n  help: {help}")?;
                 }
                 Ok(())
+            }
+            Self::Inputs(errors) => {
+                // Each as the command line begins the first.
+                let told: Vec<String> = errors.iter().map(ToString::to_string).collect();
+                write!(f, "{}", told.join("\nerror: "))
             }
             Self::Diverged(failure) => write!(f, "{failure}"),
             Self::System(what) | Self::Interrupted(what) => write!(f, "{what}"),

@@ -6,6 +6,7 @@
 //! - [`failure`]: why an increment has no solution
 //! - [`mod@words`]: structs as numbers, for checkpoints
 //! - [`error`]: the one error type; wrong input, no convergence, a failing library
+//! - [`encoding`]: marks before texts, and encodings that are not read
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
 //! - [`controls`]: the numbers that decide whether a solution is found, with their reasons
@@ -36,6 +37,7 @@ pub mod cli;
 pub mod contact;
 pub mod controls;
 pub mod convert;
+pub mod encoding;
 pub mod error;
 pub mod estimate;
 pub mod failure;

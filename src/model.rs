@@ -7,16 +7,16 @@ pub mod locate;
 mod sections;
 mod shared;
 pub mod states;
+mod symmetry;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
 use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
 use crate::controls::Controls;
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::{Facet, Mesh, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
-use crate::partition::parcels::{bounds, hull};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4};
@@ -28,6 +28,7 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use sections::Sections;
 use std::collections::BTreeMap;
+pub use symmetry::SymmetryPlane;
 
 /// A deformable body on this rank.
 #[derive(Clone, Debug)]
@@ -58,17 +59,6 @@ impl Section {
             SolidShape::Tet4 => tet4::POINTS,
         }
     }
-}
-
-/// A plane, orthogonal to an axis, in which a body ends and goes on as its mirror image.
-#[derive(Clone, Debug)]
-pub struct SymmetryPlane {
-    /// The nodes in it.
-    pub set: Located<String>,
-    /// 0, 1 or 2.
-    pub axis: usize,
-    /// Where the axis meets it.
-    pub at: f64,
 }
 
 /// What is modelled, on this rank.
@@ -111,7 +101,7 @@ impl Model {
         let found = agree(comm, found)?;
         let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
-        let symmetry = symmetry_planes(comm, scene, &names, &part)?;
+        let symmetry = symmetry::planes(comm, scene, &names, &part)?;
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
@@ -127,10 +117,7 @@ impl Model {
             stiffness: 0.0,
         };
         let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
-        let mut tools = Vec::new();
-        for tool in &scene.tools {
-            tools.push(Tool::new(comm, tool, &scene.controls)?);
-        }
+        let tools = Faults::all(scene.tools.iter().map(|tool| Tool::new(comm, tool, &scene.controls)))?;
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let pairs = Vec::new();
         let warnings = Vec::new();
@@ -494,14 +481,16 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
 /// Meshes that cannot be read, or have not what the scene names.
 pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<GlobalMesh> {
     let mut global = GlobalMesh { sets: vec![GlobalSet::default(); names.len()], ..GlobalMesh::default() };
-    let mut first_section = 0;
+    let (mut first_section, mut faults) = (0, Faults::default());
     for (index, (body, Meshed { mut mesh, mut ties, last })) in
         scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
     {
         let (offset, sections) = (global.points.len() as u32, Sections::new(scene, body, &mesh)?);
         global.last_id.push(last);
         for (set, name) in global.sets.iter_mut().zip(names) {
-            if let Some(found) = resolve(&body.name.value, &mesh, name)? {
+            let found = resolve(&body.name.value, &mesh, name);
+            faults.note(&found);
+            if let Ok(Some(found)) = found {
                 *set = shifted(found, offset);
             }
         }
@@ -519,6 +508,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         join(&mut global.id, mesh.point_ids);
         join(&mut global.solids, mesh.solids);
     }
+    faults.finish()?;
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {
         let slave = names.iter().position(|n| n.value == contact.slave.value).unwrap_or_default();
@@ -527,72 +517,18 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         }
     }
     let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
-    for name in of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set))) {
-        if names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty()) {
-            return Err(Error::input(
-                &name.at,
-                format!("`{}` has no faces", name.value),
-                "name a group of faces on the surface of the body",
-            ));
-        }
-    }
+    let of_faces = of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
+    Faults::all(of_faces.map(|name| {
+        let is_bare = names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty());
+        let what = format!("`{}` has no faces", name.value);
+        let help = "name a group of faces on the surface of the body";
+        if is_bare { Err(Error::input(&name.at, what, help)) } else { Ok(()) }
+    }))?;
     Ok(global)
 }
 
 /// Patches, and what nodes avoid by their numbers.
 pub type MasterPatches = (Vec<MovingPatch>, BTreeMap<u64, Avoided>);
-
-/// The planes of symmetry of all bodies. Collective.
-///
-/// # Errors
-/// Groups that do not lie in a plane orthogonal to an axis, or where the body lies on both sides, on all ranks.
-fn symmetry_planes(
-    comm: &SimpleCommunicator,
-    scene: &Scene,
-    names: &[Located<String>],
-    part: &Part,
-) -> Result<Vec<SymmetryPlane>> {
-    const FLAT: f64 = 1e-6;
-    const THIN: f64 = 1e-3;
-    let mut planes = Vec::new();
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let owned = (0..part.owned).filter(|n| part.body[*n] as usize == b);
-        let (lowest, highest) = hull(comm, bounds(owned.map(|n| part.points[n]))).unwrap_or_default();
-        // Of the size of the body, but no more than a little of its extent along the axis, for it may be as thin as a foil.
-        // Coordinates are rounded besides.
-        let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
-        let size = (highest - lowest).norm();
-        let slack = (highest - lowest).map(|extent| (FLAT * size).min(THIN * extent) + rounding);
-        for set in &body.symmetry {
-            let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
-            let (low, high) = hull(comm, bounds(nodes.iter().map(|n| part.points[*n as usize]))).unwrap_or_default();
-            let flat: Vec<usize> = (0..3).filter(|d| high[*d] - low[*d] <= slack[*d]).collect();
-            let &[axis] = flat.as_slice() else {
-                let what = format!("`{}` lies in no plane that is orthogonal to the x, y or z axis", set.value);
-                let help = "name a group with all the faces in such a plane, or turn the mesh";
-                return Err(Error::input(&set.at, what, help));
-            };
-            if low[axis] > lowest[axis] + slack[axis] && high[axis] < highest[axis] - slack[axis] {
-                let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
-                return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
-            }
-            planes.push(SymmetryPlane { set: set.clone(), axis, at: 0.5 * (low[axis] + high[axis]) });
-        }
-    }
-    Ok(planes)
-}
-
-/// The planes (point, normal) of the symmetry of the body of `master` in which its faces with these nodes end.
-fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> Vec<(Vec3, Vec3)> {
-    const NEAR: f64 = 1e-6;
-    let of_body = symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(master));
-    let ends = |plane: &&SymmetryPlane| {
-        let heights = || points.iter().map(|x| (x[plane.axis] - plane.at).abs());
-        let farthest = heights().fold(0.0, f64::max);
-        farthest > 0.0 && heights().filter(|h| *h <= NEAR * farthest).count() > 1
-    };
-    of_body.filter(ends).map(|plane| (Vec3::ith(plane.axis, plane.at), Vec3::ith(plane.axis, 1.0))).collect()
-}
 
 /// The patches of each deformable master, and in self-contact what its nodes avoid, on rank 0, which has the mesh and the
 /// numbers of its nodes over all ranks.
@@ -602,7 +538,7 @@ fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> V
 pub fn master_patches(
     scene: &Scene,
     names: &[Located<String>],
-    symmetry: &[SymmetryPlane],
+    planes: &[SymmetryPlane],
     mesh: Option<&GlobalMesh>,
     numbers: &[u64],
 ) -> Result<Vec<MasterPatches>> {
@@ -626,7 +562,7 @@ pub fn master_patches(
             ..Mesh::default()
         };
         let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-        let planes = planes_of(symmetry, &master.value, &surface.points);
+        let planes = symmetry::planes_of(planes, &master.value, &surface.points);
         let mut patches =
             MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle, &planes, &scene.controls)?;
         if contact.discretization == Discretization::TwoPass {

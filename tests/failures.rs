@@ -53,6 +53,14 @@ fn a_crushed_block_keeps_what_converged() {
     assert_eq!(shown_times(&run.out), [history.last("time")]);
     let moved = run.field("increments/000001/tool_plate/node/displacement");
     assert_eq!(moved[2], history.last("plate.uz"));
+    // Where the increment stood that was not found is shown apart: its time, and the residual that was told.
+    let failed = hdf5::File::open(run.out.join("failed.h5")).unwrap();
+    let read = |name: &str| failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw::<f64>().unwrap();
+    assert!((read("time")[0] - history.last("time") - 0.1).abs() < 1e-12, "{:?}", read("time"));
+    let [residual, flips] = ["body_block/node/residual", "contact_top/node/flips"].map(read);
+    let worst = residual.iter().fold(0.0f64, |most, r| most.max(r.abs()));
+    assert!(worst > 1e-3 && run.stdout.contains("failed.xdmf"), "{worst}\n{}", run.stdout);
+    assert_eq!(flips.len(), read("contact_top/node/status").len());
     // The last state is an equilibrium: the plate's force is what the nodes under it bear.
     let forces = run.field("increments/000001/contact_top/node/force");
     let borne: f64 = forces.iter().skip(2).step_by(3).sum();

@@ -1,4 +1,5 @@
-//! Wrong input: each mistake is refused on all ranks with exit code 2, and told once, with its place and what to do.
+//! Wrong input: each mistake is refused on all ranks with exit code 2, and told once, with its place and what to do;
+//! several together.
 
 mod common;
 
@@ -111,7 +112,7 @@ fn a_group_that_the_mesh_does_not_have() {
 fn groups_that_are_no_planes_of_symmetry() {
     let symmetry =
         |group: &str| bench("rubber\"\nmesh", &format!("rubber\"\nsymmetry = [\"bottom\", {group:?}]\nmesh"));
-    let words = ["`slab.edge` lies in no plane that is orthogonal", "name a group with all the faces"];
+    let words = ["`slab.edge` lies in more than one plane", "name a group with all the faces"];
     refuses(&symmetry("edge"), &[], "scene.toml:3:23: ", &words);
     let bench = symmetry("middle");
     bench.write("slab.inp", &(deck([2, 1, 1]) + "\n*NSET, NSET=middle\n2, 5, 8, 11\n"));
@@ -312,4 +313,69 @@ fn check_refuses_what_run_refuses() {
     let scene = bench.path("scene.toml").display().to_string();
     let text = message(&bench, &nagata(&bench.path(""), 2, &["check", &scene], bench.path("out")));
     assert!(text.starts_with("error: scene.toml:21:16: body `slab` has no group `botom`"), "{text}");
+}
+
+/// Mistakes in tables that know of each other by name alone are told together, in the order of the file, and no others.
+#[test]
+fn all_mistakes_of_a_scene_at_once() {
+    let scene = SCENE
+        .replace("young = 100.0\npoisson = 0.3", "young = -1.0\npoisson = 0.7\ndensty = 1")
+        .replace("plane = {", "plan = {")
+        .replace(
+            "\"slab.top\"\nmaster = \"plate\"\nfriction = 0.2",
+            "\"slob.top\"\nmaster = \"plate\"\nfriction = \"a\"",
+        )
+        .replace("\"slab.bottom\" }]", "\"slab.bottom\", directions = \"w\" }]")
+        .replace("[0.0, 0.0, -0.1] }", "[0.0, 0.0] }")
+        + "\n[[step]]\nkeep = true\n[output]\nevery = 0\nhistory = [\"slip.top\"]\n";
+    let bench = Bench::new(&scene);
+    let run = bench.run(2, &[]);
+    let folder = format!("{}/", bench.path("").display().to_string().trim_end_matches('/'));
+    let text = run.stderr.replace(&folder, "");
+    assert_eq!((run.code, run.stdout.as_str(), run.out.exists()), (2, "", false), "{text}");
+    let places: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("error: ")).collect();
+    let expected = [
+        "scene.toml:9:1: unknown key `densty` in material.rubber",
+        "scene.toml:12:1: unknown key `plan` in tool.plate",
+        "scene.toml:15:9: contact.top.slave names the unknown body `slob`",
+        "scene.toml:17:12: contact.top.friction must be a number",
+        "scene.toml:22:44: step.press.fix.0.directions must be some of the letters",
+        "scene.toml:23:34: step.press.move.0.by must be a list of 3 numbers",
+        "scene.toml:28:9: output.every must be 1 or more",
+        "scene.toml:29:12: output.history.0 names the unknown body `slip`",
+    ];
+    assert_eq!(places.len(), expected.len() + 1, "{text}");
+    for place in expected {
+        assert!(places.iter().any(|told| told.starts_with(place)), "{place}\n{text}");
+    }
+    // A step has no increments; what it keeps of one that is wrong is not asked.
+    assert!(text.contains("step.1 has no increments") && !text.contains("could keep"), "{text}");
+    // When they are mended, what stood behind them; then groups of meshes, all at once.
+    let scene = SCENE.replace("young = 100.0\npoisson = 0.3", "young = -1.0\npoisson = 0.7");
+    bench.write("scene.toml", &scene);
+    let told = bench.run(1, &[]).stderr;
+    assert!(told.contains("young must be above 0") && told.contains("poisson must be above -1"), "{told}");
+    bench.write("scene.toml", &SCENE.replace("slab.top", "slab.tip").replace("slab.bottom", "slab.button"));
+    bench.write("slab.inp", &deck([2, 1, 1]));
+    let run = bench.run(2, &[]);
+    let told = run.stderr;
+    assert!(told.contains("no group `tip`") && told.contains("no group `button`") && run.code == 2, "{told}");
+}
+
+#[test]
+fn a_mark_before_utf_8_is_read_over_and_utf_16_named() {
+    let wide = |text: &str| -> Vec<u8> {
+        [vec![0xff, 0xfe], text.encode_utf16().flat_map(u16::to_le_bytes).collect()].concat()
+    };
+    let bench = bench("0.2", "0.2");
+    let mark = |text: &str| [b"\xef\xbb\xbf", text.as_bytes()].concat();
+    fs::write(bench.path("scene.toml"), mark(SCENE)).unwrap();
+    fs::write(bench.path("slab.inp"), mark(&deck([2, 1, 1]))).unwrap();
+    bench.solve(1, &["--quiet"]);
+    fs::write(bench.path("slab.inp"), wide(&deck([2, 1, 1]))).unwrap();
+    fs::write(bench.path("scene.toml"), SCENE).unwrap();
+    let words = ["slab.inp' is in UTF-16, as some editors", "iconv -f UTF-16 -t UTF-8 'slab.inp' > NEW"];
+    refuses(&bench, &[], "scene.toml:3:8: the mesh '", &words);
+    fs::write(bench.path("scene.toml"), wide(SCENE)).unwrap();
+    refuses(&bench, &[], "the scene scene.toml is in UTF-16", &["-t UTF-8 'scene.toml' > NEW"]);
 }

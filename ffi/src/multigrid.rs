@@ -63,6 +63,8 @@ pub struct Multipliers {
 pub struct Node {
     /// Rows of its displacements, counted on this rank; `None` where it is fixed.
     pub rows: [Option<u32>; 3],
+    /// The directions of these, unit vectors.
+    pub directions: [[f64; 3]; 3],
     pub position: [f64; 3],
 }
 
@@ -727,7 +729,8 @@ fn set_rigid_motions(petsc: &Petsc, matrix: sys::Mat, nodes: &[Node]) -> Result<
     for k in 0..6 {
         let of_node = |node: &Node| {
             let by = motion(k, node.position);
-            [0, 1, 2].map(|d| if node.rows[d].is_some() { by[d] } else { 0.0 })
+            let along = |direction: [f64; 3]| (0..3).map(|i| direction[i] * by[i]).sum::<f64>();
+            [0, 1, 2].map(|d| if node.rows[d].is_some() { along(node.directions[d]) } else { 0.0 })
         };
         let mut vector = Vector::from_slice(petsc, &nodes.iter().flat_map(of_node).collect::<Vec<_>>())?;
         let before = vector.norm2()?;

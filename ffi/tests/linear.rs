@@ -328,6 +328,7 @@ fn lattice() -> (Vec<Vec<f64>>, Unknowns) {
         }
     }
     let node = |n: usize| Node {
+        directions: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         rows: [0, 1, 2].map(|d| row(n, d).map(|row| row as u32)),
         position: place(n).map(|x| x as f64),
     };

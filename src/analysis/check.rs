@@ -83,7 +83,7 @@ fn equations(
     let conditions = agree(comm, Conditions::new(comm, model, step, &still, last))?;
     let begun = Instant::now();
     let near = near::everywhere(&model.pairs);
-    let dofs = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms(), near);
+    let dofs = DofMap::new(comm, model, conditions.supports(), &conditions.freedoms(), near);
     let Model { part, masters, pairs, .. } = &mut *model;
     masters.follow(comm, pairs, |n| part.points[n as usize]);
     let pattern = Pattern::new(comm, model, &dofs, |n| model.part.points[n as usize])?;

@@ -13,14 +13,19 @@
 //! with f0 the value at the end of the last step: A(s) L where that is A(0) L, as scenes must have it; what a tool was held by
 //! before a force took it over falls to zero beside it. In brackets is the bow of the table over its chord.
 
-use crate::Vec3;
-use crate::contact::{Pair, Pose, Tool};
+mod inclined;
+
+use crate::contact::moves::{alike, way};
+use crate::contact::{Movement, Pair, Pose, Tool};
 use crate::error::{Error, Result};
 use crate::model::{Model, elements};
 use crate::parallel::sum;
 use crate::partition::PartSolid;
 use crate::scene::{Amplitude, Formulation, Located, Rotation, Step};
-use crate::system::dofs::{self, Motion, Prescribed, ToolFreedom};
+use crate::system::Axes;
+use crate::system::dofs::{Motion, Prescribed, ToolFreedom};
+use crate::{Mat3, Vec3};
+use inclined::Inclined;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 use std::ops::{Add, Mul, Sub};
@@ -85,8 +90,10 @@ where
 /// The conditions of a step on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
-    /// Three entries an owned node.
+    /// Three entries an owned node, along its directions.
     pub prescribed: Vec<Prescribed>,
+    /// The directions of owned nodes.
+    pub axes: Axes,
     pub motions: Vec<ToolMotion>,
     /// Dead load on each owned node, N.
     pub loads: Vec<Ramp<Vec3>>,
@@ -117,6 +124,7 @@ impl Conditions {
     pub fn new(comm: &SimpleCommunicator, model: &Model, step: &Step, u: &[Vec3], last: &Self) -> Result<Self> {
         let mut conditions = Self {
             prescribed: vec![None; 3 * model.part.owned],
+            axes: Axes::default(),
             motions: vec![ToolMotion::default(); model.masters.tools.len()],
             loads: last.loads.iter().map(Ramp::fading).collect(),
             pressures: (last.pressures.iter().filter(|(_, p)| p.to != 0.0))
@@ -193,26 +201,49 @@ impl Conditions {
         k as u32 + 1
     }
 
+    /// What the equation numbering needs to know of owned nodes.
+    pub fn supports(&self) -> (&[Prescribed], &Axes) {
+        (&self.prescribed, &self.axes)
+    }
+
     /// What the equation numbering needs to know of the tools.
     pub fn freedoms(&self) -> Vec<ToolFreedom> {
         let moves = |m: &ToolMotion, d: usize| {
             let keeps_apart = m.rotation.is_none_or(|r| (1.0 - r.axis.normalize()[d].abs()) < 1e-14);
-            keeps_apart.then_some(dofs::way(m.by[d], m.course))
+            match m.free[d] {
+                true => f64::NAN,
+                false if keeps_apart => way(m.by[d], m.course),
+                false => f64::INFINITY,
+            }
         };
-        self.motions.iter().map(|m| ToolFreedom { free: m.free, moves: [0, 1, 2].map(|d| moves(m, d)) }).collect()
+        let movement = |m: &ToolMotion| Movement::along_axes([0, 1, 2].map(|d| moves(m, d)));
+        self.motions.iter().map(|m| ToolFreedom { free: m.free, movement: movement(m) }).collect()
     }
 
-    /// The way of each tool over the step along each direction: NaN where a force moves it, infinite where it turns.
-    pub fn moves_of_tools(&self) -> Vec<[f64; 3]> {
-        let of_tool = |tool: &ToolFreedom| {
-            [0, 1, 2].map(|d| if tool.free[d] { f64::NAN } else { tool.moves[d].unwrap_or(f64::INFINITY) })
-        };
-        self.freedoms().iter().map(of_tool).collect()
+    /// How all points of each tool move over the step.
+    pub fn movements_of_tools(&self) -> Vec<Movement> {
+        self.freedoms().iter().map(|tool| tool.movement).collect()
     }
 
-    /// The way of an owned node over the step along a direction; NaN where it is free.
-    pub fn move_of(&self, node: u32, d: usize) -> f64 {
-        self.prescribed[3 * node as usize + d].map_or(f64::NAN, |motion| motion.way())
+    /// How an owned node moves over the step.
+    pub fn movement(&self, node: u32) -> Movement {
+        let of = |d: usize| self.prescribed[3 * node as usize + d].map_or(f64::NAN, |motion| motion.way());
+        Movement {
+            axes: self.axes.of(node as usize).copied().unwrap_or_else(Mat3::identity),
+            ways: [of(0), of(1), of(2)],
+        }
+    }
+
+    /// A unit vector along which an owned node is prescribed, if it is, as the d-th of three.
+    pub fn held_along(&self, node: usize, d: usize) -> Option<Vec3> {
+        self.prescribed[3 * node + d].map(|_| self.axes.direction(node, d))
+    }
+
+    /// How far the prescribed motions of an owned node have moved it at fraction `s` of the step, along its directions: NaN where
+    /// it is free.
+    pub fn moved(&self, node: usize, s: f64) -> Vec3 {
+        let motion = |d: usize| self.prescribed[3 * node + d];
+        Vec3::from_fn(|d, _| motion(d).map_or(f64::NAN, |motion| self.place(&motion, s) - motion.from))
     }
 
     /// What is left when the step ends at fraction `s`, before its end.
@@ -273,32 +304,58 @@ impl Conditions {
     }
 
     fn prescribe(&mut self, model: &Model, step: &Step, u: &[Vec3]) -> Result<()> {
+        let mut inclined = Inclined::default();
         for fix in &step.fix {
-            self.prescribe_set(model, &fix.set, u, &fix.directions, (&Vec3::zeros(), 0))?;
+            match fix.normal {
+                None => self.prescribe_set(model, &fix.set, u, &fix.directions, (&Vec3::zeros(), 0))?,
+                Some(normal) => self.prescribe_along(model, (&fix.set, &normal), u, (0.0, 0), &mut inclined)?,
+            }
         }
         for motion in &step.moves {
             let course = self.number(&motion.table);
             if let Some(tool) = model.masters.tools.iter().position(|t| t.name == motion.target.value) {
                 let free = self.motions[tool].free;
                 self.motions[tool] = ToolMotion { by: motion.by, rotation: motion.rotate, course, free };
+            } else if let Some(normal) = motion.normal {
+                let by = (normal.dot(&motion.by), course);
+                self.prescribe_along(model, (&motion.target, &normal), u, by, &mut inclined)?;
             } else {
                 self.prescribe_set(model, &motion.target, u, &motion.directions, (&motion.by, course))?;
             }
         }
         for plane in &model.symmetry {
-            let across = [0, 1, 2].map(|d| d == plane.axis);
-            self.prescribe_set(model, &plane.set, u, &across, (&Vec3::zeros(), 0))?;
+            self.prescribe_along(model, (&plane.set, &plane.normal), u, (0.0, 0), &mut inclined)?;
         }
         for n in 0..model.part.owned {
             if model.bodies[model.part.body[n] as usize].plane_strain {
                 self.prescribed[3 * n + 2] = Some(Motion::still(u[n].z));
             }
         }
+        inclined.add_to(self, model, u)?;
         for n in 0..model.part.owned {
             let one = model.part.tie[n] as usize;
             (0..3).for_each(|d| self.prescribed[3 * n + d] = self.prescribed[3 * one + d]);
+            if let Some(axes) = self.axes.of(one).copied() {
+                self.axes.set(n, axes);
+            }
         }
         Ok(())
+    }
+
+    /// How a set moves along a unit vector.
+    fn prescribe_along<'s>(
+        &mut self,
+        model: &Model,
+        (set, normal): (&'s Located<String>, &Vec3),
+        u: &[Vec3],
+        (by, course): (f64, u32),
+        inclined: &mut Inclined<'s>,
+    ) -> Result<()> {
+        let Some(axis) = inclined::axis_of(normal) else {
+            inclined.add(model, set, *normal, (by, course));
+            return Ok(());
+        };
+        self.prescribe_set(model, set, u, &[0, 1, 2].map(|d| d == axis), (&(normal * by), course))
     }
 
     fn prescribe_set(
@@ -320,7 +377,7 @@ impl Conditions {
             for d in (0..3).filter(|&d| directions[d]) {
                 let motion = Motion { from: u[one][d], by: by[d], course };
                 let slot = &mut self.prescribed[3 * one + d];
-                if slot.is_some_and(|other| other.way() != motion.way()) {
+                if slot.is_some_and(|other| !alike(other.way(), motion.way())) {
                     let axis = ["x", "y", "z"][d];
                     let node = model.part.id[n as usize];
                     let what = format!(

@@ -201,6 +201,7 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
         let kind = match scene.material(&material.value) {
             Some(MaterialModel::NeoHookean { .. }) => "neo-hookean; no plasticity",
             Some(MaterialModel::Hooke { .. }) => "hooke (logarithmic strain); no plasticity",
+            Some(MaterialModel::Orthotropic(_)) => "orthotropic (logarithmic strain); no plasticity",
             Some(MaterialModel::Hyperelastic { law: Isochoric::MooneyRivlin { .. }, .. }) => {
                 "mooney-rivlin; no plasticity"
             }

@@ -41,6 +41,7 @@ mod increments;
 mod jump;
 mod keep;
 mod ladder;
+mod last_iterate;
 mod newton;
 mod paths;
 pub mod preflight;

@@ -4,7 +4,7 @@ use super::body_fields::{BodyFields, Known};
 use super::probes::{self, Lengths, Probes};
 use super::{Increment, SetReading, Simulation, State, Way};
 use crate::Vec3;
-use crate::contact::Status;
+use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
 use crate::mesh::SolidShape;
 use crate::model::{Body, Model, elements, states};
@@ -36,15 +36,20 @@ struct Shown {
     nodes: Vec<u32>,
 }
 
-/// Writer of history and fields.
-pub struct Results {
-    history: HistoryFile,
-    fields: Fields,
+/// The grids of a file of fields.
+struct Grids {
     bodies: Vec<Shown>,
     contacts: Vec<Shown>,
     tools: Vec<(Placed, Vec<Vec3>)>,
     /// Deformable masters, with the initial positions of their points.
     masters: Vec<(Placed, Vec<Vec3>)>,
+}
+
+/// Writer of history and fields.
+pub struct Results {
+    history: HistoryFile,
+    fields: Fields,
+    grids: Grids,
     watched: Vec<String>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
@@ -52,6 +57,104 @@ pub struct Results {
     vtkhdf: bool,
     probes: Probes,
 }
+
+impl Grids {
+    /// Writes them as they begin. Collective.
+    fn new(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Self> {
+        let mut bodies = Vec::new();
+        for (b, body) in model.bodies.iter().enumerate() {
+            let nodes: Vec<u32> =
+                (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
+            let cells: Vec<NumberedCell> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
+                .map(|s| match s.shape {
+                    SolidShape::Tet4 => (s.number, CellShape::Tetrahedron, &s.nodes[..4]),
+                    SolidShape::Hex8 => (s.number, CellShape::Hexahedron, &s.nodes[..]),
+                })
+                .collect();
+            bodies.push(show(comm, fields, model, &format!("body.{}", body.name), nodes, &cells)?);
+        }
+        let mut contacts = Vec::new();
+        for pair in &model.pairs {
+            let set = &model.part.sets[pair.set];
+            let cells: Vec<NumberedCell> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
+            contacts.push(show(comm, fields, model, &format!("contact.{}", pair.name), set.nodes.clone(), &cells)?);
+        }
+        let tools = add_tools(comm, fields, model)?;
+        let masters = add_masters(comm, fields, model)?;
+        Ok(Self { bodies, contacts, tools, masters })
+    }
+
+    /// The tools as they are with these poses, and the deformable masters with nodes displaced by `u`. Collective.
+    fn surfaces<'g>(
+        &'g self,
+        comm: &SimpleCommunicator,
+        model: &Model,
+        (poses, u): (&[Pose], &[Vec3]),
+    ) -> Vec<Columns<'g>> {
+        let mut grids = Vec::new();
+        for ((grid, points), pose) in self.tools.iter().zip(poses) {
+            grids.push(Columns::moved(grid, vectors(points.iter().map(|x| pose.outward(x) - x))));
+        }
+        for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
+            let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
+            let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
+            grids.push(Columns::moved(grid, moved));
+        }
+        grids
+    }
+}
+
+/// Writes the last iterate of an increment that was not found, as `failed.xdmf`. Collective.
+///
+/// # Errors
+/// A file that cannot be written, on all ranks.
+pub fn write_failed(folder: &OutputFolder, simulation: &Simulation) -> Result<bool> {
+    let (comm, model) = (simulation.comm(), simulation.model());
+    let Some(last) = &simulation.last_iterate else { return Ok(false) };
+    let mut fields = Fields::create(folder, FAILED, comm)?;
+    let grids = Grids::new(comm, &mut fields, model)?;
+    let at = |nodes: &[u32], values: &[Vec3]| vectors(nodes.iter().map(|&n| values[n as usize]));
+    let mut sharing = vec![0.0; model.part.owned];
+    (0..model.part.owned).for_each(|n| sharing[model.part.tie[n] as usize] += 1.0);
+    let tie = |n: u32| model.part.tie[n as usize] as usize;
+    let mut all = Vec::new();
+    for shown in &grids.bodies {
+        let residual = vectors(shown.nodes.iter().map(|&n| last.residual[tie(n)] / sharing[tie(n)]));
+        let node = vec![("displacement".into(), 3, at(&shown.nodes, &last.u)), ("residual".into(), 3, residual)];
+        all.push(Columns { grid: &shown.grid, node, cell: Vec::new() });
+    }
+    for ((shown, pair), trials) in grids.contacts.iter().zip(&model.pairs).zip(&last.trials) {
+        let mut of_node = vec![None; model.part.owned];
+        pair.slaves.iter().zip(trials).for_each(|(slave, trial)| of_node[slave.node as usize] = Some(trial));
+        let each = |value: &dyn Fn(&Trial) -> f64| -> Vec<f64> {
+            shown.nodes.iter().map(|&n| of_node[tie(n)].map_or(f64::NAN, value)).collect()
+        };
+        let node = vec![
+            ("displacement".into(), 3, at(&shown.nodes, &last.u)),
+            ("status".into(), 1, each(&|trial| f64::from(trial.status as u8))),
+            ("gap".into(), 1, each(&|trial| trial.projection.map_or(f64::NAN, |p| p.gap))),
+            ("flips".into(), 1, each(&|trial| f64::from(trial.flips))),
+        ];
+        all.push(Columns { grid: &shown.grid, node, cell: Vec::new() });
+    }
+    all.extend(grids.surfaces(comm, model, (&last.poses, &last.u)));
+    write(comm, &mut fields, last.time, all)?;
+    Ok(true)
+}
+
+/// Writes the columns of grids as a time. Collective.
+fn write(comm: &SimpleCommunicator, fields: &mut Fields, time: f64, mut grids: Vec<Columns>) -> Result<()> {
+    grids.iter_mut().for_each(|columns| columns.arrange(comm));
+    let columns: Vec<(Vec<Field>, Vec<Field>)> =
+        grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
+    let data: Vec<GridData> = (grids.iter().zip(&columns))
+        .map(|(g, (node, cell))| GridData { grid: g.grid.id, node_fields: node, cell_fields: cell })
+        .collect();
+    fields.write(comm, time, &data)
+}
+
+/// The name of the files of an increment that was not found.
+const FAILED: &str = "failed";
 
 /// Pieces along an edge of a smoothed patch in ParaView.
 const PIECES: usize = 6;
@@ -91,40 +194,10 @@ impl Results {
         scene: &Scene,
         model: &Model,
     ) -> Result<Self> {
-        let mut bodies = Vec::new();
-        for (b, body) in model.bodies.iter().enumerate() {
-            let nodes: Vec<u32> =
-                (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
-            let cells: Vec<NumberedCell> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
-                .map(|s| match s.shape {
-                    SolidShape::Tet4 => (s.number, CellShape::Tetrahedron, &s.nodes[..4]),
-                    SolidShape::Hex8 => (s.number, CellShape::Hexahedron, &s.nodes[..]),
-                })
-                .collect();
-            bodies.push(show(comm, &mut fields, model, &format!("body.{}", body.name), nodes, &cells)?);
-        }
-        let mut contacts = Vec::new();
-        for pair in &model.pairs {
-            let set = &model.part.sets[pair.set];
-            let cells: Vec<NumberedCell> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
-            contacts.push(show(
-                comm,
-                &mut fields,
-                model,
-                &format!("contact.{}", pair.name),
-                set.nodes.clone(),
-                &cells,
-            )?);
-        }
-        let tools = add_tools(comm, &mut fields, model)?;
-        let masters = add_masters(comm, &mut fields, model)?;
         Ok(Self {
             history,
+            grids: Grids::new(comm, &mut fields, model)?,
             fields,
-            bodies,
-            contacts,
-            tools,
-            masters,
             watched: watched(scene),
             wanted: scene.output.fields.clone(),
             vtkhdf: scene.output.vtkhdf,
@@ -241,29 +314,16 @@ impl Results {
         let u = state.u.as_slice();
         let of_bodies = BodyFields::new(comm, model, state, known, &self.wanted)?;
         let mut grids = Vec::new();
-        for (b, shown) in self.bodies.iter().enumerate() {
+        for (b, shown) in self.grids.bodies.iter().enumerate() {
             let cell = agree(comm, of_bodies.of_elements(b))?;
             grids.push(Columns { grid: &shown.grid, node: of_bodies.at_nodes(&shown.nodes), cell });
         }
-        for (p, shown) in self.contacts.iter().enumerate() {
+        for (p, shown) in self.grids.contacts.iter().enumerate() {
             grids.push(contact_columns(model, p, shown, u, &self.wanted));
         }
-        for ((grid, points), tool) in self.tools.iter().zip(&model.masters.tools) {
-            let moved = vectors(points.iter().map(|x| tool.committed.outward(x) - x));
-            grids.push(Columns::moved(grid, moved));
-        }
-        for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
-            let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
-            let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
-            grids.push(Columns::moved(grid, moved));
-        }
-        grids.iter_mut().for_each(|columns| columns.arrange(comm));
-        let fields: Vec<(Vec<Field>, Vec<Field>)> =
-            grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
-        let data: Vec<GridData> = (grids.iter().zip(&fields))
-            .map(|(g, (node, cell))| GridData { grid: g.grid.id, node_fields: node, cell_fields: cell })
-            .collect();
-        self.fields.write(comm, state.time, &data)?;
+        let poses: Vec<Pose> = model.masters.tools.iter().map(|tool| tool.committed).collect();
+        grids.extend(self.grids.surfaces(comm, model, (&poses, u)));
+        write(comm, &mut self.fields, state.time, grids)?;
         if state.increments == 0 { Ok(()) } else { self.probes.add_paths(comm, model, (state, known)) }
     }
 }

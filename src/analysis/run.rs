@@ -7,7 +7,7 @@ use super::cost::size::{Increments, Size};
 use super::estimates::Estimates;
 use super::keep::{Keeper, Record};
 use super::paths::{self, End};
-use super::results::Results;
+use super::results::{self, Results};
 use super::{Event, Increment, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
@@ -147,6 +147,7 @@ fn measure_solver(petsc: &Petsc, linear: &LinearStatistics, phases: &Phases) {
 
 /// Writes what a simulation does.
 struct Recorder<'s> {
+    folder: &'s OutputFolder,
     log: Log,
     results: Results,
     /// Increments from one writing of the fields to the next, and since the last.
@@ -221,7 +222,7 @@ impl<'s> Recorder<'s> {
             None => Log::create(folder, comm, options.quiet)?,
         };
         // Of the run that goes on.
-        folder.discard(comm, &["summary.json", report::NAME])?;
+        folder.discard(comm, &["summary.json", report::NAME, "failed.xdmf", "failed.h5"])?;
         folder.write(comm, "scene.toml", &scene.text)?;
         announce(&mut log, simulation, (&machine, damage), record.is_some());
         if record.is_some() && !results.goes_on() {
@@ -232,6 +233,7 @@ impl<'s> Recorder<'s> {
         // What is left of a run is not foretold.
         let seer = record.is_none().then_some(Seer { machine, size, steps, prediction: None, knows_factors: false });
         Ok(Self {
+            folder,
             log,
             results,
             every: scene.output.every,
@@ -262,6 +264,9 @@ impl Recorder<'_> {
             let outcome = outcome.and_then(|()| self.step(simulation));
             if matches!(outcome, Err(Error::Interrupted(_))) {
                 self.keep_last(simulation);
+            }
+            if matches!(outcome, Err(Error::Diverged(_))) {
+                self.tell_failed(simulation);
             }
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
@@ -332,6 +337,18 @@ impl Recorder<'_> {
         match self.keep(simulation) {
             Ok(()) => self.log.line("checkpoint written: the same command with --restart goes on from it"),
             Err(error) => self.log.line(&format!("  warning: no checkpoint: {error}")),
+        }
+    }
+
+    /// Shows where the increment stood that was not found. Collective.
+    fn tell_failed(&mut self, simulation: &Simulation) {
+        match results::write_failed(self.folder, simulation) {
+            Ok(false) => {}
+            Ok(true) => {
+                let file = self.folder.file("failed.xdmf");
+                self.log.line(&format!("no result, but where it stood, with its residual: {}", file.display()));
+            }
+            Err(error) => self.log.line(&format!("  warning: {error}")),
         }
     }
 

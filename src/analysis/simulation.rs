@@ -1,5 +1,6 @@
 //! A simulation that can be driven: begin a step, advance by an increment, look, go back.
 
+use super::last_iterate::LastIterate;
 use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
@@ -59,6 +60,8 @@ pub struct Simulation<'a> {
     pub(super) phases: Phases,
     pub(super) summary: Summary,
     gaps: Vec<String>,
+    /// Of the increment that could not be found, after [`Self::advance`] has failed so.
+    pub(super) last_iterate: Option<Box<LastIterate>>,
 }
 
 impl<'a> Simulation<'a> {
@@ -80,8 +83,20 @@ impl<'a> Simulation<'a> {
             controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
             ..Summary::default()
         };
-        let mut simulation =
-            Self { comm, petsc, scene, model, state, floors, running: None, begun: 0, phases, summary, gaps };
+        let mut simulation = Self {
+            comm,
+            petsc,
+            scene,
+            model,
+            state,
+            floors,
+            running: None,
+            begun: 0,
+            phases,
+            summary,
+            gaps,
+            last_iterate: None,
+        };
         simulation.look_around();
         simulation.begin_watch();
         Ok(simulation)

@@ -4,6 +4,7 @@ use super::conditions::Conditions;
 use super::cost::size::Systems;
 use super::increments::Increments;
 use super::ladder::{Ladder, Way, Yields};
+use super::last_iterate::LastIterate;
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
 use super::{
@@ -115,7 +116,7 @@ impl Converged {
     /// Why it is not accepted.
     pub(super) fn refused(self, cause: Cause, reason: String) -> Failed {
         let Self { end, changes, .. } = self;
-        Failed { end, cause, reason, extrapolated: false, worst: None, changes }
+        Failed { end, cause, reason, extrapolated: false, worst: None, changes, last: None }
     }
 }
 
@@ -136,6 +137,8 @@ pub(super) struct Failed {
     /// The worst equation of this rank, with its residual, where balance was not found.
     worst: Option<(usize, f64)>,
     changes: Vec<usize>,
+    /// Where the iteration ended.
+    last: Option<Box<LastIterate>>,
 }
 
 impl<'a> Simulation<'a> {
@@ -188,7 +191,7 @@ impl<'a> Simulation<'a> {
     pub(super) fn set_up(&mut self, progress: Progress, near: Near) -> Result<()> {
         let conditions = &progress.conditions;
         let begun = Instant::now();
-        let dofs = DofMap::new(self.comm, &self.model, &conditions.prescribed, &conditions.freedoms(), near);
+        let dofs = DofMap::new(self.comm, &self.model, conditions.supports(), &conditions.freedoms(), near);
         let pattern = self.pattern(&dofs)?;
         let set_up_s = begun.elapsed().as_secs_f64();
         let symmetric = conditions.is_symmetric(&self.model);
@@ -310,8 +313,10 @@ impl<'a> Simulation<'a> {
         (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
             let plain = frame.plain.take().filter(|_| is_remedy && failed.cause.is_of_remedy());
-            let told = plain.unwrap_or(failed);
+            let mut told = plain.unwrap_or(failed);
             let size = (told.end - done) * duration;
+            let time = frame.progress.start + told.end * duration;
+            self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
             return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
         };
         self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
@@ -699,8 +704,9 @@ fn failed(newton: Newton, cause: Cause, reason: String, extrapolated: bool) -> F
         Some(lost) => (Cause::Rounding, lost),
         None => (cause, reason),
     };
+    let last = Some(Box::new(LastIterate::of(&newton)));
     let Newton { s: end, found, course, .. } = newton;
-    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), changes: course.changes }
+    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), changes: course.changes, last }
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what

@@ -5,6 +5,7 @@
 mod bezier;
 pub mod iges;
 
+use crate::encoding;
 use crate::error::{Error, Result};
 use crate::mesh::message;
 use crate::surface::Face;
@@ -36,6 +37,8 @@ pub fn read(path: &Path, incomplete: bool) -> Result<Cad> {
     };
     let data = std::fs::read(path)
         .map_err(|error| Error::input_anywhere(format!("cannot read the CAD file '{name}': {error}"), ""))?;
+    let data = encoding::unmarked(path, data)
+        .map_err(|(what, help)| Error::input_anywhere(format!("the CAD file '{name}' {what}"), help))?;
     let (cad, faults) = reader(&name, &data)?;
     let is_empty = cad.faces.is_empty();
     match &faults[..] {
@@ -69,6 +72,7 @@ fn together(first: &Error, others: &[Error], rest: bool) -> Error {
 fn what(error: &Error) -> &str {
     match error {
         Error::Input { what, .. } | Error::System(what) | Error::Interrupted(what) => what,
+        Error::Inputs(errors) => errors.first().map_or("", what),
         Error::Diverged(failure) => &failure.what,
     }
 }

@@ -114,19 +114,33 @@ pub struct Compliance {
 }
 
 /// Directions in which neither a slave node nor its master can give way.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Guide {
+    /// The directions, its columns, at right angles to each other.
+    pub axes: Mat3,
     /// The node stands still relative to the master.
     pub held: [bool; 3],
     /// The node is drawn along the master.
     pub drawn: [bool; 3],
 }
 
+impl Default for Guide {
+    fn default() -> Self {
+        Self { axes: Mat3::identity(), held: [false; 3], drawn: [false; 3] }
+    }
+}
+
 impl Guide {
     /// Whether the node, or the master, can give way to a force along `normal`. What cannot does not feel it.
     pub fn gives_way(&self, normal: &Vec3) -> bool {
         const ACROSS: f64 = 1e-6;
-        (0..3).any(|d| !self.held[d] && !self.drawn[d] && normal[d].abs() > ACROSS)
+        (0..3).any(|d| !self.held[d] && !self.drawn[d] && self.axes.column(d).dot(normal).abs() > ACROSS)
+    }
+
+    /// The projector on the directions that are not held.
+    fn free(&self) -> Mat3 {
+        let free = Mat3::from_diagonal(&Vec3::from(self.held.map(|held| if held { 0.0 } else { 1.0 })));
+        self.axes * free * self.axes.transpose()
     }
 }
 
@@ -211,8 +225,8 @@ impl Response {
 }
 
 impl Section {
-    fn new(normal: &Vec3, held: [bool; 3]) -> Self {
-        let free = Mat3::from_diagonal(&Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 })));
+    fn new(normal: &Vec3, guide: &Guide) -> Self {
+        let free = guide.free();
         let inside = free * normal;
         let lean = 1.0 / inside.norm();
         let normal = inside * lean;
@@ -293,7 +307,7 @@ fn augmented(
 }
 
 fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &Guide, set: Option<Status>) -> Response {
-    let section = Section::new(&place.normal, guide.held);
+    let section = Section::new(&place.normal, guide);
     let Section { free, normal: n, turn, tangential, lean } = section;
     let path = place.point - place.origin;
     let slip = tangential * path;
@@ -303,7 +317,7 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
     let (size, friction) = (lambda_t.norm(), law.friction * lean);
     let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
-    let drawn = (0..3).any(|d| guide.drawn[d] && slip[d].abs() > 1e-12 * place.point.amax());
+    let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
     // A node that slipped last stands on the cone to rounding, and is taken to slip on.
     let status = match set {
         // Without a direction.
@@ -381,8 +395,7 @@ fn frictionless(law: Law, multiplier: f64, place: &Place, set: Option<Status>) -
 /// The response with the force σ as a local unknown: `response` has the multiplier (1 - r) σ. The residual of σ is solved
 /// for dσ in the directions that it has.
 fn condensed(law: Law, sigma: &Vec3, share: f64, guide: &Guide, response: Response) -> Response {
-    let has = |d: usize| if law.friction == 0.0 { d == 0 } else { !guide.held[d] };
-    let own = Mat3::from_diagonal(&Vec3::from_fn(|d, _| f64::from(u8::from(has(d)))));
+    let own = if law.friction == 0.0 { Mat3::from_diagonal(&components(law)) } else { guide.free() };
     let (force_by, by) = (response.force_by.multiplier * (1.0 - share), response.constraint_by.multiplier);
     // ∂(F - σ)/∂σ = (1 - r) ∂F/∂m - I, where the response has ∂F/∂m - I.
     let by_sigma = own * (by * (1.0 - share) - own * share) * own;
@@ -416,7 +429,7 @@ fn pure(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, response:
         let force_by = Slopes { normal, multiplier: place.normal * Vec3::x().transpose(), ..Slopes::default() };
         return Response { force: place.normal * lambda.x, force_by, ..response };
     }
-    let section = Section::new(&place.normal, guide.held);
+    let section = Section::new(&place.normal, guide);
     let n = section.normal;
     let (across, normal) = section.across(&place.normal, lambda.dot(&n), &(section.turn * lambda));
     let lifted = (place.normal - section.free * place.normal) * section.lean;

@@ -2,9 +2,10 @@
 
 use super::element::{Contact, Element, Method, Opposite, Origin, Site};
 use super::master::{Ground, SlipOrigin};
+use super::moves::{Movement, alike};
 use super::{Guide, Multiplier, Pair, Response, Slave, touching};
-use crate::Vec3;
 use crate::surface::Projection;
+use crate::{Mat3, Vec3};
 
 /// What the element of a slave node was evaluated with, kept for its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -19,11 +20,10 @@ pub struct Meeting {
     pub guide: Guide,
 }
 
-/// How a step moves a slave node and the nodes of its master along each direction: NaN where they are free, infinite where
-/// their points do not move alike.
+/// How a step moves a slave node and the nodes of its master.
 pub struct Moves<'a> {
-    pub slave: [f64; 3],
-    pub master: &'a [[f64; 3]],
+    pub slave: Movement,
+    pub master: &'a [Movement],
 }
 
 impl Meeting {
@@ -87,11 +87,13 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
 /// point are prescribed too, it is held when they move alike, else drawn.
 fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
     const BEARS: f64 = 1e-6;
-    let mut guide = Guide::default();
+    let Movement { axes, ways } = moves.slave;
+    let mut guide = Guide { axes, ..Guide::default() };
     let bearing = ground.bearing(at).filter(|(_, weight)| weight.abs() > BEARS);
-    for (d, &by) in moves.slave.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
-        let mut moves = bearing.clone().map(|(n, _)| moves.master[n as usize][d]);
-        guide.held[d] = moves.clone().all(|m| m == by);
+    for (d, &by) in ways.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
+        let direction = axes.column(d).into_owned();
+        let mut moves = bearing.clone().map(|(n, _)| moves.master[n as usize].along(&direction));
+        guide.held[d] = moves.clone().all(|m| alike(m, by));
         guide.drawn[d] = !guide.held[d] && moves.all(|m| !m.is_nan());
     }
     guide
@@ -137,8 +139,26 @@ impl Workspace {
         }
     }
 
-    /// A multiplier that has an equation but no say, along a direction in which the node stands still on the master, is zero:
-    /// `has_equation` along each.
+    /// Has the matrix along the directions of the slave node, if it has its own, with friction its `width` multipliers too,
+    /// and along those of the nodes of a master `at` each.
+    pub fn turn(&mut self, slave: Option<&Mat3>, width: usize, at: impl Fn(u32) -> Mat3) {
+        let element = &mut self.element;
+        if let Some(axes) = slave {
+            element.turn(0, axes);
+            if width == 3 {
+                element.turn(3, axes);
+            }
+        }
+        for j in 0..element.nodes.len() {
+            let axes = at(element.nodes[j]);
+            if axes != Mat3::identity() {
+                element.turn(3 + width + 3 * j, &axes);
+            }
+        }
+    }
+
+    /// A multiplier that has an equation but no say, along a direction of the guide in which the node stands still on the
+    /// master, is zero: `has_equation` along each. The matrix has the multipliers along these directions.
     pub fn hold(&mut self, has_equation: [bool; 3], meeting: &Meeting) {
         let columns = self.element.shape[1];
         for d in (0..3).filter(|&d| meeting.guide.held[d] && has_equation[d]) {

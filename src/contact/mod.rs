@@ -4,6 +4,7 @@
 //! - [`element`]: the element of a slave node and its master, residual and tangent
 //! - [`master`]: tools and the surfaces of bodies behind one type
 //! - [`meeting`]: where a slave node meets its master at an iterate, and what its element is evaluated with
+//! - [`moves`]: how a step moves points, as far as it prescribes that
 //! - [`pose`]: where a tool is
 //! - [`tool`]: tools in their place, and which part of them a rank watches
 //! - [`self_contact`]: which patches of its own surface a node may meet
@@ -23,6 +24,7 @@ pub mod master;
 pub mod mates;
 pub mod meeting;
 pub mod method;
+pub mod moves;
 pub mod pose;
 pub mod self_contact;
 pub mod stiffness;
@@ -34,6 +36,7 @@ pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
 pub use master::{Ground, Master, Masters, Meets, Receiver};
 pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
+pub use moves::Movement;
 pub use pose::{Pose, Rotation};
 pub use self_contact::{Avoided, Outlook};
 pub use tool::Tool;

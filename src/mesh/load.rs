@@ -3,6 +3,7 @@
 use super::raw::FileMesh;
 use super::select::{self, Selected, Wish};
 use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, orient};
+use crate::encoding;
 use crate::error::{Error, Result};
 use crate::scene::{Located, MeshSource};
 use std::path::{Path, PathBuf};
@@ -41,6 +42,8 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
     let data = std::fs::read(&path.value).map_err(|error| {
         Error::input(&path.at, format!("cannot read the mesh '{name}': {error}"), neighbours(&path.value))
     })?;
+    let data = encoding::unmarked(&path.value, data)
+        .map_err(|(what, help)| Error::input(&path.at, format!("the mesh '{name}' {what}"), help))?;
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
         (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, data)?,

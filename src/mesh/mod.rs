@@ -8,6 +8,7 @@ pub(crate) mod abaqus;
 pub mod block;
 pub mod check;
 pub mod faces;
+pub mod flat;
 mod gmsh;
 mod layer;
 mod load;

@@ -1,7 +1,7 @@
 //! The meshes of the bodies, split as the scene asks.
 
 use crate::Vec3;
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::{self, Mesh, Purpose, SolidShape};
 use crate::refine::{self, Curves};
 use crate::scene::{Body, Located, MeshSource, Scene};
@@ -22,7 +22,7 @@ pub struct Meshed {
 /// # Errors
 /// Meshes that cannot be read, are not fit for plane strain, or cannot be split.
 pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
-    let mut read: Vec<Meshed> = scene.bodies.iter().map(read).collect::<Result<_>>()?;
+    let mut read: Vec<Meshed> = Faults::all(scene.bodies.iter().map(read))?;
     let mut curves = Vec::new();
     for (body, meshed) in scene.bodies.iter().zip(&read) {
         curves.push(curves_of(scene, body, meshed)?);

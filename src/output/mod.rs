@@ -24,9 +24,11 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// What a run leaves in its folder, and the next run replaces.
-pub const RUN: [&str; 8] = [
+pub const RUN: [&str; 10] = [
     "fields.xdmf",
     "fields.h5",
+    "failed.xdmf",
+    "failed.h5",
     "history.csv",
     "summary.json",
     "log.txt",

@@ -117,6 +117,9 @@ fn encode(error: &Error) -> String {
             let at = at.as_ref().map(|at| json!([*at.file, at.line, at.column, *at.text]));
             json!({ "kind": "input", "at": at, "what": what, "help": help })
         }
+        Error::Inputs(errors) => {
+            json!({ "kind": "inputs", "all": errors.iter().map(encode).collect::<Vec<_>>() })
+        }
         Error::Diverged(failure) => json!({ "kind": "diverged", "what": failure.what }),
         Error::System(what) => json!({ "kind": "system", "what": what }),
         Error::Interrupted(what) => json!({ "kind": "interrupted", "what": what }),
@@ -139,6 +142,10 @@ fn decode(message: &[u8]) -> Error {
             });
             Error::Input { at, what, help: text(&value["help"]) }
         }
+        Some("inputs") => {
+            let all = value["all"].as_array().into_iter().flatten();
+            Error::Inputs(all.map(|error| decode(error.as_str().unwrap_or_default().as_bytes())).collect())
+        }
         Some("diverged") => Error::diverged(Cause::Element, what),
         Some("interrupted") => Error::Interrupted(what),
         _ => Error::System(what),
@@ -158,6 +165,7 @@ mod tests {
             Error::input(&at, "friction is negative", "give 0 or more\nor leave it out"),
             Error::input(&override_at, "no such key", ""),
             Error::input_anywhere("cannot write", "use --out"),
+            Error::Inputs(vec![Error::input(&at, "one", "more"), Error::input_anywhere("another", "")]),
             Error::diverged(Cause::Element, "increment 7: node 12"),
             Error::System("MUMPS: INFOG(1) = -9".into()),
             Error::Interrupted("SIGTERM".into()),

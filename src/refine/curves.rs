@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
+use crate::mesh::flat::Moments;
 use crate::mesh::{Facet, Group, Mesh, faces};
 use crate::surface::{Edge, NormalOptions, Patch, Smoothing, patches_from_mesh};
 use std::collections::{HashMap, HashSet};
@@ -90,7 +91,7 @@ pub fn of_body(mesh: &Mesh, symmetry: &[&str], controls: &Controls) -> Result<Cu
         return Ok(Curves::default());
     }
     let ends = |plane: &&Plane| surface.points.iter().filter(|x| plane.holds(x)).count() > 1;
-    let symmetry = planes.iter().filter(ends).map(|p| (Vec3::ith(p.axis, p.at), Vec3::ith(p.axis, 1.0))).collect();
+    let symmetry = planes.iter().filter(ends).map(|p| (p.normal * p.at, p.normal)).collect();
     let options = NormalOptions { symmetry, controls: *controls, ..NormalOptions::default() };
     let patches = patches_from_mesh(&surface, Smoothing::Nagata, &options, false)?;
     let mut curves = Curves::default();
@@ -98,15 +99,15 @@ pub fn of_body(mesh: &Mesh, symmetry: &[&str], controls: &Controls) -> Result<Cu
     // Rounding would take what is in a plane of symmetry out of it.
     for (edge, c) in &mut curves.of {
         for plane in planes.iter().filter(|plane| is_in(plane, edge)) {
-            c[plane.axis] = 0.0;
+            *c -= plane.normal * plane.normal.dot(c);
         }
     }
     Ok(curves)
 }
 
-/// A plane of symmetry, orthogonal to an axis.
+/// A plane of symmetry.
 struct Plane {
-    axis: usize,
+    normal: Vec3,
     at: f64,
     slack: f64,
 }
@@ -121,11 +122,18 @@ impl Plane {
         let (least, most) = hull(&mut mesh.points.iter());
         let (low, high) = hull(&mut group.nodes.iter().map(|n| &mesh.points[*n as usize]));
         let slack = FLAT * (most - least).norm();
-        let axis = (0..3).find(|&d| high[d] - low[d] <= slack && most[d] - least[d] > 2.0 * slack)?;
-        Some(Self { axis, at: 0.5 * (low[axis] + high[axis]), slack })
+        let axis = (0..3).find(|&d| high[d] - low[d] <= slack && most[d] - least[d] > 2.0 * slack);
+        if let Some(axis) = axis {
+            return Some(Self { normal: Vec3::ith(axis, 1.0), at: 0.5 * (low[axis] + high[axis]), slack });
+        }
+        let points = || group.nodes.iter().map(|n| Vec3::from(mesh.points[*n as usize]));
+        let normal = Moments::of(&(0.5 * (least + most)), points()).normal()?;
+        let at = points().map(|x| normal.dot(&x)).sum::<f64>() / group.nodes.len() as f64;
+        let plane = Self { normal, at, slack };
+        points().all(|x| plane.holds(&x.into())).then_some(plane)
     }
 
     fn holds(&self, x: &[f64; 3]) -> bool {
-        (x[self.axis] - self.at).abs() <= self.slack
+        (self.normal.dot(&Vec3::from(*x)) - self.at).abs() <= self.slack
     }
 }

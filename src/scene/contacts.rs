@@ -3,7 +3,7 @@
 use super::reader::{Item, Table};
 use super::references::Names;
 use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer};
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
 const KEYS: [&str; 10] = [
@@ -24,22 +24,24 @@ const OF_SURFACE: [&str; 3] = ["smoothing", "feature_angle", "transfer"];
 
 /// Reads all pairs; none may occur twice, and one that has forces in the history shares no name with another that has.
 pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
-    let mut contacts: Vec<Contact> = Vec::new();
-    for (name, item) in items {
-        let next = contact(name, &item, names)?;
-        let same = |other: &&Contact| other.slave.value == next.slave.value && other.master.value == next.master.value;
-        if let Some(first) = contacts.iter().find(same) {
-            let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
-            return Err(Error::input(&next.slave.at, what, "remove one of them"));
-        }
-        if !names.is_tool(&next.master.value) && names.is_target(&next.name.value) {
-            let what = format!("`{}` names a contact between bodies and a tool or body", next.name.value);
-            let help = "rename one of them: the forces of both would have the same names in history.csv";
-            return Err(Error::input(&next.name.at, what, help));
-        }
-        contacts.push(next);
-    }
+    let contacts = Faults::all(items.into_iter().map(|(name, item)| contact(name, &item, names)))?;
+    Faults::all(contacts.iter().enumerate().map(|(k, next)| check(next, &contacts[..k], names)))?;
     Ok(contacts)
+}
+
+/// Refuses a pair that one of the `others` is, too, or that has the name of something else.
+fn check(next: &Contact, others: &[Contact], names: &Names) -> Result<()> {
+    let same = |other: &&Contact| other.slave.value == next.slave.value && other.master.value == next.master.value;
+    if let Some(first) = others.iter().find(same) {
+        let what = format!("contact.{} repeats the pair of contact.{}", next.name.value, first.name.value);
+        return Err(Error::input(&next.slave.at, what, "remove one of them"));
+    }
+    if !names.is_tool(&next.master.value) && names.is_target(&next.name.value) {
+        let what = format!("`{}` names a contact between bodies and a tool or body", next.name.value);
+        let help = "rename one of them: the forces of both would have the same names in history.csv";
+        return Err(Error::input(&next.name.at, what, help));
+    }
+    Ok(())
 }
 
 fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
@@ -51,8 +53,21 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
     };
     let tangents = [("exact", Tangent::Exact), ("fixed-frame", Tangent::FixedFrame)];
-    let slave = names.faces(&table.require("slave", "\"BODY.GROUP\"")?)?;
-    let master = names.master(&table.require("master", "\"TOOL\"")?)?;
+    let slave = table.require("slave", "\"BODY.GROUP\"").and_then(|item| names.faces(&item));
+    let master = table.require("master", "\"TOOL\"").and_then(|item| names.master(&item));
+    let friction = table.optional("friction", friction);
+    let (penalty, tolerance) = (table.optional("penalty", automatic), table.optional("tolerance", automatic));
+    let (reach, thickness) = (table.optional("reach", Item::positive), table.optional("thickness", automatic));
+    let mut faults = Faults::default();
+    faults.note(&slave);
+    faults.note(&master);
+    faults.note(&friction);
+    faults.note(&penalty);
+    faults.note(&tolerance);
+    faults.note(&reach);
+    faults.note(&thickness);
+    faults.finish()?;
+    let (slave, master) = (slave?, master?);
     if let Some(item) = table.get("thickness").filter(|_| master.value != slave.value) {
         let what = "means nothing between two surfaces";
         return Err(item.error(what, "it is for self-contact, with `master` the same as `slave`; remove it"));
@@ -75,13 +90,13 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         discretization,
         slave,
         master,
-        friction: table.optional("friction", friction)?.unwrap_or(0.0),
+        friction: friction?.unwrap_or(0.0),
         method,
-        penalty: table.optional("penalty", automatic)?.flatten(),
-        tolerance: table.optional("tolerance", automatic)?.flatten(),
-        reach: table.optional("reach", Item::positive)?,
+        penalty: penalty?.flatten(),
+        tolerance: tolerance?.flatten(),
+        reach: reach?,
         tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or(tangent),
-        thickness: table.optional("thickness", automatic)?.flatten(),
+        thickness: thickness?.flatten(),
         second_of: None,
     })
 }

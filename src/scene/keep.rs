@@ -47,7 +47,11 @@ struct Kept {
 impl Kept {
     fn of(before: &Step, is_tool: impl Fn(&str) -> bool) -> Self {
         let moved = before.moves.iter().filter(|motion| !is_tool(&motion.target.value));
-        let stays = moved.map(|motion| Fix { set: motion.target.clone(), directions: motion.directions });
+        let stays = moved.map(|motion| Fix {
+            set: motion.target.clone(),
+            directions: motion.directions,
+            normal: motion.normal,
+        });
         let forces = before.forces.iter().map(|f| Force { total: f.last(), table: None, ..f.clone() });
         let pressures = before.pressures.iter().map(|p| Pressure { value: p.last(), table: None, ..p.clone() });
         let body_forces =

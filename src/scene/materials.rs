@@ -1,14 +1,15 @@
 //! Reads material cards: elastic constants, yield criteria and hardening.
 
 use super::reader::{Item, Table};
-use super::{Body, Formulation, Hardening, Hill, Isochoric, Located, Material, MaterialModel, Scene};
-use crate::error::Result;
+use super::{Body, Formulation, Hardening, Hill, Isochoric, Located, Material, MaterialModel, Orthotropy, Scene};
+use crate::error::{Faults, Result};
 use crate::{Mat3, Vec3};
 
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     NeoHookean,
     Hooke,
+    Orthotropic,
     J2,
     Hill,
     MooneyRivlin,
@@ -16,9 +17,10 @@ enum Kind {
     Ogden,
 }
 
-const KINDS: [(&str, Kind); 7] = [
+const KINDS: [(&str, Kind); 8] = [
     ("neo-hookean", Kind::NeoHookean),
     ("hooke", Kind::Hooke),
+    ("orthotropic", Kind::Orthotropic),
     ("j2", Kind::J2),
     ("hill", Kind::Hill),
     ("mooney-rivlin", Kind::MooneyRivlin),
@@ -27,12 +29,16 @@ const KINDS: [(&str, Kind); 7] = [
 ];
 
 const ELASTIC: [Kind; 4] = [Kind::NeoHookean, Kind::Hooke, Kind::J2, Kind::Hill];
+const ISOTROPIC: [Kind; 7] =
+    [Kind::NeoHookean, Kind::Hooke, Kind::J2, Kind::Hill, Kind::MooneyRivlin, Kind::Yeoh, Kind::Ogden];
 const PLASTIC: [Kind; 2] = [Kind::J2, Kind::Hill];
 const HYPERELASTIC: [Kind; 3] = [Kind::MooneyRivlin, Kind::Yeoh, Kind::Ogden];
 
 /// The keys that some models have and others not, and what helps those who give them to others.
-const OF_MODELS: [(&str, &[Kind], &str); 11] = [
-    ("young", &ELASTIC, "the moduli follow from the constants of the model and its bulk modulus"),
+const OF_MODELS: [(&str, &[Kind], &str); 13] = [
+    ("young", &ELASTIC, "the moduli follow from the constants of the model"),
+    ("poisson", &ISOTROPIC, "the constants of the model have their own ratios"),
+    ("orthotropic", &[Kind::Orthotropic], "write model = \"orthotropic\""),
     ("yield_stress", &PLASTIC, "write model = \"j2\" or \"hill\""),
     ("hardening", &PLASTIC, "write model = \"j2\" or \"hill\""),
     ("hill", &[Kind::Hill], "write model = \"hill\""),
@@ -45,12 +51,16 @@ const OF_MODELS: [(&str, &[Kind], &str); 11] = [
     ("d", &HYPERELASTIC, "it follows from `young` and `poisson`"),
 ];
 
+/// Constants of spruce, N/mm².
+const ENGINEERING: &str = "{ e1 = 11000.0, e2 = 890.0, e3 = 430.0, nu12 = 0.38, nu13 = 0.48, nu23 = 0.51, \
+                           g12 = 690.0, g13 = 620.0, g23 = 40.0 }";
+
 /// The material of a card.
 ///
 /// # Errors
 /// What is not a material, with its place.
 pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
-    let keys: Vec<&str> = ["model", "poisson", "density"].into_iter().chain(OF_MODELS.map(|(key, ..)| key)).collect();
+    let keys: Vec<&str> = ["model", "density"].into_iter().chain(OF_MODELS.map(|(key, ..)| key)).collect();
     let table = item.table(&keys)?;
     let kind = table.require("model", "\"neo-hookean\"")?.choice(&KINDS)?;
     for (key, _, help) in OF_MODELS.iter().filter(|(_, kinds, _)| !kinds.contains(&kind)) {
@@ -59,15 +69,28 @@ pub(super) fn read(name: Located<String>, item: &Item) -> Result<Material> {
         }
     }
     let no_less = |item: &Item| item.number_that_is("0 or more", |value| value >= 0.0, "");
-    let density = table.optional("density", no_less)?;
-    let model = if HYPERELASTIC.contains(&kind) { hyperelastic(kind, &table)? } else { elastic(kind, &table)? };
-    Ok(Material { name, model, density })
+    let density = table.optional("density", no_less);
+    let model = match kind {
+        Kind::MooneyRivlin | Kind::Yeoh | Kind::Ogden => hyperelastic(kind, &table),
+        Kind::Orthotropic => table.require("orthotropic", ENGINEERING).and_then(|item| orthotropic(&item)),
+        Kind::NeoHookean | Kind::Hooke | Kind::J2 | Kind::Hill => elastic(kind, &table),
+    };
+    let mut faults = Faults::default();
+    faults.note(&density);
+    faults.note(&model);
+    faults.finish()?;
+    Ok(Material { name, model: model?, density: density? })
 }
 
 /// Those that begin with Young's modulus and Poisson's ratio.
 fn elastic(kind: Kind, table: &Table) -> Result<MaterialModel> {
-    let young = table.require("young", "210000.0")?.positive()?;
-    let poisson = poisson(&table.require("poisson", "0.3")?)?;
+    let young = table.require("young", "210000.0").and_then(|item| item.positive());
+    let poisson = table.require("poisson", "0.3").and_then(|item| poisson(&item));
+    let mut faults = Faults::default();
+    faults.note(&young);
+    faults.note(&poisson);
+    faults.finish()?;
+    let (young, poisson) = (young?, poisson?);
     Ok(match kind {
         Kind::J2 => MaterialModel::Plastic { young, poisson, hill: None, hardening: hardening(table)? },
         Kind::Hill => {
@@ -158,6 +181,59 @@ impl Scene {
     }
 }
 
+/// Engineering constants and axes, of which the moduli are positive definite.
+fn orthotropic(item: &Item) -> Result<MaterialModel> {
+    let (moduli, ratios, shears) = (["e1", "e2", "e3"], ["nu12", "nu13", "nu23"], ["g12", "g13", "g23"]);
+    let table = item.table(&[&moduli[..], &ratios, &shears, &["x", "y"]].concat())?;
+    let above = |keys: [&str; 3]| Faults::all(keys.map(|key| table.require(key, "1000.0")?.positive()));
+    let ratios = Faults::all(ratios.map(|key| table.require(key, "0.3")?.number()));
+    let (young, shear, axes) = (above(moduli), above(shears), axes(item, &table));
+    let mut faults = Faults::default();
+    faults.note(&young);
+    faults.note(&ratios);
+    faults.note(&shear);
+    faults.note(&axes);
+    faults.finish()?;
+    let three = |values: Vec<f64>| std::array::from_fn(|k| values[k]);
+    let constants = Orthotropy { young: three(young?), poisson: three(ratios?), shear: three(shear?), axes: axes? };
+    let pairs = [(0, 1, "nu12", "e1", "e2"), (0, 2, "nu13", "e1", "e3"), (1, 2, "nu23", "e2", "e3")];
+    for ((i, j, ratio, first, second), value) in pairs.into_iter().zip(constants.poisson) {
+        let limit = (constants.young[i] / constants.young[j]).sqrt();
+        if value.abs() >= limit {
+            let what =
+                format!("has {ratio} = {value:?}, where its size must be below sqrt({first}/{second}) = {limit:.4}");
+            let help = format!(
+                "{ratio} is the contraction along the second axis under tension along the first: \
+                                {ratio}/{first} = nu{}{}/{second}",
+                j + 1,
+                i + 1
+            );
+            return Err(item.error(what, help));
+        }
+    }
+    match constants.moduli() {
+        Some(_) => Ok(MaterialModel::Orthotropic(constants)),
+        None => {
+            let what = "has constants with which some strain would store no energy, or less";
+            let help = "1 - nu12 nu21 - nu23 nu32 - nu31 nu13 - 2 nu21 nu32 nu13 must be above 0: lower the ratios";
+            Err(item.error(what, help))
+        }
+    }
+}
+
+/// The axes of a material in the undeformed body: x, and y as far as it is normal to that.
+fn axes(item: &Item, table: &Table) -> Result<Mat3> {
+    let axis = |key: &str, default: Vec3| table.optional(key, Item::unit_vector).map(|given| given.unwrap_or(default));
+    let x = axis("x", Vec3::x())?;
+    let y = axis("y", Vec3::y())?;
+    let z = x.cross(&y);
+    if z.norm() < 1e-6 {
+        return Err(item.error("has x and y along one line", "give both, normal to each other"));
+    }
+    let z = z.normalize();
+    Ok(Mat3::from_columns(&[x, z.cross(&x), z]))
+}
+
 /// Hill's coefficients and axes.
 fn hill(item: &Item) -> Result<Hill> {
     let table = item.table(&["f", "g", "h", "l", "m", "n", "x", "y"])?;
@@ -169,15 +245,7 @@ fn hill(item: &Item) -> Result<Hill> {
     }
     let shear = |key: &str| table.optional(key, Item::positive).map(|given| given.unwrap_or(1.5));
     let n = table.require("n", "1.5")?.positive()?;
-    let axis = |key: &str, default: Vec3| table.optional(key, Item::unit_vector).map(|given| given.unwrap_or(default));
-    let x = axis("x", Vec3::x())?;
-    let y = axis("y", Vec3::y())?;
-    let z = x.cross(&y);
-    if z.norm() < 1e-6 {
-        return Err(item.error("has x and y along one line", "give both, normal to each other"));
-    }
-    let z = z.normalize();
-    Ok(Hill { coefficients: [f, g, h, shear("l")?, shear("m")?, n], axes: Mat3::from_columns(&[x, z.cross(&x), z]) })
+    Ok(Hill { coefficients: [f, g, h, shear("l")?, shear("m")?, n], axes: axes(item, &table)? })
 }
 
 /// The yield stress and how it rises.

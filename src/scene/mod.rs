@@ -43,7 +43,7 @@ use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::output::quantity::Quantity;
 pub use crate::solid::element::Formulation;
-pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel};
+pub use crate::solid::material::{Hardening, Hill, Isochoric, MaterialModel, Orthotropy};
 pub use crate::surface::{Smoothing, Transfer, Weight};
 use std::path::PathBuf;
 
@@ -56,7 +56,7 @@ pub struct Located<T> {
 
 impl Located<String> {
     /// What a program gives.
-    fn given(value: &str) -> Self {
+    pub(crate) fn given(value: &str) -> Self {
         let at = Location { file: "the program".into(), line: 0, column: 0, text: "".into() };
         Self { value: value.to_string(), at }
     }
@@ -239,14 +239,14 @@ impl Step {
 
     /// Holds the nodes of a set in all directions.
     pub fn fixing(mut self, set: &str) -> Self {
-        self.fix.push(Fix { set: Located::given(set), directions: [true; 3] });
+        self.fix.push(Fix { set: Located::given(set), directions: [true; 3], normal: None });
         self
     }
 
     /// Moves a tool, or the nodes of a set.
     pub fn moving(mut self, target: &str, by: [f64; 3]) -> Self {
         let (target, by) = (Located::given(target), by.into());
-        self.moves.push(Move { target, by, directions: [true; 3], rotate: None, table: None });
+        self.moves.push(Move { target, by, directions: [true; 3], normal: None, rotate: None, table: None });
         self
     }
 
@@ -254,7 +254,7 @@ impl Step {
     pub fn turning(mut self, tool: &str, point: [f64; 3], axis: [f64; 3], angle: f64) -> Self {
         let rotation = Rotation { point: point.into(), axis: Vec3::from(axis).normalize(), angle };
         let (target, by) = (Located::given(tool), Vec3::zeros());
-        self.moves.push(Move { target, by, directions: [true; 3], rotate: Some(rotation), table: None });
+        self.moves.push(Move { target, by, directions: [true; 3], normal: None, rotate: Some(rotation), table: None });
         self
     }
 
@@ -322,7 +322,10 @@ pub struct Limits {
 pub struct Fix {
     /// `body.group` or `body`.
     pub set: Located<String>,
+    /// None with a `normal`.
     pub directions: [bool; 3],
+    /// A unit vector along which alone nodes are held.
+    pub normal: Option<Vec3>,
 }
 
 /// Moves a tool or the nodes of a set over the step.
@@ -332,8 +335,10 @@ pub struct Move {
     pub target: Located<String>,
     /// Displacement over the step.
     pub by: Vec3,
-    /// Directions that are prescribed; for a tool always all three.
+    /// Directions that are prescribed; for a tool always all three, none with a `normal`.
     pub directions: [bool; 3],
+    /// A unit vector along which alone the nodes of a set are prescribed.
+    pub normal: Option<Vec3>,
     /// Rotation over the step about an axis through a point (tools only).
     pub rotate: Option<Rotation>,
     /// The share of both that is done; `None` for a straight ramp.

@@ -9,7 +9,8 @@ use super::{
 };
 use crate::Vec3;
 use crate::controls::Controls;
-use crate::error::{Error, Result};
+use crate::encoding;
+use crate::error::{Error, Faults, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
@@ -41,15 +42,20 @@ pub fn load_tools(path: &Path, overrides: &[String]) -> Result<Vec<Tool>> {
     if tools.is_empty() {
         return Err(Error::input(root.at(), "the scene has no tool", "add a table `[tool.NAME]`"));
     }
-    tools.into_iter().map(|(name, item)| tools::read(name, &item, folder_of(path))).collect()
+    Faults::all(tools.into_iter().map(|(name, item)| tools::read(name, &item, folder_of(path))))
 }
 
 fn text_of(path: &Path) -> Result<String> {
-    std::fs::read_to_string(path).map_err(|error| {
-        Error::input_anywhere(
-            format!("cannot read the scene {}: {error}", path.display()),
-            "give the path of a TOML file",
-        )
+    let name = path.display();
+    let data = std::fs::read(path).map_err(|error| {
+        Error::input_anywhere(format!("cannot read the scene {name}: {error}"), "give the path of a TOML file")
+    })?;
+    let data = encoding::unmarked(path, data)
+        .map_err(|(what, help)| Error::input_anywhere(format!("the scene {name} {what}"), help))?;
+    String::from_utf8(data).map_err(|error| {
+        let line = 1 + error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+        let what = format!("the scene {name} is not in UTF-8: line {line} has a byte of another encoding");
+        Error::input_anywhere(what, "save it as UTF-8")
     })
 }
 
@@ -85,7 +91,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let root = Item::root(root).table(&KEYS)?;
     let (bodies, materials) = (root.named("body")?, root.named("material")?);
     let (tools, contacts) = (root.named("tool")?, root.named("contact")?);
-    let names = Names::new(&bodies, &materials, &tools)?;
+    let names = Names::new(&bodies, &materials, &tools);
     if bodies.is_empty() {
         return Err(Error::input(
             root.at(),
@@ -93,28 +99,41 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
             "add a table `[body.NAME]` with a mesh and a material",
         ));
     }
-    let materials = materials.into_iter().map(|(name, item)| materials::read(name, &item));
-    let tools = tools.into_iter().map(|(name, item)| tools::read(name, &item, directory));
-    let bodies = bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory));
-    let (mut steps, solver) = (steps::read(&root, &names)?, solver::read(&root)?);
-    let title = root.optional("title", Item::string)?.map_or_else(|| name.clone(), str::to_string);
-    let materials = materials.collect::<Result<Vec<_>>>()?;
-    let tools = tools.collect::<Result<_>>()?;
-    let bodies = bodies.collect::<Result<Vec<_>>>()?;
+    // Tables refer to each other by names alone: what is wrong in one says nothing of the others.
+    let mut faults = Faults::default();
+    faults.note(&names.check(&tools));
+    let bodies = Faults::all(bodies.into_iter().map(|(name, item)| body(name, &item, &names, directory)));
+    let materials = Faults::all(materials.into_iter().map(|(name, item)| materials::read(name, &item)));
+    let tools = Faults::all(tools.into_iter().map(|(name, item)| tools::read(name, &item, directory)));
+    let (contacts, steps) = (contacts::read(contacts, &names), steps::read(&root, &names));
+    let (output, solver, controls) = (output(&root, &names), solver::read(&root), controls(&root));
+    let (title, trade) = (root.optional("title", Item::string), trade::read(&root));
+    faults.note(&bodies);
+    faults.note(&materials);
+    faults.note(&tools);
+    faults.note(&contacts);
+    faults.note(&steps);
+    faults.note(&output);
+    faults.note(&solver);
+    faults.note(&controls);
+    faults.note(&title);
+    faults.note(&trade);
+    faults.finish()?;
+    let (bodies, materials, mut steps, solver) = (bodies?, materials?, steps?, solver?);
     gravity::weigh(&mut steps, &bodies, &materials)?;
     Ok(Scene {
+        title: title?.map_or_else(|| name.clone(), str::to_string),
         name,
-        title,
         text: String::new(),
         materials,
-        tools,
+        tools: tools?,
         bodies,
-        contacts: contacts::read(contacts, &names)?,
+        contacts: contacts?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
-        output: output(&root, &names)?,
+        output: output?,
         solver,
-        controls: controls(&root)?,
-        trade: trade::read(&root)?,
+        controls: controls?,
+        trade: trade?,
     })
 }
 
@@ -130,26 +149,42 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         "symmetry",
         "refine",
     ])?;
-    let mesh = match (table.get("mesh"), table.get("block")) {
-        (Some(_), Some(block)) => return Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
-        (Some(file), None) => mesh_file(&table, &file, directory)?,
-        (None, Some(item)) => MeshSource::Block(item.located(block(&item)?)),
-        (None, None) => return Err(table.error("has no `mesh`", "add `mesh = \"FILE\"`, or `block = { ... }`")),
-    };
-    if let (MeshSource::Block(_), Some(group)) = (&mesh, table.get("group")) {
-        return Err(group.error("needs a mesh file", "the groups of a block are its `faces`"));
-    }
-    let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()))?;
-    let (material, materials) = (names.material(&material)?, materials(&table, &mesh, names)?);
+    let mesh = mesh_of(&table, directory);
+    let material = table.get("material").ok_or_else(|| table.error("has no `material`", names.help_material()));
+    let material = material.and_then(|item| names.material(&item));
+    let materials = mesh.as_ref().map_or(Ok(Vec::new()), |mesh| materials(&table, mesh, names));
     let elements = Formulation::ALL.map(|e| (e.key(), e));
-    let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)))?;
-    let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)))?;
+    let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)));
+    let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)));
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
-    let symmetry = table.each("symmetry", group)?;
-    let refine = table.optional("refine", Item::splits)?.flatten();
+    let symmetry = table.each("symmetry", group);
+    let refine = table.optional("refine", Item::splits);
+    let mut faults = Faults::default();
+    faults.note(&mesh);
+    faults.note(&material);
+    faults.note(&materials);
+    faults.note(&element);
+    faults.note(&plane_strain);
+    faults.note(&symmetry);
+    faults.note(&refine);
+    faults.finish()?;
+    let (mesh, material, materials, element) = (mesh?, material?, materials?, element?);
+    let (plane_strain, symmetry, refine) = (plane_strain?, symmetry?, refine?.flatten());
     let body = Body { name, mesh, material, materials, element, plane_strain, symmetry, refine };
     check_block_use(&body)?;
     Ok(body)
+}
+
+fn mesh_of(table: &Table, directory: &Path) -> Result<MeshSource> {
+    match (table.get("mesh"), table.get("block")) {
+        (Some(_), Some(block)) => Err(block.error("stands beside a mesh", "keep one of `mesh` and `block`")),
+        (Some(file), None) => mesh_file(table, &file, directory),
+        (None, Some(item)) => match table.get("group") {
+            Some(group) => Err(group.error("needs a mesh file", "the groups of a block are its `faces`")),
+            None => Ok(MeshSource::Block(item.located(block(&item)?))),
+        },
+        (None, None) => Err(table.error("has no `mesh`", "add `mesh = \"FILE\"`, or `block = { ... }`")),
+    }
 }
 
 /// What groups of elements of a mesh file are made of.
@@ -273,24 +308,38 @@ fn output(root: &Table, names: &Names) -> Result<Output> {
         Output { every: 1, checkpoint: None, history: Vec::new(), fields, vtkhdf: false, probes: Vec::new() };
     let keys = ["every", "checkpoint", "history", "fields", "vtkhdf", "probe"];
     let Some(table) = root.optional("output", |item| item.table(&keys))? else { return Ok(output) };
-    output.every = table.optional("every", Item::count)?.unwrap_or(1);
-    output.checkpoint = table.optional("checkpoint", checkpoint)?;
-    for item in table.optional("history", Item::list)?.unwrap_or_default() {
-        let set = names.set(&item, "tools always are in the history")?;
-        if output.history.iter().any(|other| other.value == set.value) {
-            return Err(item.error(format!("repeats `{}`", set.value), "list it once"));
-        }
-        output.history.push(set);
-    }
-    if let Some(asked) = table.optional("fields", |item| probes::fields(item, &Quantity::ALL))? {
+    let (every, checkpoint) = (table.optional("every", Item::count), table.optional("checkpoint", checkpoint));
+    let history = history(&table, names);
+    let fields = table.optional("fields", |item| probes::fields(item, &Quantity::ALL));
+    let (vtkhdf, probes) = (table.optional("vtkhdf", Item::boolean), probes::read(&table, names));
+    let mut faults = Faults::default();
+    faults.note(&every);
+    faults.note(&checkpoint);
+    faults.note(&history);
+    faults.note(&fields);
+    faults.note(&vtkhdf);
+    faults.note(&probes);
+    faults.finish()?;
+    (output.every, output.checkpoint, output.history) = (every?.unwrap_or(1), checkpoint?, history?);
+    if let Some(asked) = fields? {
         output.fields = asked;
         if !output.fields.contains(&Quantity::Displacement) {
             output.fields.insert(0, Quantity::Displacement);
         }
     }
-    output.vtkhdf = table.optional("vtkhdf", Item::boolean)?.unwrap_or(false);
-    output.probes = probes::read(&table, names)?;
+    (output.vtkhdf, output.probes) = (vtkhdf?.unwrap_or(false), probes?);
     Ok(output)
+}
+
+/// The sets of the history, each once.
+fn history(table: &Table, names: &Names) -> Result<Vec<Located<String>>> {
+    let items = table.optional("history", Item::list)?.unwrap_or_default();
+    let sets = Faults::all(items.iter().map(|item| names.set(item, "tools always are in the history")))?;
+    Faults::all(items.iter().zip(&sets).enumerate().map(|(k, (item, set))| {
+        let repeats = sets[..k].iter().any(|other| other.value == set.value);
+        if repeats { Err(item.error(format!("repeats `{}`", set.value), "list it once")) } else { Ok(()) }
+    }))?;
+    Ok(sets)
 }
 
 fn checkpoint(item: &Item) -> Result<Checkpoint> {
@@ -307,7 +356,7 @@ fn controls(root: &Table) -> Result<Controls> {
     let mut controls = Controls::default();
     let names: Vec<&str> = Controls::TABLE.iter().map(|control| control.name).collect();
     let Some(table) = root.optional("controls", |item| item.table(&names))? else { return Ok(controls) };
-    for control in Controls::TABLE {
+    Faults::all(Controls::TABLE.iter().map(|control| {
         let value = |item: &Item| {
             let help = format!("it is in: {}; by default {:?}", control.unit, control.default);
             item.number_that_is(&control.admitted(), |value| control.admits(value), &help)
@@ -315,6 +364,7 @@ fn controls(root: &Table) -> Result<Controls> {
         if let Some(value) = table.optional(control.name, value)? {
             controls.set(control.name, value);
         }
-    }
+        Ok(())
+    }))?;
     Ok(controls)
 }

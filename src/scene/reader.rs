@@ -4,7 +4,7 @@ use super::Located;
 use super::names::{did_you_mean, is_name};
 use super::tree::{self, Node, Value};
 use crate::Vec3;
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Faults, Location, Result};
 use std::path::{Path, PathBuf};
 
 /// A value of the scene and its dotted key, as `--set` takes it: `step.press.fix.0`.
@@ -212,14 +212,13 @@ impl<'a> Item<'a> {
     /// A table that has no keys but `known` ones.
     pub fn table(&self, known: &[&str]) -> Result<Table<'a>> {
         let Value::Table(entries) = &self.node.value else { return Err(self.wrong_type("a table", "{ ... }")) };
-        match entries.iter().find(|entry| !known.contains(&entry.key.as_str())) {
-            None => Ok(Table(self.clone())),
-            Some(entry) => {
-                let inside = if self.path.is_empty() { "the scene" } else { &self.path };
-                let what = format!("unknown key `{}` in {inside}", entry.key);
-                Err(Error::input(&entry.key_at, what, did_you_mean(&entry.key, known.iter().copied())))
-            }
-        }
+        let unknown = |entry: &&tree::Entry| !known.contains(&entry.key.as_str());
+        Faults::all(entries.iter().filter(unknown).map(|entry| {
+            let inside = if self.path.is_empty() { "the scene" } else { &self.path };
+            let what = format!("unknown key `{}` in {inside}", entry.key);
+            Err::<(), _>(Error::input(&entry.key_at, what, did_you_mean(&entry.key, known.iter().copied())))
+        }))?;
+        Ok(Table(self.clone()))
     }
 
     /// The entries of a table whose keys the user chose.
@@ -230,7 +229,7 @@ impl<'a> Item<'a> {
             let name = Located { value: entry.key.clone(), at: entry.key_at.clone() };
             Ok((name, self.child(&entry.key, &entry.node)))
         };
-        entries.iter().map(named).collect()
+        Faults::all(entries.iter().map(named))
     }
 }
 
@@ -260,7 +259,7 @@ impl<'a> Table<'a> {
     /// Reads every element of a list if it is there; it must not be empty then.
     pub fn each<T>(&self, key: &str, read: impl Fn(&Item<'a>) -> Result<T>) -> Result<Vec<T>> {
         let list = self.optional(key, Item::filled_list)?.unwrap_or_default();
-        list.iter().map(read).collect()
+        Faults::all(list.iter().map(read))
     }
 
     /// The named tables under a key, none if it is missing.

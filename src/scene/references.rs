@@ -22,19 +22,23 @@ pub(super) enum Target {
 }
 
 impl Names {
-    /// Collects the names; a tool that shares its name with a body is an error.
+    /// Collects the names.
     pub fn new(
         bodies: &[(Located<String>, Item)],
         materials: &[(Located<String>, Item)],
         tools: &[(Located<String>, Item)],
-    ) -> Result<Self> {
+    ) -> Self {
         let values = |named: &[(Located<String>, Item)]| named.iter().map(|(name, _)| name.value.clone()).collect();
-        let names = Self { bodies: values(bodies), materials: values(materials), tools: values(tools) };
-        match tools.iter().find(|(name, _)| names.bodies.contains(&name.value)) {
+        Self { bodies: values(bodies), materials: values(materials), tools: values(tools) }
+    }
+
+    /// Refuses a tool that shares its name with a body.
+    pub fn check(&self, tools: &[(Located<String>, Item)]) -> Result<()> {
+        match tools.iter().find(|(name, _)| self.bodies.contains(&name.value)) {
             Some((name, _)) => {
                 Err(Error::input(&name.at, format!("`{}` names a tool and a body", name.value), "rename one of them"))
             }
-            None => Ok(names),
+            None => Ok(()),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::reader::{Item, Table};
 use super::{Accuracy, Increment, Limits, Linear, Solver, Step};
-use crate::error::Result;
+use crate::error::{Faults, Result};
 
 impl Accuracy {
     const ALL: [(&str, Self); 3] =
@@ -31,7 +31,7 @@ pub(super) fn read(root: &Table) -> Result<Solver> {
     let Some(table) = root.optional("solver", |item| item.table(&keys))? else {
         return Ok(Accuracy::default().solver());
     };
-    let mut solver = table.optional("accuracy", |item| item.choice(&Accuracy::ALL))?.unwrap_or_default().solver();
+    let accuracy = table.optional("accuracy", |item| item.choice(&Accuracy::ALL));
     let pace = |item: &Item| {
         let help = "increments are so many times as long: 4 is coarse, 0.5 fine";
         item.number_that_is("at least 0.001 and at most 1000", |value| (1e-3..=1e3).contains(&value), help)
@@ -40,18 +40,33 @@ pub(super) fn read(root: &Table) -> Result<Solver> {
         let help = "it is the largest residual over the largest force";
         item.number_that_is("above 0 and below 0.01", |value| value > 0.0 && value < 1e-2, help)
     };
-    solver.pace = table.optional("pace", pace)?.unwrap_or(solver.pace);
-    solver.tolerance = table.optional("tolerance", tolerance)?.unwrap_or(solver.tolerance);
-    solver.max_iterations = table.optional("max_iterations", Item::count)?.unwrap_or(solver.max_iterations);
-    solver.force_floor = table.optional("force_floor", Item::positive)?;
+    let (pace, tolerance) = (table.optional("pace", pace), table.optional("tolerance", tolerance));
+    let most = table.optional("max_iterations", Item::count);
+    let floor = table.optional("force_floor", Item::positive);
     let kinds = [
         ("auto", Linear::Auto),
         ("direct", Linear::Direct),
         ("reuse", Linear::Reuse),
         ("iterative", Linear::Iterative),
     ];
-    solver.linear = table.optional("linear", |item| item.choice(&kinds))?.unwrap_or_default();
-    Ok(solver)
+    let linear = table.optional("linear", |item| item.choice(&kinds));
+    let mut faults = Faults::default();
+    faults.note(&accuracy);
+    faults.note(&pace);
+    faults.note(&tolerance);
+    faults.note(&most);
+    faults.note(&floor);
+    faults.note(&linear);
+    faults.finish()?;
+    let solver = accuracy?.unwrap_or_default().solver();
+    Ok(Solver {
+        pace: pace?.unwrap_or(solver.pace),
+        tolerance: tolerance?.unwrap_or(solver.tolerance),
+        max_iterations: most?.unwrap_or(solver.max_iterations),
+        force_floor: floor?,
+        linear: linear?.unwrap_or_default(),
+        ..solver
+    })
 }
 
 impl Solver {

@@ -6,9 +6,11 @@ use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
 use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
 use crate::Vec3;
-use crate::error::{Error, Location, Result};
+use crate::error::{Error, Faults, Location, Result};
 
 const SHARE: &str = "it is a share of the slave nodes";
+/// Share of a motion across a direction that counts as rounding.
+const ALONG: f64 = 1e-6;
 const ADD_STEP: &str = "add a table `[[step]]` with its increments and conditions";
 
 /// The steps, one or more, with unique names.
@@ -18,18 +20,20 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
         Error::Input { at, what, .. } => Error::Input { at, what, help: ADD_STEP.to_string() },
         other => other,
     })?;
-    let mut steps: Vec<Step> = Vec::new();
-    for item in items {
-        let step = step(&item, steps.len() + 1, names, steps.last())?;
+    let (mut steps, mut faults): (Vec<Step>, _) = (Vec::new(), Faults::default());
+    for (k, item) in items.iter().enumerate() {
+        // What follows a step that is wrong is not known to keep what it keeps.
+        let before = (steps.len() == k).then(|| steps.last());
+        let step = step(item, k + 1, names, before);
+        faults.note(&step);
+        let Ok(step) = step else { continue };
         if steps.iter().any(|other| other.name.value == step.name.value) {
-            return Err(Error::input(
-                &step.name.at,
-                format!("two steps are named `{}`", step.name.value),
-                "rename one",
-            ));
+            let what = format!("two steps are named `{}`", step.name.value);
+            faults.note::<()>(&Err(Error::input(&step.name.at, what, "rename one")));
         }
         steps.push(step);
     }
+    faults.finish()?;
     Ok(steps)
 }
 
@@ -50,29 +54,49 @@ const KEYS: [&str; 13] = [
     "gravity",
 ];
 
-fn step(item: &Item, number: usize, names: &Names, before: Option<&Step>) -> Result<Step> {
+/// A step after the one `before`, if there is one, and if it is known.
+fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>) -> Result<Step> {
     let table = item.table(&KEYS)?;
     let name = match table.optional("name", Item::located_string)? {
         Some(name) => check_name(&name.value, &name.at).map(|()| name)?,
         None => item.located(format!("step {number}")),
     };
     let duration = table.optional("duration", Item::positive)?.unwrap_or(1.0);
+    let (increment, fix) = (increment(&table, duration), table.each("fix", |item| fix(item, names)));
+    let moves = table.each("move", |item| movement(item, names, duration));
+    let forces = table.each("force", |item| force(item, names, duration));
+    let pressures = table.each("pressure", |item| pressure(item, names, duration));
+    let body_forces = table.each("body_force", |item| body_force(item, names, duration));
+    let springs = table.each("spring", |item| spring(item, names));
+    let gravity = table.optional("gravity", |item| Ok(item.located(item.vector()?)));
+    let mut faults = Faults::default();
+    faults.note(&increment);
+    faults.note(&fix);
+    faults.note(&moves);
+    faults.note(&forces);
+    faults.note(&pressures);
+    faults.note(&body_forces);
+    faults.note(&springs);
+    faults.note(&gravity);
+    faults.finish()?;
     let mut step = Step {
         name,
         duration,
-        increment: increment(&table, duration)?,
-        fix: table.each("fix", |item| fix(item, names))?,
-        pressures: table.each("pressure", |item| pressure(item, names, duration))?,
-        body_forces: table.each("body_force", |item| body_force(item, names, duration))?,
-        moves: table.each("move", |item| movement(item, names, duration))?,
-        forces: table.each("force", |item| force(item, names, duration))?,
-        springs: table.each("spring", |item| spring(item, names))?,
-        gravity: table.optional("gravity", |item| Ok(item.located(item.vector()?)))?,
+        increment: increment?,
+        fix: fix?,
+        pressures: pressures?,
+        body_forces: body_forces?,
+        moves: moves?,
+        forces: forces?,
+        springs: springs?,
+        gravity: gravity?,
         weights: Vec::new(),
     };
-    keep(&mut step, before, &table, |name| names.is_tool(name))?;
+    if let Some(before) = before {
+        keep(&mut step, before, &table, |name| names.is_tool(name))?;
+        amplitude::check_beginnings(&step, before)?;
+    }
     step.check(|name| names.is_tool(name))?;
-    amplitude::check_beginnings(&step, before)?;
     Ok(step)
 }
 
@@ -122,30 +146,48 @@ fn increment(step: &Table, duration: f64) -> Result<Increment> {
 }
 
 fn fix(item: &Item, names: &Names) -> Result<Fix> {
-    let table = item.table(&["set", "directions"])?;
+    let table = item.table(&["set", "directions", "normal"])?;
     let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a tool stands still unless the step moves it")?;
-    Ok(Fix { set, directions: table.optional("directions", Item::directions)?.unwrap_or([true; 3]) })
+    let (directions, normal) = directions(&table)?;
+    Ok(Fix { set, directions, normal })
+}
+
+/// In which directions nodes are prescribed: along the axes that are named, all by default, or along a unit vector alone.
+fn directions(table: &Table) -> Result<([bool; 3], Option<Vec3>)> {
+    match (table.get("directions"), table.get("normal")) {
+        (Some(_), Some(item)) => Err(item.error("stands beside `directions`", "keep one of the two")),
+        (None, Some(item)) => Ok(([false; 3], Some(item.unit_vector()?))),
+        (Some(item), None) => Ok((item.directions()?, None)),
+        (None, None) => Ok(([true; 3], None)),
+    }
 }
 
 fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
-    let table = item.table(&["target", "by", "directions", "rotate", "table"])?;
+    let table = item.table(&["target", "by", "directions", "normal", "rotate", "table"])?;
     let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
     let (by, rotate) = (table.optional("by", Item::vector)?, table.optional("rotate", rotation)?);
     if by.is_none() && rotate.is_none() {
         return Err(table.error("does not say how to move", "add `by = [0.0, 0.0, 1.0]`"));
     }
     let by = by.unwrap_or_else(Vec3::zeros);
-    let directions = table.optional("directions", Item::directions)?.unwrap_or([true; 3]);
-    match (kind, table.get("directions"), table.get("rotate")) {
+    let (directions, normal) = directions(&table)?;
+    match (kind, table.get("directions").or(table.get("normal")), table.get("rotate")) {
         (Target::Tool, Some(item), _) => {
             return Err(item.error("is for sets; a tool moves in all three", "remove it"));
         }
         (Target::Set, _, Some(item)) => return Err(item.error("is for tools; a set only translates", "remove it")),
         _ => {}
     }
-    if let (Some(axis), Some(item)) = ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis]), table.get("by")) {
+    if let (Some(axis), Some(item)) =
+        ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis] && normal.is_none()), table.get("by"))
+    {
         let what = format!("moves in {}, which `directions` leaves free", letter(axis));
         return Err(item.error(what, "make it 0, or add the direction"));
+    }
+    if let (Some(normal), Some(item)) = (normal, table.get("by"))
+        && (by - normal * normal.dot(&by)).norm() > ALONG * by.norm()
+    {
+        return Err(item.error("moves across `normal`, where it leaves the set free", "make it a multiple of `normal`"));
     }
     let begins_at_rest = |item: &Item| {
         let table = amplitude::read(item, duration)?;
@@ -153,7 +195,7 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
         if table.begin() == 0.0 { Ok(table) } else { Err(item.error("begins away from where its target is", help)) }
     };
     let table = table.optional("table", begins_at_rest)?;
-    Ok(Move { target, by, directions, rotate, table })
+    Ok(Move { target, by, directions, normal, rotate, table })
 }
 
 fn rotation(item: &Item) -> Result<Rotation> {

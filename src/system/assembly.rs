@@ -1,6 +1,6 @@
 //! Structural forces and tangents of this rank's rows, from the elements that touch its nodes.
 
-use super::dofs::{DofMap, NONE};
+use super::dofs::DofMap;
 use super::pattern::Pattern;
 use crate::Vec3;
 use crate::model::Model;
@@ -98,11 +98,12 @@ pub fn subtract_pressure_tangent(
 ) {
     for facet in &model.set(set).facets {
         facet_pressure(model, facet, pressure, u, |row, _, tangent| {
-            let Some(local) = dofs.local(dofs.node[facet.nodes[row / 3] as usize][row % 3]) else { return };
-            for (column, value) in tangent.iter().enumerate() {
-                let equation = dofs.node[facet.nodes[column / 3] as usize][column % 3];
-                if equation != NONE {
-                    pattern.add(values, local, equation, -value);
+            for (equation, share) in dofs.shares(facet.nodes[row / 3], row % 3) {
+                let Some(local) = dofs.local(equation) else { continue };
+                for (column, value) in tangent.iter().enumerate() {
+                    for (equation, part) in dofs.shares(facet.nodes[column / 3], column % 3) {
+                        pattern.add(values, local, equation, -value * share * part);
+                    }
                 }
             }
         });

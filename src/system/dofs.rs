@@ -1,13 +1,18 @@
 //! Equation numbers.
 //!
 //! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column exists. A node's displacements are
-//! numbered together, its multipliers follow; the free motions of tools come last on rank 0. Numbers are contiguous by rank.
+//! numbered together, along the coordinate axes or, where conditions are inclined, along directions of its own
+//! ([`Axes`]); its multipliers follow, with friction along the same directions. The free motions of tools come last on rank
+//! 0. Numbers are contiguous by rank.
 
+use super::axes::Axes;
 use super::near::Near;
 use crate::Vec3;
+use crate::contact::Movement;
+use crate::contact::moves::{alike, way};
 use crate::failure::Place;
 use crate::model::Model;
-use crate::parallel::{number, starts};
+use crate::parallel::{any, number, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::{Multipliers, Node, Unknowns};
@@ -32,15 +37,10 @@ impl Motion {
         Self { from, by: 0.0, course: 0 }
     }
 
-    /// A number that two motions share only where they go alike: how far, if they go straight.
+    /// As that of a [`Movement`].
     pub fn way(&self) -> f64 {
         way(self.by, self.course)
     }
-}
-
-/// That of a motion by so much on a course. The last bits tell courses from each other.
-pub fn way(by: f64, course: u32) -> f64 {
-    if by == 0.0 { 0.0 } else { f64::from_bits(by.to_bits() ^ u64::from(course)) }
 }
 
 /// The motion of a displacement component that is prescribed.
@@ -49,8 +49,11 @@ pub type Prescribed = Option<Motion>;
 /// The equations of one step on this rank.
 #[derive(Clone, Debug)]
 pub struct DofMap {
-    /// Equations of the displacements of every local node.
+    /// Equations of the displacements of every local node, along its directions.
     pub node: Vec<[i64; 3]>,
+    /// The directions of local nodes, and whether some node of any rank has its own.
+    pub axes: Axes,
+    pub is_inclined: bool,
     /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
     /// The slave nodes that have equations of contact.
@@ -71,20 +74,20 @@ pub struct DofMap {
 }
 
 /// What a step says about the motion of a tool.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToolFreedom {
     /// Directions in which a force moves it.
     pub free: [bool; 3],
-    /// The [`way`] of all its points along each direction over the step; `None` where it turns.
-    pub moves: [Option<f64>; 3],
+    /// How all its points move.
+    pub movement: Movement,
 }
 
 impl DofMap {
-    /// Numbers what is free. `prescribed` has three entries an owned node. Collective.
+    /// Numbers what is free. `prescribed` has three entries an owned node, along its directions in `axes`. Collective.
     pub fn new(
         comm: &SimpleCommunicator,
         model: &Model,
-        prescribed: &[Prescribed],
+        (prescribed, axes): (&[Prescribed], &Axes),
         tools: &[ToolFreedom],
         near: Near,
     ) -> Self {
@@ -97,6 +100,8 @@ impl DofMap {
         }
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
+            axes: Axes::default(),
+            is_inclined: any(comm, !axes.is_empty()),
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
             near,
             tool: vec![[NONE; 3]; tools.len()],
@@ -124,7 +129,7 @@ impl DofMap {
             for &(p, s) in slaves {
                 let pair = &model.pairs[p];
                 let carried = match pair.master.tool() {
-                    Some(t) => carried(&prescribed, &tools[t], pair.friction > 0.0),
+                    Some(t) => carried((&prescribed, axes, node), &tools[t].movement, pair.friction > 0.0),
                     None => [true, true, !pair.planar],
                 };
                 let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
@@ -144,6 +149,9 @@ impl DofMap {
                     equations[d] = number();
                 }
             }
+        }
+        if map.is_inclined {
+            map.axes = axes.with_halo(comm, part);
         }
         map.spared = self::number(comm, spared).1;
         map.finish(comm, model, next as usize, multipliers);
@@ -174,6 +182,14 @@ impl DofMap {
         let mut tools: Vec<i64> = self.tool.iter().flatten().copied().collect();
         comm.process_at_rank(0).broadcast_into(&mut tools[..]);
         self.tool = tools.as_chunks::<3>().0.to_vec();
+    }
+
+    /// The equations that a component of a vector at a node counts in, and its share in each.
+    pub fn shares(&self, node: u32, component: usize) -> impl Iterator<Item = (i64, f64)> {
+        let (equations, axes) = (self.node[node as usize], self.axes.of(node as usize));
+        let share = move |d: usize| axes.map_or(f64::from(u8::from(d == component)), |axes| axes[(component, d)]);
+        let all = (0..3).map(move |d| (equations[d], share(d)));
+        all.filter(|(equation, share)| *equation != NONE && *share != 0.0)
     }
 
     /// Index of an equation among this rank's, if it is one.
@@ -215,18 +231,19 @@ impl DofMap {
     pub fn unknowns(&self, model: &Model, place: impl Fn(u32) -> Vec3) -> Unknowns {
         let row = |equation: i64| self.local(equation).map(|k| k as u32);
         let mut unknowns = Unknowns::default();
-        let mut add = |equations: &[i64; 3], position: Vec3| {
+        let mut add = |equations: &[i64; 3], directions: [Vec3; 3], position: Vec3| {
             let rows = equations.map(row);
             if rows.iter().any(Option::is_some) {
-                unknowns.nodes.push(Node { rows, position: position.into() });
+                let directions = directions.map(|direction| direction.into());
+                unknowns.nodes.push(Node { rows, directions, position: position.into() });
             }
         };
         let part = &model.part;
         for n in (0..part.owned).filter(|n| part.tie[*n] as usize == *n) {
-            add(&self.node[n], place(n as u32));
+            add(&self.node[n], [0, 1, 2].map(|d| self.axes.direction(n, d)), place(n as u32));
         }
         for (equations, tool) in self.tool.iter().zip(&model.masters.tools) {
-            add(equations, tool.trial.translation);
+            add(equations, [0, 1, 2].map(|d| Vec3::ith(d, 1.0)), tool.trial.translation);
         }
         for (pair, equations) in model.pairs.iter().zip(&self.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(equations) {
@@ -258,12 +275,28 @@ impl DofMap {
         self.node_of(model, equation).map(|(node, _)| place_of(model, node))
     }
 
+    /// The free motion of a tool that a local equation is of, in words.
+    fn tool_motion(&self, model: &Model, equation: usize) -> Option<String> {
+        let wanted = self.first + equation as i64;
+        let find = |(t, equations): (usize, &[i64; 3])| Some((t, equations.iter().position(|&e| e == wanted)?));
+        let (t, d) = self.tool.iter().enumerate().find_map(find)?;
+        Some(format!(
+            "the motion along {} of the force-driven tool `{}`",
+            ["x", "y", "z"][d],
+            model.masters.tools[t].name
+        ))
+    }
+
     /// The node and component, or else the slave or tool, of a local equation, for messages.
     pub fn describe(&self, model: &Model, equation: usize) -> String {
         let Some((node, direction)) = self.node_of(model, equation) else {
-            return "the motion of a force-driven tool".into();
+            return self.tool_motion(model, equation).unwrap_or("the motion of a force-driven tool".into());
         };
-        let what = direction.map_or("the contact force at".into(), |d| format!("{} of", ["x", "y", "z"][d]));
+        let along = |d: usize| match self.axes.of(node as usize) {
+            Some(axes) => format!("({:.3}, {:.3}, {:.3}) of", axes[(0, d)], axes[(1, d)], axes[(2, d)]),
+            None => format!("{} of", ["x", "y", "z"][d]),
+        };
+        let what = direction.map_or("the contact force at".into(), along);
         format!("{what} node {}{}", node_name(model, node), contact_status(model, node))
     }
 }
@@ -291,12 +324,12 @@ pub fn node_name(model: &Model, node: u32) -> String {
     place_of(model, node).to_string()
 }
 
-/// Components of a contact force that a slave node can have: none when neither it nor the tool can give way in any
-/// direction; with friction not those along which it stands still relative to the tool.
-fn carried(prescribed: &[Prescribed; 3], tool: &ToolFreedom, frictional: bool) -> [bool; 3] {
-    let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !tool.free[d]);
-    let held =
-        |d: usize| locked[d] && tool.moves[d].is_some() && prescribed[d].map(|motion| motion.way()) == tool.moves[d];
+/// Components of a contact force that a slave node can have, along its directions: none when neither it nor the tool can give
+/// way in any; with friction not those along which it stands still relative to the tool.
+fn carried((prescribed, axes, node): (&[Prescribed; 3], &Axes, usize), tool: &Movement, frictional: bool) -> [bool; 3] {
+    let of_tool = [0, 1, 2].map(|d| tool.along(&axes.direction(node, d)));
+    let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !of_tool[d].is_nan());
+    let held = |d: usize| locked[d] && prescribed[d].is_some_and(|motion| alike(motion.way(), of_tool[d]));
     match (locked, frictional) {
         ([true, true, true], _) => [false; 3],
         (_, false) => [true; 3],

@@ -1,16 +1,17 @@
 //! What the equations have of the nodes of masters, wherever these are owned.
 
 use super::dofs::DofMap;
-use crate::contact::{Master, Masters};
+use crate::Mat3;
+use crate::contact::{Master, Masters, Movement};
 use mpi::topology::SimpleCommunicator;
 
 /// The nodes of the master of a pair that this rank sees; a tool has one.
 #[derive(Clone, Debug, Default)]
 pub struct MasterNodes {
-    /// Equations of each along the axes; [`NONE`](super::dofs::NONE) where there is none.
+    /// Equations of each along its directions; [`NONE`](super::dofs::NONE) where there is none.
     pub equations: Vec<[i64; 3]>,
-    /// How far the step moves each along each direction: NaN where it is free, infinite where its points do not move alike.
-    pub moves: Vec<[f64; 3]>,
+    /// How the step moves each, and its directions.
+    pub moves: Vec<Movement>,
 }
 
 impl MasterNodes {
@@ -20,10 +21,21 @@ impl MasterNodes {
         masters: &Masters,
         master: Master,
         dofs: &DofMap,
-        (of_tools, of_node): (&[[f64; 3]], impl Fn(u32, usize) -> f64),
+        (of_tools, of_node): (&[Movement], impl Fn(u32) -> Movement),
     ) -> Self {
         let equations = equations(comm, masters, master, dofs);
-        Self { equations, moves: masters.gather(comm, master, of_tools, of_node) }
+        if let Some(tool) = master.tool() {
+            return Self { equations, moves: vec![of_tools[tool]] };
+        }
+        let ways = masters.gather(comm, master, &[], |n, d| of_node(n).ways[d]);
+        let mut moves: Vec<Movement> = ways.into_iter().map(Movement::along_axes).collect();
+        if dofs.is_inclined {
+            let rows = [0, 1, 2].map(|i| masters.gather(comm, master, &[], |n, d| of_node(n).axes[(i, d)]));
+            for (n, movement) in moves.iter_mut().enumerate() {
+                movement.axes = Mat3::from_fn(|i, d| rows[i][n][d]);
+            }
+        }
+        Self { equations, moves }
     }
 }
 

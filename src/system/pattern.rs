@@ -5,6 +5,7 @@
 //! and the free displacements of a node stand side by side: where an element's entries are is known by a number for each
 //! pair of its nodes.
 
+use super::axes::Axes;
 use super::candidates::Candidates;
 use super::dofs::{DofMap, NONE};
 use super::foreign::Foreign;
@@ -39,6 +40,8 @@ pub struct Pattern {
     rows: Vec<u32>,
     /// For each local node and direction the position among its free directions, or -1.
     shift: Vec<[i8; 3]>,
+    /// The directions of the local nodes.
+    axes: Axes,
     /// Entries of contact elements of this rank in rows of others.
     pub foreign: Foreign,
     /// What it provides for.
@@ -61,6 +64,7 @@ impl Pattern {
     pub fn new(comm: &SimpleCommunicator, model: &Model, dofs: &DofMap, place: impl Fn(u32) -> Vec3) -> Result<Self> {
         countable(dofs.total, "unknowns")?;
         let mut pattern = Self { candidates: Candidates::new(&model.pairs, &model.masters, place), ..Self::default() };
+        pattern.axes.clone_from(&dofs.axes);
         pattern.shift = dofs.node.iter().map(positions).collect();
         let first = |equations: &[i64; 3]| equations.iter().find_map(|&e| dofs.local(e));
         pattern.rows = dofs.node.iter().map(|equations| first(equations).map_or(NOWHERE, |row| row as u32)).collect();
@@ -156,7 +160,7 @@ impl Pattern {
         columns.binary_search(&column).map_or(NOWHERE, |k| (start + k) as u32)
     }
 
-    /// Adds the tangent of element `element`, rows and columns 3 a node, to the values.
+    /// Adds the tangent of element `element`, rows and columns 3 a node along the coordinate axes, to the values.
     pub fn add_element<const N: usize>(
         &self,
         values: &mut [f64],
@@ -164,6 +168,8 @@ impl Pattern {
         element: usize,
         tangent: &[[f64; N]; N],
     ) {
+        let turned = self.axes.turned(nodes, tangent);
+        let tangent = turned.as_ref().unwrap_or(tangent);
         let pairs = self.elements[self.starts[element] as usize..].chunks_exact(nodes.len());
         for ((&node, rows), starts) in nodes.iter().zip(tangent.as_chunks::<3>().0).zip(pairs) {
             let row = self.rows[node as usize];

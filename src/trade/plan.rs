@@ -235,10 +235,15 @@ fn of_words(text: &str) -> Result<Setting> {
 /// The scene with overrides, as it would run; an error tells where the user wants them.
 fn check(path: &Path, common: &[String], overrides: &[String], at: Option<&Location>) -> Result<Scene> {
     let all: Vec<String> = common.iter().chain(overrides).cloned().collect();
-    scene::load(path, &all).map_err(|error| match (error, at) {
-        (Error::Input { at: Some(inner), what, help }, Some(at)) => Error::input(at, format!("{inner}: {what}"), help),
-        (error, _) => error,
-    })
+    scene::load(path, &all).map_err(|error| at.map_or(error.clone(), |at| told_at(error, at)))
+}
+
+fn told_at(error: Error, at: &Location) -> Error {
+    match error {
+        Error::Input { at: Some(inner), what, help } => Error::input(at, format!("{inner}: {what}"), help),
+        Error::Inputs(errors) => Error::Inputs(errors.into_iter().map(|error| told_at(error, at)).collect()),
+        other => other,
+    }
 }
 
 fn texts(located: &[Located<String>]) -> Vec<String> {

@@ -10,7 +10,7 @@ use crate::parallel::{max, sum};
 use crate::scene::{self, Scene};
 use crate::system::assembly::internal_forces;
 use crate::system::dofs::Motion;
-use crate::system::{DofMap, Pattern, near};
+use crate::system::{Axes, DofMap, Pattern, near};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::{Factorization, Factors, LinearError, LinearSolver, LinearStatistics, Matrix, Petsc, Vector};
@@ -93,7 +93,7 @@ impl Bench<'_> {
         let owned = model.part.points.iter().take(model.part.owned);
         let held = |x: &Vec3| [0, 1, 2].map(|d| (x.y == 0.0 || plane && d == 2).then_some(Motion::still(0.0)));
         let prescribed: Vec<_> = owned.flat_map(held).collect();
-        let dofs = DofMap::new(self.comm, &model, &prescribed, &[], near::everywhere(&model.pairs));
+        let dofs = DofMap::new(self.comm, &model, (&prescribed, &Axes::default()), &[], near::everywhere(&model.pairs));
         let pattern = Pattern::new(self.comm, &model, &dofs, |n| model.part.points[n as usize])?;
         Ok(Block { model, dofs, pattern })
     }

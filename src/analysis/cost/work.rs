@@ -50,7 +50,8 @@ impl Work {
                 MATERIALS[0]
             }
             MaterialModel::Hooke { .. } | MaterialModel::Hyperelastic { law: Isochoric::Ogden(_), .. } => MATERIALS[1],
-            MaterialModel::Plastic { hill: None, .. } => MATERIALS[2],
+            // As long as plasticity that does not flow.
+            MaterialModel::Plastic { hill: None, .. } | MaterialModel::Orthotropic(_) => MATERIALS[2],
             MaterialModel::Plastic { hill: Some(_), .. } => MATERIALS[3],
         };
         Self::Element(shape, law)

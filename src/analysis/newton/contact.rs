@@ -57,7 +57,8 @@ impl Newton<'_> {
                     part.points[node] + self.found.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
                 let equations = dofs.multiplier[p][s].map(|e| dofs.local(e));
                 let unknown = Vec3::from_fn(|d, _| equations[d].map_or(0.0, |k| x[k]));
-                let slave_moves = [0, 1, 2].map(|d| self.system.conditions.move_of(node as u32, d));
+                let unknown = dofs.axes.outward_of(pair, node as u32, &unknown);
+                let slave_moves = self.system.conditions.movement(node as u32);
                 let moves = Moves { slave: slave_moves, master: &self.touching.nodes[p].moves };
                 let meeting = Meeting::new(pair, &ground, (s, &position), &moves, &unknown, first);
                 let e = self.touching.workspace.evaluate(&ground, &meeting, false);
@@ -73,7 +74,8 @@ impl Newton<'_> {
                 if !dofs.near[p][s] {
                     self.touching.left_out += e.constraint.norm_squared();
                 }
-                for (equation, residual) in equations.iter().zip(&e.constraint) {
+                let constraint = dofs.axes.inward_of(pair, node as u32, &e.constraint);
+                for (equation, residual) in equations.iter().zip(&constraint) {
                     if let Some(k) = equation {
                         r[*k] += residual;
                     }
@@ -138,9 +140,9 @@ impl Newton<'_> {
         let Model { part, masters, pairs, .. } = &mut *self.system.model;
         let (comm, conditions) = (self.system.comm, self.system.conditions);
         masters.remember(comm, |n| part.points[n as usize] + self.system.committed[n as usize]);
-        let of_tools = conditions.moves_of_tools();
+        let of_tools = conditions.movements_of_tools();
         let of_pair = |master| {
-            let moves = (&of_tools[..], |n: u32, d: usize| conditions.move_of(n, d));
+            let moves = (&of_tools[..], |n: u32| conditions.movement(n));
             MasterNodes::new(comm, masters, master, self.system.dofs, moves)
         };
         self.touching.nodes = pairs.iter().map(|pair| of_pair(pair.master)).collect();
@@ -194,7 +196,7 @@ impl Newton<'_> {
         let mut equations = Vec::new();
         for (p, pair) in pairs.iter_mut().enumerate() {
             let ground = masters.of(pair.master);
-            let of_master = &self.touching.nodes[p].equations;
+            let MasterNodes { equations: of_master, moves } = &self.touching.nodes[p];
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
                 let Some(meeting) = &self.touching.meetings[p][s] else { continue };
                 let workspace = &mut self.touching.workspace;
@@ -202,7 +204,12 @@ impl Newton<'_> {
                 let multiplier = dofs.multiplier[p][s];
                 if pair.method.holds_multipliers() {
                     workspace.learn(slave, &e, &ground);
-                } else if pair.friction > 0.0 {
+                }
+                if dofs.is_inclined {
+                    let width = if pair.friction > 0.0 { 3 } else { 1 };
+                    workspace.turn(dofs.axes.of(slave.node as usize), width, |n| moves[n as usize].axes);
+                }
+                if !pair.method.holds_multipliers() && pair.friction > 0.0 {
                     workspace.hold(multiplier.map(|e| e != NONE), meeting);
                 }
                 let element = &workspace.element;

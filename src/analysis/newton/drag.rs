@@ -26,8 +26,8 @@ impl Newton<'_> {
 
     /// Takes over the numbers of equations.
     pub(super) fn number_drag(&mut self) {
-        let nodes =
-            self.system.dofs.node[..self.system.model.part.owned].iter().zip(self.system.committed.iter().copied());
+        let at = |n: usize| self.system.dofs.axes.inward(n, &self.system.committed[n]);
+        let nodes = (0..self.system.model.part.owned).map(|n| (&self.system.dofs.node[n], at(n)));
         let tools = self.system.dofs.tool.iter().zip(self.strategy.drag.offsets.iter().copied());
         let all = nodes.chain(tools).flat_map(|(equations, at)| (0..3).map(move |d| (equations[d], at[d])));
         let mut rest: Vec<_> = all.filter_map(|(e, at)| Some((self.system.dofs.local(e)?, at))).collect();

@@ -38,7 +38,7 @@ impl Newton<'_> {
         let System { comm, model, dofs, conditions, .. } = &mut self.system;
         let stay = (self.course.growths > 0).then_some(&dofs.near);
         let near = near::around(&model.pairs, |slave| &slave.trial, stay);
-        let new = DofMap::new(comm, model, &conditions.prescribed, &conditions.freedoms(), near);
+        let new = DofMap::new(comm, model, conditions.supports(), &conditions.freedoms(), near);
         let old = std::mem::replace(*dofs, new);
         self.renew_pattern()?;
         self.learn();
@@ -65,6 +65,8 @@ impl Newton<'_> {
                     continue;
                 }
                 let constraint = self.constraint(p, s);
+                let pair = &self.system.model.pairs[p];
+                let constraint = self.system.dofs.axes.inward_of(pair, pair.slaves[s].node, &constraint);
                 for (k, value) in equations.iter().zip(&constraint) {
                     if let Some(k) = k {
                         residual[*k] = *value;

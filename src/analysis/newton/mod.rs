@@ -156,8 +156,12 @@ impl<'a> Newton<'a> {
     pub fn new(system: System<'a>, (start, watcher): (&Start<'a>, &'a mut Watcher<'a>)) -> Self {
         let System { comm, model, dofs, pattern, conditions, committed, .. } = &system;
         let values = vec![0.0; pattern.columns.len()];
-        let away =
-            |(k, p): (usize, &Prescribed)| p.is_some_and(|p| conditions.place(&p, start.s) != committed[k / 3][k % 3]);
+        let away = |(k, p): (usize, &Prescribed)| {
+            let at = || conditions.axes.inward(k / 3, &committed[k / 3])[k % 3];
+            // Turned there and back, displacements are rounded.
+            let rounding = conditions.axes.of(k / 3).map_or(0.0, |_| 1e-14 * committed[k / 3].amax());
+            p.is_some_and(|p| (conditions.place(&p, start.s) - at()).abs() > rounding)
+        };
         let strategy = Strategy {
             share: start.share,
             tolerance: start.tolerance,
@@ -221,18 +225,21 @@ impl<'a> Newton<'a> {
 
     /// Starts from the unknowns of the last converged state; the prescribed displacements enter the first iteration linearly.
     pub fn start_behind(&self, x: &mut [f64]) {
+        let dofs = &*self.system.dofs;
         for n in 0..self.system.model.part.owned {
+            let at = dofs.axes.inward(n, &self.system.committed[n]);
             for d in 0..3 {
-                if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
-                    x[k] = self.system.committed[n][d];
+                if let Some(k) = dofs.local(dofs.node[n][d]) {
+                    x[k] = at[d];
                 }
             }
         }
-        for (pair, equations) in self.system.model.pairs.iter().zip(&self.system.dofs.multiplier) {
+        for (pair, equations) in self.system.model.pairs.iter().zip(&dofs.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(equations) {
+                let multiplier = dofs.axes.inward_of(pair, slave.node, &slave.committed.multiplier);
                 for d in 0..3 {
-                    if let Some(k) = self.system.dofs.local(equations[d]) {
-                        x[k] = slave.committed.multiplier[d] / slave.law.normal;
+                    if let Some(k) = dofs.local(equations[d]) {
+                        x[k] = multiplier[d] / slave.law.normal;
                     }
                 }
             }
@@ -246,25 +253,23 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// The value that a prescribed displacement has in this evaluation, or its linear part that is still to come.
-    fn prescribed(&self, node: usize, d: usize) -> Option<f64> {
+    /// The component of the displacement of an owned node, which had these at the last converged state, that has no equation.
+    fn settled(&self, node: usize, d: usize, committed: &Vec3) -> f64 {
         let conditions = self.system.conditions;
-        conditions.prescribed[3 * node + d].map(|motion| match self.strategy.predicting {
-            true => self.system.committed[node][d],
-            false => conditions.place(&motion, self.s),
-        })
+        match conditions.prescribed[3 * node + d] {
+            Some(motion) if !self.strategy.predicting => conditions.place(&motion, self.s),
+            _ => committed[d],
+        }
     }
 
     /// Sets displacements and tool poses from the unknowns. Collective.
     fn unpack(&mut self, x: &[f64]) {
         let part = &self.system.model.part;
         for n in 0..part.owned {
-            for d in 0..3 {
-                self.found.u[n][d] = match self.system.dofs.local(self.system.dofs.node[n][d]) {
-                    Some(k) => x[k],
-                    None => self.prescribed(n, d).unwrap_or(self.system.committed[n][d]),
-                };
-            }
+            let dofs = &*self.system.dofs;
+            let committed = dofs.axes.inward(n, &self.system.committed[n]);
+            let along = |d: usize| dofs.local(dofs.node[n][d]).map_or_else(|| self.settled(n, d, &committed), |k| x[k]);
+            self.found.u[n] = dofs.axes.outward(n, &Vec3::new(along(0), along(1), along(2)));
         }
         for n in 0..part.owned {
             self.found.u[n] = self.found.u[part.tie[n] as usize];
@@ -337,9 +342,10 @@ impl<'a> Newton<'a> {
             self.system.phases.add(Phase::Search, begun.elapsed());
         }
         for n in 0..self.system.model.part.owned {
+            let force = self.system.dofs.axes.inward(n, &self.found.forces[n]);
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
-                    r[k] += self.found.forces[n][d];
+                    r[k] += force[d];
                 }
             }
         }
@@ -362,12 +368,13 @@ impl<'a> Newton<'a> {
     /// How far each prescribed displacement still is from its value at the end of the increment; zero elsewhere. Collective.
     fn prescribed_increments(&self) -> Vec<Vec3> {
         let mut ahead = vec![Vec3::zeros(); self.system.model.part.points.len()];
-        for n in 0..self.system.model.part.owned {
-            for d in 0..3 {
-                if let Some(motion) = self.system.conditions.prescribed[3 * n + d] {
-                    ahead[n][d] = self.system.conditions.place(&motion, self.s) - self.system.committed[n][d];
-                }
-            }
+        let conditions = self.system.conditions;
+        for (n, ahead) in ahead.iter_mut().enumerate().take(self.system.model.part.owned) {
+            let committed = conditions.axes.inward(n, &self.system.committed[n]);
+            let along = |d: usize| {
+                conditions.prescribed[3 * n + d].map_or(0.0, |motion| conditions.place(&motion, self.s) - committed[d])
+            };
+            *ahead = conditions.axes.outward(n, &Vec3::new(along(0), along(1), along(2)));
         }
         update_halo(self.system.model, self.system.comm, &mut ahead);
         ahead
@@ -520,12 +527,15 @@ impl Problem for Newton<'_> {
 impl Newton<'_> {
     /// The multipliers at the unknowns `x`, N; those that are held are the forces.
     pub fn multipliers(&self, x: &[f64]) -> Vec<Vec<Vec3>> {
-        let of = |slave: &Slave, equations: &[i64; 3]| {
-            Vec3::from_fn(|d, _| self.system.dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal))
+        let dofs = &*self.system.dofs;
+        let of = |pair: &Pair, slave: &Slave, equations: &[i64; 3]| {
+            let along = Vec3::from_fn(|d, _| dofs.local(equations[d]).map_or(0.0, |k| x[k] * slave.law.normal));
+            dofs.axes.outward_of(pair, slave.node, &along)
         };
-        let pairs = self.system.model.pairs.iter().zip(&self.system.dofs.multiplier);
+        let pairs = self.system.model.pairs.iter().zip(&dofs.multiplier);
         let forces = |pair: &Pair| pair.slaves.iter().map(|s| s.trial.force).collect();
-        let unknowns = |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(s, e)).collect();
+        let unknowns =
+            |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(pair, s, e)).collect();
         pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
     }
 

@@ -10,6 +10,7 @@ impl Newton<'_> {
             let n = n as usize;
             let force = stiffness.component_mul(&self.found.u[n]);
             self.found.balance.load(model.part.section[n] as usize, force.amax());
+            let force = dofs.axes.inward(n, &force);
             for d in 0..3 {
                 if let Some(k) = dofs.local(dofs.node[n][d]) {
                     r[k] += force[d];
@@ -21,9 +22,12 @@ impl Newton<'_> {
     pub(super) fn add_spring_tangent(&mut self) {
         let System { dofs, pattern, conditions, .. } = &self.system;
         for (&n, stiffness) in &conditions.springs {
-            for d in 0..3 {
-                if let Some(k) = dofs.local(dofs.node[n as usize][d]) {
-                    pattern.add(&mut self.values, k, dofs.first + k as i64, stiffness[d]);
+            for d in (0..3).filter(|&d| stiffness[d] > 0.0) {
+                for (row, share) in dofs.shares(n, d) {
+                    let Some(local) = dofs.local(row) else { continue };
+                    for (column, part) in dofs.shares(n, d) {
+                        pattern.add(&mut self.values, local, column, stiffness[d] * share * part);
+                    }
                 }
             }
         }

@@ -15,6 +15,9 @@ use crate::parallel::{max, sum};
 use crate::scene::{Scene, body_of};
 use mpi::topology::SimpleCommunicator;
 
+/// Components of directions below this are none.
+const SLIGHT: f64 = 1e-6;
+
 /// Refuses steps in which nothing presses a body that has contacts. Collective.
 pub fn check(
     comm: &SimpleCommunicator,
@@ -68,7 +71,7 @@ pub fn check(
 
 /// What acts on a body besides contacts, on all ranks.
 struct Support {
-    /// 1 along x, y, z where no node is prescribed or on a spring, else 0.
+    /// 1 along x, y, z where no node is prescribed or on a spring, by any component of a direction, else 0.
     free: Vec3,
     /// Sum of the loads at the beginning and at the end of the step, and where tables turn, N.
     loads: Vec<Vec3>,
@@ -84,7 +87,8 @@ fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, t
     for n in 0..model.part.owned {
         let b = model.part.body[n] as usize;
         let spring = conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
-        for d in (0..3).filter(|&d| conditions.prescribed[3 * n + d].is_some() || spring[d] > 0.0) {
+        let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
+        for d in (0..3).filter(|&d| spring[d] > 0.0 || held.iter().any(|along| along[d].abs() > SLIGHT)) {
             set[3 * b + d] = 1.0;
         }
         for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {

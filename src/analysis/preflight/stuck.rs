@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
 use crate::scene::{Amplitude, Scene, Step};
+use crate::system::Axes;
 use mpi::topology::SimpleCommunicator;
 
 /// Fractions of a step that are looked at, evenly.
@@ -25,20 +26,19 @@ const ACROSS: f64 = 1e-6;
 /// Refuses scenes in which such a node comes to be inside its tool. Collective.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) -> Result<()> {
     let contacts = scene.passes();
-    // How far each direction of each owned node has moved, NaN where equilibrium has decided; and where tools are.
+    // How far each owned node has moved along its directions of the step, NaN where equilibrium has decided; and where tools
+    // are.
     let mut moved = vec![Vec3::zeros(); model.part.owned];
+    let mut axes = Axes::default();
     let mut poses: Vec<Option<Pose>> = model.masters.tools.iter().map(|tool| Some(tool.committed)).collect();
     let mut found = Ok(());
     for (step, conditions) in scene.steps.iter().zip(steps) {
+        for (n, u) in moved.iter_mut().enumerate().filter(|(n, _)| axes.of(*n) != conditions.axes.of(*n)) {
+            *u = conditions.axes.inward(n, &axes.outward(n, u));
+        }
+        axes.clone_from(&conditions.axes);
         let before = moved.clone();
-        // How far a node has moved at a fraction of the step.
-        let moves = |n: usize, s: f64| {
-            Vec3::from_fn(|d, _| {
-                let motion = conditions.prescribed[3 * n + d];
-                motion.map_or(f64::NAN, |motion| conditions.place(&motion, s) - motion.from)
-            })
-        };
-        moved.iter_mut().enumerate().for_each(|(n, u)| *u += moves(n, 1.0));
+        moved.iter_mut().enumerate().for_each(|(n, u)| *u += conditions.moved(n, 1.0));
         let looks = looks(step);
         for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
             *pose = pose.filter(|_| motion.free == [false; 3]);
@@ -59,8 +59,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 tool.trial = conditions.pose(t, &start, s);
                 let place = |k: usize| {
                     let n = pair.slaves[k].node as usize;
-                    let u = before[n] + moves(n, s);
-                    (model.part.points[n] + u.map(|u| if u.is_nan() { 0.0 } else { u }), u)
+                    let u = before[n] + conditions.moved(n, s);
+                    let known = u.map(|u| if u.is_nan() { 0.0 } else { u });
+                    (model.part.points[n] + conditions.axes.outward(n, &known), u)
                 };
                 let points: Vec<Vec3> = watched.iter().map(|&k| tool.trial.inward(&place(k).0)).collect();
                 // As deep as a look may find it for the first time.
@@ -75,8 +76,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 for &k in &watched {
                     let (x, u) = place(k);
                     let Some(p) = tool.project(&x, reach, (None, false)) else { continue };
+                    let normal = conditions.axes.inward(pair.slaves[k].node as usize, &p.normal);
                     let held =
-                        (0..3).all(|d| p.normal[d].abs() <= ACROSS || is_set(pair, k, conditions, d) && !u[d].is_nan());
+                        (0..3).all(|d| normal[d].abs() <= ACROSS || is_set(pair, k, conditions, d) && !u[d].is_nan());
                     if held && p.gap < -DEPTH * pair.facet_size {
                         deep.push((pair.slaves[k].node, -p.gap));
                     }

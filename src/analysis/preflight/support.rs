@@ -98,8 +98,8 @@ pub fn supported(
 ) -> RigidMotions {
     let mut motions = RigidMotions::new(comm, model, free);
     for n in 0..model.part.owned {
-        for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_some()) {
-            motions.hold(model.part.body[n] as usize, &place(n), &Vec3::ith(d, 1.0));
+        for along in (0..3).filter_map(|d| conditions.held_along(n, d)) {
+            motions.hold(model.part.body[n] as usize, &place(n), &along);
         }
     }
     for (&n, stiffness) in &conditions.springs {
@@ -116,9 +116,10 @@ fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, s: 
     let mut ends = vec![0.0f64; 6 * model.bodies.len()];
     for n in 0..model.part.owned {
         let own = &mut ends[6 * model.part.body[n] as usize..];
+        let along = conditions.moved(n, s).map(|by| if by.is_nan() { 0.0 } else { by });
+        let by = conditions.axes.outward(n, &along);
         for d in 0..3 {
-            let by = conditions.prescribed[3 * n + d].map_or(0.0, |motion| conditions.place(&motion, s) - motion.from);
-            (own[d], own[3 + d]) = (own[d].max(by), own[3 + d].max(-by));
+            (own[d], own[3 + d]) = (own[d].max(by[d]), own[3 + d].max(-by[d]));
         }
     }
     max(comm, &mut ends);

@@ -285,6 +285,19 @@ impl Element {
         Mat3::from_fn(|i, j| if i < width { self.matrix[(3 + i) * self.shape[1] + first + j] } else { 0.0 })
     }
 
+    /// Has the vector that begins with this row and column along other directions, the columns of `axes`.
+    pub fn turn(&mut self, first: usize, axes: &Mat3) {
+        let [rows, columns] = self.shape;
+        for row in self.matrix.chunks_exact_mut(columns) {
+            let turned = axes.tr_mul(&Vec3::from_column_slice(&row[first..first + 3]));
+            row[first..first + 3].copy_from_slice(turned.as_slice());
+        }
+        for c in (0..columns).filter(|_| first < rows) {
+            let turned = axes.tr_mul(&Vec3::from_fn(|i, _| self.matrix[(first + i) * columns + c]));
+            (0..3).for_each(|i| self.matrix[(first + i) * columns + c] = turned[i]);
+        }
+    }
+
     /// Writes the first rows and columns of a block.
     fn set(&mut self, row: usize, column: usize, [rows, columns]: [usize; 2], block: &Mat3) {
         for i in 0..rows {

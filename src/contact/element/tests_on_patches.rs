@@ -491,7 +491,7 @@ fn plane_strain_holds_the_direction_across() {
         pair.points[k].z = -0.5;
         pair.points[half + k] = Vec3::new(pair.points[k].x, pair.points[k].y, 1.5);
     }
-    let guide = Guide { held: [false, false, true], drawn: [false; 3] };
+    let guide = Guide { held: [false, false, true], ..Guide::default() };
     for status in [Status::Stick, Status::Slip] {
         let mut pair = pair.clone();
         pair.slave = pair.shape().point([0.4, 0.5]) - pair.shape().normal([0.4, 0.5]) * (0.05 * size);

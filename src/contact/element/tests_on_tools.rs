@@ -249,7 +249,7 @@ fn the_tangent_of_a_held_node_is_the_derivative_in_the_free_directions() {
         .into_iter()
         .flat_map(|m| [[true, false, false], [false, true, false], [true, true, false]].map(|held| (m, held)))
     {
-        let guide = Guide { held, drawn: [false; 3] };
+        let guide = Guide { held, ..Guide::default() };
         let free = Vec3::from(held.map(|held| if held { 0.0 } else { 1.0 }));
         for (_, x, lambda, origin) in states(master) {
             let lambda = lambda.component_mul(&free);
@@ -318,7 +318,7 @@ fn a_held_node_gives_the_force_of_the_whole_normal() {
     let (_, x, _, origin) = states(Master::Sphere)[2];
     let p = Master::Sphere.project(x);
     let law = Law { friction: 1e-12, ..LAW };
-    let guide = Guide { held: [true, false, false], drawn: [false; 3] };
+    let guide = Guide { held: [true, false, false], ..Guide::default() };
     let pressed = Vec3::new(0.0, p.normal.y, p.normal.z) * -5.0;
     let e = element(law, &Multiplier::Augmented(pressed), &p, origin, &guide).response;
     assert!(e.status == Status::Slip && e.force.normalize().dot(&p.normal) < -1.0 + 1e-11);
@@ -330,7 +330,7 @@ fn a_drawn_node_cannot_stick() {
     let (status, x, lambda, origin) = states(Master::Sphere)[1];
     let p = Master::Sphere.project(x);
     let multiplier = Multiplier::Augmented(lambda);
-    let guide = |drawn| Guide { held: [false; 3], drawn };
+    let guide = |drawn| Guide { drawn, ..Guide::default() };
     let at = |drawn| element(LAW, &multiplier, &p, origin, &guide(drawn)).response;
     assert_eq!((status, at([false; 3]).status), (Status::Stick, Status::Stick));
     let e = at([false, true, false]);

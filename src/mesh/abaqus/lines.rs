@@ -1,5 +1,6 @@
 //! The lines of a deck and of the files it includes, and keyword lines taken apart.
 
+use crate::encoding;
 use crate::error::{Error, Location, Result};
 use crate::mesh::message;
 use std::path::{Path, PathBuf};
@@ -65,6 +66,8 @@ impl Lines {
             let help = "included files are looked for in the folder of the deck";
             self.error(format!("cannot read the included file '{}': {error}", path.display()), help)
         })?;
+        let data = encoding::unmarked(&path, data)
+            .map_err(|(what, help)| self.error(format!("the included file '{name}' {what}"), &help))?;
         self.stack.push(Source { name, data, position: 0, line: 0 });
         Ok(())
     }

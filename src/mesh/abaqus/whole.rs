@@ -6,6 +6,7 @@ use super::super::{Mesh, message};
 use super::groups::{Placed, Surfaces};
 use super::lines::number;
 use super::{Deck, Keyword, Kind, Level, Lines, fields};
+use crate::encoding;
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
@@ -113,6 +114,8 @@ pub(crate) fn read_whole(path: &Path) -> Result<Whole> {
     let source = path.display().to_string();
     let data = std::fs::read(path)
         .map_err(|error| Error::input_anywhere(format!("cannot read the deck {source}: {error}"), ""))?;
+    let data = encoding::unmarked(path, data)
+        .map_err(|(what, help)| Error::input_anywhere(format!("the deck {source} {what}"), help))?;
     let mut deck = Deck::read(path, &source, data, Some(Vec::new()))?;
     let cards = deck.cards.take().unwrap_or_default();
     let mut file = FileMesh::new(&source);

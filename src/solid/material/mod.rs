@@ -17,6 +17,7 @@ mod hyperelastic;
 mod logarithmic;
 mod model;
 mod neo_hookean;
+mod orthotropic;
 mod plastic;
 
 pub use logarithmic::strain_between;
@@ -25,8 +26,9 @@ use super::voigt::Voigt;
 use crate::Mat3;
 pub use hencky::Hencky;
 pub use hyperelastic::Hyperelastic;
-pub use model::{Hardening, Hill, Isochoric, MaterialModel};
+pub use model::{Hardening, Hill, Isochoric, MaterialModel, Orthotropy};
 pub use neo_hookean::NeoHookean;
+pub use orthotropic::Orthotropic;
 pub use plastic::Plastic;
 
 /// How a material has flowed at a point.
@@ -60,6 +62,7 @@ pub enum Material {
     NeoHookean(NeoHookean),
     Hencky(Hencky),
     Hyperelastic(Box<Hyperelastic>),
+    Orthotropic(Box<Orthotropic>),
     Plastic(Box<Plastic>),
 }
 
@@ -78,13 +81,15 @@ impl Material {
             MaterialModel::Hyperelastic { law, bulk } => {
                 Self::Hyperelastic(Box::new(Hyperelastic { law: law.clone(), bulk: *bulk }))
             }
+            MaterialModel::Orthotropic(constants) => Self::Orthotropic(Box::new(Orthotropic::new(constants))),
             MaterialModel::Plastic { young, poisson, hill, hardening } => {
                 Self::Plastic(Box::new(Plastic::new(lame(*young, *poisson), hill.as_ref(), hardening.clone())))
             }
         }
     }
 
-    /// Lame's constants (lambda, mu) in the undeformed state.
+    /// Lame's constants (lambda, mu) in the undeformed state; of an orthotropic material those of the mean over all
+    /// directions.
     pub fn initial_moduli(&self) -> (f64, f64) {
         match self {
             &Self::NeoHookean(NeoHookean { lambda, mu }) | &Self::Hencky(Hencky { lambda, mu }) => (lambda, mu),
@@ -92,6 +97,7 @@ impl Material {
                 let shear = material.law.shear();
                 (material.bulk - 2.0 / 3.0 * shear, shear)
             }
+            Self::Orthotropic(material) => material.isotropic,
             Self::Plastic(material) => (material.lambda(), material.mu),
         }
     }
@@ -106,7 +112,7 @@ impl Material {
     /// Whether the material has states; without, those given to it do not count.
     pub fn remembers(&self) -> bool {
         match self {
-            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) => false,
+            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) | Self::Orthotropic(_) => false,
             Self::Plastic(_) => true,
         }
     }
@@ -118,6 +124,7 @@ impl Material {
             Self::NeoHookean(material) => material.response(f),
             Self::Hencky(material) => material.response(f),
             Self::Hyperelastic(material) => material.response(f),
+            Self::Orthotropic(material) => material.response(f),
             Self::Plastic(material) => material.response(f, before),
         }
     }
@@ -129,6 +136,7 @@ impl Material {
             Self::NeoHookean(material) => material.kirchhoff(f),
             Self::Hencky(material) => material.kirchhoff(f),
             Self::Hyperelastic(material) => material.kirchhoff(f),
+            Self::Orthotropic(material) => material.kirchhoff(f),
             Self::Plastic(material) => material.kirchhoff(f, before),
         }
     }
@@ -136,7 +144,7 @@ impl Material {
     /// The state at `f`, reached in one increment from a state; `None` unless det F > 0.
     pub fn flow(&self, f: &Mat3, before: &State) -> Option<State> {
         match self {
-            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) => Some(*before),
+            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) | Self::Orthotropic(_) => Some(*before),
             Self::Plastic(material) => material.flow(f, before),
         }
     }
@@ -147,6 +155,7 @@ impl Material {
             Self::NeoHookean(material) => material.energy(f),
             Self::Hencky(material) => material.energy(f),
             Self::Hyperelastic(material) => material.energy(f),
+            Self::Orthotropic(material) => material.energy(f),
             Self::Plastic(material) => material.energy(f, before),
         }
     }
@@ -154,7 +163,7 @@ impl Material {
     /// Work of the stress on plastic strain, per reference volume, until a state.
     pub fn plastic_work(&self, state: &State) -> f64 {
         match self {
-            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) => 0.0,
+            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) | Self::Orthotropic(_) => 0.0,
             Self::Plastic(material) => material.plastic_work(state),
         }
     }
@@ -304,7 +313,7 @@ mod tests {
                 let axial = match material {
                     Material::NeoHookean(_) => mu * (s * s - 1.0) + lambda * s.ln(),
                     Material::Hencky(_) | Material::Plastic(_) => (lambda + 2.0 * mu) * s.ln(),
-                    Material::Hyperelastic(_) => continue,
+                    Material::Hyperelastic(_) | Material::Orthotropic(_) => continue,
                 };
                 let exact = [lambda * s.ln(), lambda * s.ln(), axial, 0.0, 0.0, 0.0];
                 let found = cauchy(&material.kirchhoff(&f, VIRGIN).unwrap(), s);

@@ -1,6 +1,7 @@
 //! Material models with their parameters.
 
 use crate::Mat3;
+use crate::solid::voigt::Voigt;
 
 /// The material models and their parameters, checked to be physical.
 #[derive(Clone, Debug, PartialEq)]
@@ -9,6 +10,8 @@ pub enum MaterialModel {
     NeoHookean { young: f64, poisson: f64 },
     /// Kirchhoff stress linear in the logarithmic strain.
     Hooke { young: f64, poisson: f64 },
+    /// Orthotropic, linear in the logarithmic strain.
+    Orthotropic(Orthotropy),
     /// An isochoric law, and K/2 (J - 1)^2 with the bulk modulus K.
     Hyperelastic { law: Isochoric, bulk: f64 },
     /// Elastic-plastic in logarithmic strain, by von Mises or, when given, by Hill.
@@ -16,21 +19,29 @@ pub enum MaterialModel {
 }
 
 impl MaterialModel {
-    /// Young's modulus.
+    /// Young's modulus; of an orthotropic material that of its mean over all directions.
     pub fn young(&self) -> f64 {
         match *self {
             Self::NeoHookean { young, .. } | Self::Hooke { young, .. } | Self::Plastic { young, .. } => young,
             Self::Hyperelastic { ref law, bulk } => 9.0 * bulk * law.shear() / (3.0 * bulk + law.shear()),
+            Self::Orthotropic(ref constants) => {
+                let (lambda, mu) = constants.isotropic();
+                mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
+            }
         }
     }
 
-    /// Poisson's ratio in the undeformed state.
+    /// Poisson's ratio in the undeformed state; of an orthotropic material as Young's modulus.
     pub fn poisson(&self) -> f64 {
         match *self {
             Self::NeoHookean { poisson, .. } | Self::Hooke { poisson, .. } | Self::Plastic { poisson, .. } => poisson,
             Self::Hyperelastic { ref law, bulk } => {
                 let shear = law.shear();
                 0.5 * (3.0 * bulk - 2.0 * shear) / (3.0 * bulk + shear)
+            }
+            Self::Orthotropic(ref constants) => {
+                let (lambda, mu) = constants.isotropic();
+                0.5 * lambda / (lambda + mu)
             }
         }
     }
@@ -68,6 +79,49 @@ impl Isochoric {
         }
     }
 }
+/// Engineering constants of an orthotropic material.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orthotropy {
+    /// E1, E2, E3.
+    pub young: [f64; 3],
+    /// nu12, nu13, nu23: of the contraction along the second axis under tension along the first.
+    pub poisson: [f64; 3],
+    /// G12, G13, G23.
+    pub shear: [f64; 3],
+    /// Columns are the axes of the material in the reference state, orthonormal.
+    pub axes: Mat3,
+}
+
+impl Orthotropy {
+    /// The compliance of normal stresses.
+    pub fn compliance(&self) -> Mat3 {
+        let ([e1, e2, e3], [nu12, nu13, nu23]) = (self.young, self.poisson);
+        let (a, b, c) = (-nu12 / e1, -nu13 / e1, -nu23 / e2);
+        Mat3::new(1.0 / e1, a, b, a, 1.0 / e2, c, b, c, 1.0 / e3)
+    }
+
+    /// The moduli by the axes, for engineering shears; `None` unless they are positive definite.
+    pub fn moduli(&self) -> Option<[Voigt; 6]> {
+        let normal = self.compliance().cholesky()?.inverse();
+        let [g12, g13, g23] = self.shear;
+        let mut moduli = [[0.0; 6]; 6];
+        for i in 0..3 {
+            (0..3).for_each(|j| moduli[i][j] = 0.5 * (normal[(i, j)] + normal[(j, i)]));
+        }
+        [g12, g23, g13].into_iter().enumerate().for_each(|(k, g)| moduli[3 + k][3 + k] = g);
+        [g12, g23, g13].iter().all(|g| *g > 0.0).then_some(moduli)
+    }
+
+    /// Lame's constants (lambda, mu) of the moduli's mean over all directions (Voigt).
+    pub fn isotropic(&self) -> (f64, f64) {
+        let c = self.moduli().unwrap_or_default();
+        let normal = c[0][0] + c[1][1] + c[2][2];
+        let (across, shear) = (c[0][1] + c[1][2] + c[2][0], c[3][3] + c[4][4] + c[5][5]);
+        let mu = (normal - across + 3.0 * shear) / 15.0;
+        ((normal + 2.0 * across) / 9.0 - 2.0 / 3.0 * mu, mu)
+    }
+}
+
 /// Hill's criterion of 1948.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hill {

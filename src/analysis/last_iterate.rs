@@ -1,0 +1,41 @@
+//! The last iterate of an increment that was not found: no result, but where to look for the reason.
+
+use super::newton::Newton;
+use crate::Vec3;
+use crate::contact::{Pose, Trial};
+use crate::system::dofs::NONE;
+
+/// What is known of it on this rank.
+#[derive(Clone, Debug)]
+pub(super) struct LastIterate {
+    /// Time at the end of the increment.
+    pub time: f64,
+    /// Displacements of all local nodes.
+    pub u: Vec<Vec3>,
+    /// Forces out of balance on owned nodes, N: along what is free.
+    pub residual: Vec<Vec3>,
+    pub poses: Vec<Pose>,
+    /// Of the slave nodes of each pair.
+    pub trials: Vec<Vec<Trial>>,
+}
+
+impl LastIterate {
+    /// That of a Newton iteration which has ended; its time is not known here.
+    pub fn of(newton: &Newton) -> Self {
+        let (model, dofs) = (&*newton.system.model, &*newton.system.dofs);
+        let residual = |n: usize| {
+            let spring = newton.system.conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
+            let mut force = newton.found.forces[n] + spring.component_mul(&newton.found.u[n]);
+            force = dofs.axes.inward(n, &force);
+            (0..3).filter(|&d| dofs.node[n][d] == NONE).for_each(|d| force[d] = 0.0);
+            dofs.axes.outward(n, &force)
+        };
+        Self {
+            time: 0.0,
+            u: newton.found.u.clone(),
+            residual: (0..model.part.owned).map(residual).collect(),
+            poses: model.masters.tools.iter().map(|tool| tool.trial).collect(),
+            trials: model.pairs.iter().map(|pair| pair.slaves.iter().map(|slave| slave.trial).collect()).collect(),
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! How a step moves points of bodies and tools, as far as it prescribes that.
+
+use crate::{Mat3, Vec3};
+
+/// The bits of a way that tell courses from each other.
+const COURSES: u64 = 0xffff;
+/// Cosines, and differences of ways over these, below this are rounding; well above what a course changes a way by.
+const ROUNDING: f64 = 1e-9;
+
+/// How a step moves a point, along three directions at right angles to each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Movement {
+    /// The directions, its columns: the coordinate axes unless conditions are inclined.
+    pub axes: Mat3,
+    /// The [`way`] along each: NaN where it is free, infinite where what moves does not move alike.
+    pub ways: [f64; 3],
+}
+
+impl Movement {
+    /// Along the coordinate axes.
+    pub fn along_axes(ways: [f64; 3]) -> Self {
+        Self { axes: Mat3::identity(), ways }
+    }
+
+    /// The way along any direction, a unit vector.
+    pub fn along(&self, direction: &Vec3) -> f64 {
+        let parts = self.axes.column_iter().map(|axis| axis.dot(direction)).zip(self.ways);
+        let parts = || parts.clone().filter(|(part, _)| part.abs() > ROUNDING);
+        if parts().any(|(_, way)| way.is_nan()) {
+            return f64::NAN;
+        }
+        let mut courses = parts().filter(|(_, way)| *way != 0.0).map(|(_, way)| way.to_bits() & COURSES);
+        let course = courses.next().unwrap_or(0);
+        if parts().any(|(_, way)| way.is_infinite()) || courses.any(|other| other != course) {
+            return f64::INFINITY;
+        }
+        let by = |(part, way): (f64, f64)| part * f64::from_bits(way.to_bits() & !COURSES);
+        let (sum, most) = (parts().map(by).sum::<f64>(), parts().map(|at| by(at).abs()).sum::<f64>());
+        if sum.abs() <= ROUNDING * most { 0.0 } else { way(sum, course as u32) }
+    }
+}
+
+/// A number for a motion by so much on a course: two motions have the same where they go alike.
+pub fn way(by: f64, course: u32) -> f64 {
+    if by == 0.0 { 0.0 } else { f64::from_bits(by.to_bits() & !COURSES | u64::from(course) & COURSES) }
+}
+
+/// Whether two ways are the same, but for rounding.
+pub fn alike(a: f64, b: f64) -> bool {
+    let same_course = (a.to_bits() ^ b.to_bits()) & COURSES == 0;
+    a == b || same_course && (a - b).is_finite() && (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ways_along_inclined_directions_are_those_of_their_components() {
+        let n = Vec3::new(0.6, 0.8, 0.0);
+        let tool = Movement::along_axes([way(3.0, 1), way(4.0, 1), f64::NAN]);
+        assert!(alike(tool.along(&n), way(5.0, 1)) && !alike(tool.along(&n), way(5.0, 2)));
+        assert_eq!(tool.along(&Vec3::new(0.8, -0.6, 0.0)), 0.0);
+        assert!(tool.along(&Vec3::new(0.0, 0.6, 0.8)).is_nan());
+        let turning = Movement::along_axes([way(3.0, 1), way(4.0, 2), f64::INFINITY]);
+        assert_eq!(turning.along(&Vec3::z()), f64::INFINITY);
+        assert_eq!(turning.along(&n), f64::INFINITY, "of two courses");
+        assert_eq!(turning.along(&-Vec3::x()), way(-3.0, 1));
+    }
+}

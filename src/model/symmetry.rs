@@ -1,0 +1,97 @@
+//! The planes of symmetry of bodies, found from the groups that lie in them.
+
+use crate::Vec3;
+use crate::error::{Error, Result};
+use crate::mesh::flat::Moments;
+use crate::parallel::{max, sum};
+use crate::partition::Part;
+use crate::partition::parcels::{bounds, hull};
+use crate::scene::{Located, Scene, body_of};
+use mpi::topology::SimpleCommunicator;
+
+/// A plane in which a body ends and goes on as its mirror image.
+#[derive(Clone, Debug)]
+pub struct SymmetryPlane {
+    /// The nodes in it.
+    pub set: Located<String>,
+    /// A unit vector.
+    pub normal: Vec3,
+    /// n·x of its points.
+    pub at: f64,
+}
+
+/// How far nodes may be off a plane, over the size of their body, and over its extent across the plane, if that is less.
+const FLAT: f64 = 1e-6;
+const THIN: f64 = 1e-3;
+
+/// The planes of symmetry of all bodies. Collective.
+///
+/// # Errors
+/// Groups that do not lie in a plane, or where the body lies on both sides, on all ranks.
+pub(super) fn planes(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    names: &[Located<String>],
+    part: &Part,
+) -> Result<Vec<SymmetryPlane>> {
+    let mut planes = Vec::new();
+    for (b, body) in scene.bodies.iter().enumerate() {
+        let owned = || (0..part.owned).filter(|n| part.body[*n] as usize == b).map(|n| part.points[n]);
+        let (lowest, highest) = hull(comm, bounds(owned())).unwrap_or_default();
+        // Coordinates are rounded.
+        let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
+        let size = (highest - lowest).norm();
+        for set in &body.symmetry {
+            let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
+            let group = || nodes.iter().map(|n| part.points[*n as usize]);
+            // A plane orthogonal to an axis has exactly its normal.
+            let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+            let middle = 0.5 * (lowest + highest);
+            let mut moments = Moments::of(&middle, group());
+            sum(comm, &mut moments.0);
+            normals.extend(moments.normal());
+            let mut flat = Vec::new();
+            for normal in normals {
+                let ([low, high], [least, most]) = (heights(comm, group(), &normal), heights(comm, owned(), &normal));
+                let slack = (FLAT * size).min(THIN * (most - least)) + rounding;
+                // What is flat along an axis has that for its normal, to rounding.
+                if high - low <= slack && !flat.iter().any(|(n, ..): &(Vec3, _, _)| n.dot(&normal).abs() > 0.5) {
+                    flat.push((normal, 0.5 * (low + high), low > least + slack && high < most - slack));
+                }
+            }
+            let &[(normal, at, is_inside)] = flat.as_slice() else {
+                let planes = if flat.is_empty() { "no plane" } else { "more than one plane" };
+                let what = format!("`{}` lies in {planes}", set.value);
+                return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
+            };
+            if is_inside {
+                let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
+                return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
+            }
+            planes.push(SymmetryPlane { set: set.clone(), normal, at });
+        }
+    }
+    Ok(planes)
+}
+
+/// The least and the largest n·x of points of all ranks. Collective.
+fn heights(comm: &SimpleCommunicator, points: impl Iterator<Item = Vec3>, normal: &Vec3) -> [f64; 2] {
+    let mut ends = [f64::NEG_INFINITY; 2];
+    for height in points.map(|x| normal.dot(&x)) {
+        ends = [ends[0].max(-height), ends[1].max(height)];
+    }
+    max(comm, &mut ends);
+    [-ends[0], ends[1]]
+}
+
+/// The planes (point, normal) of the symmetry of the body of `master` in which its faces with these nodes end.
+pub(super) fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> Vec<(Vec3, Vec3)> {
+    const NEAR: f64 = 1e-6;
+    let of_body = symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(master));
+    let ends = |plane: &&SymmetryPlane| {
+        let heights = || points.iter().map(|x| (plane.normal.dot(&Vec3::from(*x)) - plane.at).abs());
+        let farthest = heights().fold(0.0, f64::max);
+        farthest > 0.0 && heights().filter(|h| *h <= NEAR * farthest).count() > 1
+    };
+    of_body.filter(ends).map(|plane| (plane.normal * plane.at, plane.normal)).collect()
+}
