@@ -13,6 +13,13 @@ const PRESSURE: &str = include_str!("decks/prepomax-pressure.inp");
 const FRICTION: &str = include_str!("decks/freecad-friction.inp");
 const BAR: &str = include_str!("decks/abaqus-bar.inp");
 const STEPS: &str = include_str!("decks/steps.inp");
+const GRAVITY: &str = include_str!("decks/freecad-gravity.inp");
+const PLASTIC: &str = include_str!("decks/freecad-plastic.inp");
+const AMPLITUDE: &str = include_str!("decks/prepomax-amplitude.inp");
+const BALL: &str = include_str!("decks/prepomax-ball.inp");
+const RIGID: &str = include_str!("decks/prepomax-rigid.inp");
+const RUBBER: &str = include_str!("decks/prepomax-rubber.inp");
+const CARDS: &str = include_str!("decks/calculix-rubber.inp");
 const CLIP: &str = include_str!("../docs/tutorial/clip.inp");
 
 /// A folder with the deck and the scene that was made of it.
@@ -66,19 +73,29 @@ fn a_patch_under_pressure_has_its_stress() {
 /// What is passed over is told with its line, on the terminal and in the scene.
 #[test]
 fn what_is_passed_over_is_named() {
-    let deck = PRESSURE.replace("*Expansion", "*Magic\n*Expansion");
+    let deck = PRESSURE.replace("*Expansion", "*Magic\n*Magic\n*Expansion");
     let (bench, found) = converted(&deck);
     let text = scene(&bench);
-    for (word, what) in [
-        ("*Magic", "*MAGIC is not known, and passed over"),
-        ("*Expansion", "*EXPANSION is passed over"),
-        ("*Density", "densities are passed over"),
-    ] {
+    for (word, what) in
+        [("*Magic", "*MAGIC is not known, and passed over"), ("*Expansion", "*EXPANSION is passed over")]
+    {
         let at = line(&deck, word);
         assert!(found.notes.iter().any(|note| note.contains(&format!("deck.inp:{at}:1: {what}"))), "{:?}", found.notes);
         assert!(text.contains(&format!("# - line {at}: {what}")), "{text}");
     }
     assert!(text.contains("requests for output are passed over"), "{text}");
+    assert!(text.contains(&format!("(also line {})", line(&deck, "*Magic") + 1)), "{text}");
+    let more = "*Material, Name=Air\n*Amplitude, Name=Wind\n0, 0, 1, 1\n*Surface interaction, Name=Ice\n** Sections";
+    let deck = PRESSURE.replace("** Sections", more);
+    let (_, found) = converted(&deck);
+    for (card, what) in [
+        ("Name=Air", "the material 'Air' is of no body"),
+        ("Name=Wind", "nothing has the amplitude 'Wind'"),
+        ("Name=Ice", "the interaction 'Ice' is of no *CONTACT PAIR"),
+    ] {
+        let place = format!("deck.inp:{}:1: {what}", line(&deck, card));
+        assert!(found.notes.iter().any(|note| note.contains(&place)), "{:?}", found.notes);
+    }
 }
 
 /// A force on a face, written node by node, is one again; the block slips as a whole, with 0.2 of it.
@@ -190,7 +207,31 @@ fn what_cannot_be_converted_is_refused() {
         (FRICTION, "*CONTACT PAIR", "*TIE, NAME=T\n*CONTACT PAIR", "*TIE cannot be converted"),
         (FRICTION, "*ELASTIC", "*ELASTIC, TYPE=ORTHO", "TYPE=ORTHO cannot be converted"),
         (FRICTION, "600, 0.4", "600, 0.4\n500, 0.4, 80", "2 lines of data"),
-        (FRICTION, "*ELASTIC\n600, 0.4", "*HYPERELASTIC, YEOH\n1,2,3,4,5,6", "parameter YEOH"),
+        (FRICTION, "*ELASTIC\n600, 0.4", "*HYPERELASTIC, ARRUDA-BOYCE\n1,2,3", "parameter ARRUDA-BOYCE"),
+        (CARDS, "0.002, 0.04", "0.002, 0.04, 0.1", "D2 or D3 = 0.1 cannot be converted"),
+        (CARDS, "NEO HOOKE\n0.5, 0.04", "NEO HOOKE\n0.5, 0", "D1 = 1.0169e-1: write that"),
+        (CARDS, "-2., 0.04, 0.\n0.", "-2.", "expected 9 constants"),
+        (CARDS, "0.4, 0.1, 0.04", "0.4, 0.1, 0.04, 0, 20", "expected 3 constants, and a temperature at most, found 5"),
+        (CARDS, "0.4, 0.1, 0.04", "0.4, -0.4, 0.04", "the shear modulus"),
+        (CARDS, "OGDEN, N=3", "OGDEN, N=4", "N is not 1, 2 or 3"),
+        (CARDS, "REDUCED POLYNOMIAL", "POLYNOMIAL", "POLYNOMIAL, N=2 or 3"),
+        (FRICTION, "*CONTACT PAIR", "*CLEARANCE, VALUE=1\n*CONTACT PAIR", "*CLEARANCE cannot be converted"),
+        (
+            FRICTION,
+            "*CONTACT PAIR",
+            "*TRANSFORM, NSET=ConstraintFixed\n*CONTACT PAIR",
+            "*TRANSFORM cannot be converted",
+        ),
+        (GRAVITY, "*DENSITY\n1.134e-08\n", "", "material 'Head_Lead' has no density"),
+        (GRAVITY, "Eall,GRAV", "M1S0,GRAV", "pulls differently at materials of the body"),
+        (GRAVITY, "Eall,GRAV", "12,GRAV", "gravity acts on a part of what"),
+        (GRAVITY, "0.0,0.0,-1.0", "0.0,0.0,0.0", "gravity has no direction"),
+        (
+            STEPS,
+            "*STEP",
+            "*ELEMENT, TYPE=SPRINGA, ELSET=S\n90, 1, 2\n*SPRING, ELSET=S\n\n5.\n*STEP",
+            "*SPRING of elements SPRINGA",
+        ),
         (FRICTION, "*SOLID SECTION, ELSET=M1S0, MATERIAL=Block_PTFE", "**", "has no *SOLID SECTION"),
         (FRICTION, "MATERIAL=Block_PTFE\n", "MATERIAL=Blok_PTFE\n", "did you mean `Block_PTFE`"),
         (FRICTION, "=LINEAR", "=TIED", "tied contact"),
@@ -222,6 +263,123 @@ fn what_cannot_be_converted_is_refused() {
         println!("{at}: {said}");
         assert!(at > 0 || what.contains("SECTION"), "{to}: {said}");
     }
+}
+
+/// Total forces on a set at the end of each step, as CalculiX 2.20 has them (scripts/studies/decks.py), within a tolerance.
+#[track_caller]
+fn as_calculix(deck: &str, set: &str, steps: &[[Option<f64>; 3]], tolerance: f64) -> Run {
+    let run = solved(deck);
+    let history = run.history();
+    let ends: Vec<usize> =
+        (0..history.len()).filter(|&row| history.steps.get(row + 1) != Some(&history.steps[row])).collect();
+    assert_eq!(ends.len(), steps.len());
+    let largest = steps.iter().flatten().flatten().fold(0.0f64, |largest, force| largest.max(force.abs()));
+    for (&row, expected) in ends.iter().zip(steps) {
+        for (component, expected) in ["fx", "fy", "fz"].into_iter().zip(expected) {
+            let Some(expected) = expected else { continue };
+            let found = history.column(&format!("{set}.{component}"))[row];
+            assert_small(&format!("{set}.{component} {found:e}"), (found - expected) / largest, tolerance);
+        }
+    }
+    run
+}
+
+/// A cube of each rubber is stretched by a half: the constants are those of the deck.
+#[test]
+fn rubber_cards_are_those_of_calculix() {
+    let history = solved(CARDS).history();
+    for (name, force) in [
+        ("NEO", -1.043787),
+        ("MOONEY", -0.9753565),
+        ("REDUCED", -1.020137),
+        ("YEOH", -1.024205),
+        ("OGDEN1", -0.9090136),
+        ("OGDEN2", -0.6326375),
+        ("OGDEN3", -0.5900304),
+    ] {
+        assert_close(name, history.last(&format!("{name}.FOOT-{name}.fz")), force, 2e-5);
+    }
+}
+
+/// A bonded pad of rubber is pressed and sheared: C3D8R there, F-bar here.
+#[test]
+fn a_rubber_pad_is_pressed_and_sheared() {
+    let steps = [[Some(0.0), Some(0.0), Some(220.9527)], [Some(-36.71538), Some(0.0), Some(209.2857)]];
+    as_calculix(RUBBER, "Solid_part-1.Internal_Selection-1_Fixed", &steps, 4e-2);
+}
+
+/// A block flows between rough plates, and is let go: C3D8I.
+#[test]
+fn a_plastic_block_is_pressed_and_let_go() {
+    let steps = [[Some(0.0), Some(0.0), Some(22767.40)], [Some(0.0), Some(0.0), Some(-5900.535)]];
+    as_calculix(PLASTIC, "Evolumes.ConstraintFixed", &steps, 2e-2);
+}
+
+/// A bar is bent and pressed by the nodes of a rigid body, whose rotations are held by its second node.
+#[test]
+fn nodes_of_a_rigid_body_move_as_one() {
+    let force = [Some(-2545.497), Some(0.0), Some(11526.59)];
+    as_calculix(RIGID, "Solid_part-1.Internal_Selection-1_Fixed", &[force], 5e-3);
+}
+
+/// Amplitudes of two motions of one set: a block is pressed, and drawn along while it is let up. It slips: 0.3 of the force.
+#[test]
+fn a_block_is_pressed_and_drawn_by_amplitudes() {
+    let steps = [[None, None, Some(4277.881)], [Some(-735.2159), Some(0.0), Some(2451.404)]];
+    let run = as_calculix(AMPLITUDE, "Lower.Internal_Selection-1_Fixed", &steps, 1e-2);
+    let last = |component: &str| run.history().last(&format!("Lower.Internal_Selection-1_Fixed.{component}"));
+    assert_close("friction", last("fx"), -0.3 * last("fz"), 1e-3);
+}
+
+/// A quarter of a ball in its seat: where its nodes are held in planes it goes on, or its smoothed surface would end in a ridge.
+#[test]
+fn a_ball_is_pressed_into_a_seat() {
+    let force = [Some(-19.44939), Some(-19.44939), Some(191.0163)];
+    let run = as_calculix(BALL, "Seat.Internal_Selection-1_Fixed", &[force], 5e-2);
+    assert_eq!(run.summary()["cutbacks"], 0);
+}
+
+/// Loads, too, follow tables: a pressure falls from its peak.
+#[test]
+fn amplitudes_of_loads_are_tables() {
+    let waves = "*Amplitude, Name=Wave\n0, 0, 0.5, 1, 1, 0.4\n** Steps";
+    let deck = PRESSURE.replace("** Steps", waves).replace("*Dload\nI", "*Dload, Amplitude=Wave\nI");
+    let (bench, _) = converted(&deck);
+    assert!(scene(&bench).contains("value = 500.0, table = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.4]]"), "{}", scene(&bench));
+    let run = bench.solve(1, &[]);
+    let stress = run.field(&format!("increments/{:06}/body_Solid_part-1/cell/von_mises", run.written()));
+    stress.iter().for_each(|stress| assert_close("stress", *stress, 200.0, 1e-9));
+}
+
+/// Gravity on two densities of one body, and on one body of several alone; the direction of a card is one, its length does
+/// not count.
+#[test]
+fn bodies_have_weight() {
+    let (bench, _) = converted(&GRAVITY.replace("0.0,0.0,-1.0", "0.0,0.0,-3.0"));
+    assert!(scene(&bench).contains("gravity = [0.0, 0.0, -9810.0]"), "{}", scene(&bench));
+    let run = bench.solve(1, &[]);
+    assert_close("weight", run.history().last("Evolumes.ConstraintFixed.fz"), WEIGHT, 1e-9);
+    let sunk = run.vectors(run.written(), "body.Evolumes", "displacement");
+    let largest = sunk.iter().map(|u| u.iter().map(|part| part * part).sum::<f64>().sqrt()).fold(0.0, f64::max);
+    assert_close("sinking", largest, 0.0006404024, 1e-5);
+    let heavy = AMPLITUDE.replace("*Elastic\n70000", "*Density\n1e-6\n*Elastic\n70000");
+    let (bench, _) = converted(&heavy.replace("*Dload, op=New", "*Dload, op=New\nLower, GRAV, 1000, 0, 0, -2"));
+    let half = "body_force = [{ body = \"Lower\", per_volume = [0.0, 0.0, -0.0005] }]";
+    assert!(scene(&bench).contains(half) && scene(&bench).contains(&half.replace("05]", "1]")), "{}", scene(&bench));
+}
+
+/// N, of the column of two densities.
+const WEIGHT: f64 = 9810.0 * 3e6 * (2.4e-9 + 1.134e-8);
+
+/// The column stands on springs.
+#[test]
+fn springs_stand_on_the_ground() {
+    let springs: String = (1..=9).map(|node| format!("{}, {node}\n", 900 + node)).collect();
+    let feet = format!("*ELEMENT, TYPE=SPRING1, ELSET=Feet\n{springs}*SPRING, ELSET=Feet\n3\n100.\n** Materials");
+    let deck = GRAVITY.replacen("** Materials", &feet, 1).replace("ConstraintFixed,3\n", "");
+    let history = solved(&deck).history();
+    assert_close("weight", history.last("Evolumes.ConstraintFixed.fz"), WEIGHT, 1e-9);
+    assert_close("sinking", history.last("Evolumes.ConstraintFixed.uz"), -WEIGHT / 900.0, 1e-9);
 }
 
 /// A scene that someone may have changed stays; the command says so with exit code 2.

@@ -30,11 +30,12 @@ enum Kind {
     Scene,
     Gmsh,
     Deck,
+    Stl,
     Iges,
     Bezier,
 }
 
-const KINDS: [Kind; 5] = [Kind::Scene, Kind::Gmsh, Kind::Deck, Kind::Iges, Kind::Bezier];
+const KINDS: [Kind; 6] = [Kind::Scene, Kind::Gmsh, Kind::Deck, Kind::Stl, Kind::Iges, Kind::Bezier];
 
 impl Kind {
     fn extension(self) -> &'static str {
@@ -42,6 +43,7 @@ impl Kind {
             Self::Scene => "toml",
             Self::Gmsh => "msh",
             Self::Deck => "inp",
+            Self::Stl => "stl",
             Self::Iges => "igs",
             Self::Bezier => "bpt",
         }
@@ -66,7 +68,16 @@ impl Kind {
                 let (new, new_binary) = version_4();
                 vec![tets.into(), hexes.into(), skin.into(), input("ironing-indenter.msh"), binary, new, new_binary]
             }
-            Self::Deck => vec![common::deck([2, 1, 1]).into(), DECK.into()],
+            Self::Deck => {
+                let decks = inputs().with_file_name("tests/decks");
+                let whole = ["calculix-rubber.inp", "prepomax-pressure.inp", "freecad-gravity.inp"];
+                let read = |name: &str| fs::read(decks.join(name)).unwrap();
+                whole.map(read).into_iter().chain([common::deck([2, 1, 1]).into(), DECK.into()]).collect()
+            }
+            Self::Stl => {
+                let ball = common::stl::sphere(2, 1.0);
+                vec![common::stl::text("ball", &ball[..12]).into(), common::stl::binary(&ball)]
+            }
             Self::Iges => vec![input("flanged-hole.igs"), input("ironing-indenter.igs")],
             Self::Bezier => vec![input("ironing-indenter.bpt"), input("square-cup-holder.bpt")],
         }
@@ -96,10 +107,15 @@ impl Kind {
                         let _ = mesh::load(&MeshSource::File { path, group }, purpose);
                     }
                 }
+                if self == Self::Deck {
+                    let folder = tempfile::tempdir().unwrap();
+                    let _ = nagata::convert::convert(path, Some(&folder.path().join("scene.toml")));
+                }
                 for more in ["", "refine = 1"] {
                     describe(&format!("mesh = {:?}\n{more}", path.display()), path);
                 }
             }
+            Self::Stl => describe(&format!("mesh = {:?}", path.display()), path),
             Self::Iges => describe(&format!("nurbs = {:?}\nincomplete = true", path.display()), path),
             Self::Bezier => describe(&format!("bezier = {:?}", path.display()), path),
         }
@@ -112,6 +128,7 @@ impl Kind {
         let (body, tool) = match self {
             Self::Scene => return String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned(),
             Self::Gmsh | Self::Deck => (format!("mesh = {file:?}\nrefine = 1"), String::new()),
+            Self::Stl => (block.into(), format!("mesh = {file:?}")),
             Self::Iges => (block.into(), format!("nurbs = {file:?}\nincomplete = true")),
             Self::Bezier => (block.into(), format!("bezier = {file:?}")),
         };
@@ -473,6 +490,11 @@ fn gmsh_files() {
 }
 
 #[test]
+fn stl_files() {
+    fuzz("stl_files", Kind::Stl);
+}
+
+#[test]
 fn decks() {
     fuzz("decks", Kind::Deck);
 }
@@ -612,7 +634,7 @@ fn seeds_are_in_order() {
                     let scene = scene::parse("scene.toml", &String::from_utf8_lossy(seed), &inputs(), &[]);
                     assert!(scene.is_ok(), "{k}: {}", scene.unwrap_err());
                 }
-                Kind::Gmsh | Kind::Deck => {
+                Kind::Gmsh | Kind::Deck | Kind::Stl => {
                     let at = Location { file: "scene.toml".into(), line: 1, column: 1, text: "".into() };
                     let source =
                         || MeshSource::File { path: Located { value: path.clone(), at: at.clone() }, group: None };

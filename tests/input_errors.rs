@@ -150,8 +150,8 @@ fn a_mesh_that_is_missing_or_no_mesh() {
     let junk: Vec<u8> = (0..3000u32).map(|k| (k * k % 251) as u8 | 0x80).collect();
     refuses_mesh("junk.msh", &junk, "junk.msh:1:1: expected a section such as $Nodes", &[]);
     refuses_mesh("junk.inp", &junk, "junk.inp:1:1: expected a keyword such as *NODE", &[]);
-    let words = ["'junk.stl' is neither a Gmsh nor an Abaqus file", "(.msh)", "(.inp)"];
-    refuses_mesh("junk.stl", &junk, "scene.toml:3:8: ", &words);
+    let words = ["'junk.obj' is neither a Gmsh, nor an Abaqus, nor an STL file", "(.msh)", "(.inp)", "(.stl)"];
+    refuses_mesh("junk.obj", &junk, "scene.toml:3:8: ", &words);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! *AMPLITUDE: factors over the time, linear between their points.
 
-use crate::error::Result;
+use crate::error::{Location, Result};
 use crate::mesh::abaqus::Card;
 
 pub(super) struct Amplitude {
-    name: String,
+    pub name: String,
+    pub at: Location,
     /// Of the whole analysis, not of the step.
     pub total: bool,
     /// Time and factor.
@@ -38,7 +39,8 @@ pub(super) fn read(cards: &[Card]) -> Result<Vec<Amplitude>> {
             return Err(card.error("the times do not rise", "a jump cannot be converted: make it a short ramp"));
         }
         let name = card.keyword.get("NAME").unwrap_or_default().to_string();
-        amplitudes.push(Amplitude { name, total: word("TIME") == "TOTAL TIME", points: points.0.to_vec() });
+        let (at, total) = (card.at.clone(), word("TIME") == "TOTAL TIME");
+        amplitudes.push(Amplitude { name, at, total, points: points.0.to_vec() });
     }
     Ok(amplitudes)
 }
@@ -46,11 +48,16 @@ pub(super) fn read(cards: &[Card]) -> Result<Vec<Amplitude>> {
 /// The amplitude that a card names.
 pub(super) fn of(amplitudes: &[Amplitude], card: &Card) -> Result<Option<usize>> {
     let Some(name) = card.keyword.get("AMPLITUDE") else { return Ok(None) };
-    let found = amplitudes.iter().position(|amplitude| amplitude.name.eq_ignore_ascii_case(name));
+    let found = amplitudes.iter().position(|amplitude| amplitude.is(name));
     found.map(Some).ok_or_else(|| card.error(format!("there is no amplitude '{name}'"), ""))
 }
 
 impl Amplitude {
+    /// Whether a card means it by this name.
+    pub fn is(&self, name: &str) -> bool {
+        self.name.eq_ignore_ascii_case(name)
+    }
+
     /// The factor, that of the first or last point outside of them.
     pub fn at(&self, time: f64) -> f64 {
         let after = self.points.partition_point(|point| point[0] <= time);

@@ -75,6 +75,12 @@ impl Bodies {
         self.bodies.iter().flat_map(|body| body.materials.keys().copied()).collect()
     }
 
+    /// The parts of bodies that are of one material each: body, material, solids.
+    pub fn sections(&self) -> impl Iterator<Item = (&Body, usize, &[u32])> {
+        let of_bodies = self.bodies.iter().flat_map(|body| body.materials.iter().map(move |of| (body, of)));
+        of_bodies.map(|(body, (&material, solids))| (body, material, solids.as_slice()))
+    }
+
     /// Whether a node is of a body.
     pub fn is_inside(&self, body: usize) -> impl Fn(u32) -> bool + '_ {
         move |node| self.owners[node as usize] == Owner::Body(body)
@@ -252,7 +258,7 @@ fn tell_of_loose(whole: &Whole, owners: &[Owner], notes: &mut Notes) {
     let mut loose: BTreeMap<&str, usize> = BTreeMap::new();
     for (&slot, element) in whole.slots.iter().zip(0..) {
         let is_rigid = || nodes_of(whole, slot).iter().all(|&node| matches!(owners[node as usize], Owner::Rigid(_)));
-        if !matches!(slot, Slot::Solid(_)) && !is_rigid() {
+        if !matches!(slot, Slot::Solid(_)) && !whole.kind(element).starts_with("SPRING") && !is_rigid() {
             *loose.entry(whole.kind(element)).or_default() += 1;
         }
     }
@@ -283,12 +289,12 @@ impl Body {
         if !others.is_empty() {
             let _ = writeln!(text, "materials = {{ {} }}", others.join(", "));
         }
-        text += self.element(groups.whole, notes);
+        text += self.element(groups.whole, materials, notes);
         Ok(text)
     }
 
     /// The line with the element, if the scene is to say one.
-    fn element(&self, whole: &Whole, notes: &mut Notes) -> &'static str {
+    fn element(&self, whole: &Whole, materials: &[Material], notes: &mut Notes) -> &'static str {
         let kind = |&solid: &u32| whole.kind(whole.element_of[solid as usize]);
         let kinds: BTreeSet<&str> = self.solids.iter().map(kind).collect();
         let named: Vec<&str> = kinds.iter().copied().collect();
@@ -299,6 +305,12 @@ impl Body {
         if named == ["C3D8I"] {
             return "element = \"hex8-eas\"       # C3D8I\n";
         }
+        if named == ["C3D8"] && self.materials.keys().any(|&material| materials[material].locks()) {
+            notes.whole(format!(
+                "body `{name}`: elements C3D8 lock in CalculiX where the volume is all but kept, as in rubber and plastic flow; \
+                 those that nagata takes do not, and give less force"
+            ));
+        }
         if named != ["C3D8"] {
             notes.whole(format!(
                 "body `{name}`: elements {types} become those that nagata takes for its material (see `nagata check`); \
@@ -306,12 +318,5 @@ impl Body {
             ));
         }
         ""
-    }
-
-    /// The density of all of it.
-    pub fn density(&self, materials: &[Material]) -> Option<f64> {
-        let mut densities = self.materials.keys().map(|&material| materials[material].density);
-        let first = densities.next()??;
-        densities.all(|other| other == Some(first)).then_some(first)
     }
 }

@@ -25,7 +25,7 @@ const STATICS: &str = "it does nothing in statics";
 const ONLY_STATIC: &str = "nagata computes static steps";
 const NO_JOINT: &str =
     "nagata ties no bodies or nodes to each other; mesh what is bonded as one part, with common nodes";
-const NO_ELEMENT: &str = "nagata has solids alone";
+const NO_ELEMENT: &str = "nagata has solids alone, and springs to the ground";
 const NO_MODEL: &str =
     "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
 const NO_CONDITION: &str = "no condition of a scene does this";
@@ -37,7 +37,10 @@ fn fate(name: &str) -> Fate {
         "MATERIAL" => Fate::Read(&["NAME", "SRATE FACTOR"]),
         "ELASTIC" => Fate::Read(&["TYPE"]),
         "PLASTIC" => Fate::Read(&["HARDENING"]),
-        "HYPERELASTIC" => Fate::Read(&["NEO HOOKE", "N"]),
+        "HYPERELASTIC" => {
+            Fate::Read(&["NEO HOOKE", "MOONEY-RIVLIN", "YEOH", "OGDEN", "POLYNOMIAL", "REDUCED POLYNOMIAL", "N"])
+        }
+        "SPRING" => Fate::Read(&["ELSET"]),
         "DENSITY" | "END STEP" => Fate::Read(&[]),
         "FRICTION" => Fate::Read(&["SLIP TOLERANCE"]),
         "SOLID SECTION" => Fate::Read(&["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
@@ -111,7 +114,6 @@ fn fate(name: &str) -> Fate {
         "BEAM SECTION"
         | "BEAM GENERAL SECTION"
         | "FLUID SECTION"
-        | "SPRING"
         | "DASHPOT"
         | "GAP"
         | "COHESIVE SECTION"
@@ -144,11 +146,11 @@ fn fate(name: &str) -> Fate {
         "CONTACT" | "CONTACT INCLUSIONS" => {
             Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
         }
+        "CLEARANCE" => Fate::Refused("surfaces meet where the mesh has them: move the nodes, or take it out"),
         "TRANSFORM" => Fate::Refused("conditions of a scene are along x, y and z"),
         "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
         "MODEL CHANGE"
         | "CONTACT INTERFERENCE"
-        | "CLEARANCE"
         | "CHANGE FRICTION"
         | "CHANGE SURFACE BEHAVIOR"
         | "CHANGE CONTACT TYPE"
@@ -188,6 +190,12 @@ impl Notes {
 pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
     let mut refused: Vec<(&Card, String)> = Vec::new();
     let mut output: Vec<usize> = Vec::new();
+    // Words about cards of a kind: the first of them, and the lines of the others.
+    let mut passed: Vec<(String, &Card, Vec<String>)> = Vec::new();
+    let mut pass = |card, what: String| match passed.iter_mut().find(|(other, ..)| *other == what) {
+        Some((_, _, lines)) => lines.push(card_line(card)),
+        None => passed.push((what, card, Vec::new())),
+    };
     for card in cards {
         let name = &card.keyword.name;
         match fate(name) {
@@ -202,15 +210,20 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
             }
             Fate::Mesh => {}
             Fate::Output => output.push(card.at.line),
-            Fate::Passed(why) => notes.at(&card.at, format!("*{name} is passed over: {why}")),
+            Fate::Passed(why) => pass(card, format!("*{name} is passed over: {why}")),
             // So PrePoMax begins each step.
             Fate::Refused(HEAT) if card.rows.is_empty() && card.keyword.has("OP") => {}
             Fate::Refused(why) => refused.push((card, format!("*{name} cannot be converted: {why}"))),
             Fate::Unknown => {
                 let what = "is not known, and passed over: what it does is missing in the scene";
-                notes.at(&card.at, format!("*{name} {what}"));
+                pass(card, format!("*{name} {what}"));
             }
         }
+    }
+    for (what, card, lines) in passed {
+        let several = if lines.len() > 1 { "s" } else { "" };
+        let also = if lines.is_empty() { String::new() } else { format!(" (also line{several} {})", lines.join(", ")) };
+        notes.at(&card.at, format!("{what}{also}"));
     }
     if !output.is_empty() {
         let lines: Vec<String> = output.iter().map(usize::to_string).collect();
@@ -221,6 +234,10 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
         None => Ok(()),
         Some(((card, what), rest)) => Err(Error::input(&card.at, what, all_others(rest))),
     }
+}
+
+fn card_line(card: &Card) -> String {
+    card.at.line.to_string()
 }
 
 /// The further cards that are refused, each once with its lines.

@@ -23,16 +23,25 @@ pub(super) struct Conditions {
     pub forces: Loads,
     /// Pressures on faces, as vectors of one number.
     pub pressures: Loads,
-    /// Forces per volume on bodies.
-    pub body_forces: Loads,
+    /// Accelerations of [sections](Bodies::sections).
+    pub gravity: Loads,
 }
 
-/// What the cards refer to.
+/// What the cards refer to, and where what is passed over is told.
 pub(super) struct Setting<'a> {
     pub groups: &'a Groups<'a>,
     pub bodies: &'a Bodies,
     pub materials: &'a [Material],
     pub amplitudes: &'a [Amplitude],
+    pub notes: &'a mut Notes,
+}
+
+/// A line of a card as it is read.
+struct Line<'a, 'b> {
+    card: &'a Card,
+    row: &'a Row,
+    amplitude: Option<usize>,
+    setting: &'a mut Setting<'b>,
 }
 
 impl Conditions {
@@ -40,143 +49,127 @@ impl Conditions {
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) -> Result<()> {
         self.step += 1;
         self.supports.begin(last, next, amplitudes)?;
-        let kinds = [&mut self.forces, &mut self.pressures, &mut self.body_forces];
+        let kinds = [&mut self.forces, &mut self.pressures, &mut self.gravity];
         kinds.into_iter().try_for_each(|loads| loads.begin(last, next, amplitudes))
     }
 
+    /// All loads.
+    pub fn loads(&self) -> impl Iterator<Item = &Load> {
+        [&self.forces, &self.pressures, &self.gravity].into_iter().flat_map(Loads::live)
+    }
+
     /// Takes a card of the step.
-    pub fn take(&mut self, card: &Card, setting: &Setting, notes: &mut Notes) -> Result<()> {
+    pub fn take(&mut self, card: &Card, setting: &mut Setting) -> Result<()> {
         let is_new = card.keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW"));
         let amplitude = amplitudes::of(setting.amplitudes, card)?;
+        let mut lines = |take: &mut dyn FnMut(Line) -> Result<()>| {
+            card.rows.iter().try_for_each(|row| take(Line { card, row, amplitude, setting }))
+        };
         match card.keyword.name.as_str() {
             "BOUNDARY" => {
                 if is_new {
                     self.supports.reset();
                 }
-                card.rows.iter().try_for_each(|row| self.take_support(card, row, amplitude, setting, notes))
+                lines(&mut |mut line| self.take_support(&mut line))
             }
             "CLOAD" => {
                 if is_new {
                     self.forces.reset();
                 }
-                self.take_forces(card, amplitude, setting, notes)
+                // The lines with single nodes are one load, as programs write that on a face.
+                let mut loads = BTreeMap::new();
+                lines(&mut |mut line| self.take_force(&mut line, &mut loads))?;
+                self.add_forces(loads, setting);
+                Ok(())
             }
             "DLOAD" | "DSLOAD" => {
                 if is_new {
                     self.pressures.reset();
-                    self.body_forces.reset();
+                    self.gravity.reset();
                 }
-                card.rows.iter().try_for_each(|row| self.take_distributed(card, row, amplitude, setting, notes))
+                lines(&mut |mut line| self.take_distributed(&mut line))
             }
             _ => Ok(()),
         }
     }
 
-    fn take_support(
-        &mut self,
-        card: &Card,
-        row: &Row,
-        amplitude: Option<usize>,
-        setting: &Setting,
-        notes: &mut Notes,
-    ) -> Result<()> {
+    fn take_support(&mut self, line: &mut Line) -> Result<()> {
+        let (card, row) = (line.card, line.row);
         if card.keyword.get("TYPE").is_some_and(|kind| !kind.eq_ignore_ascii_case("DISPLACEMENT")) {
             return Err(card.error("only displacements can be converted", "not velocities or accelerations"));
         }
         let [set, first, last, value] = row.fields();
-        let nodes = nodes(setting, card, row, set)?;
         let value = row.number(value, 0.0)?;
         let (dofs, value) = match named_support(&first.to_uppercase()) {
             Some(dofs) => (dofs.to_vec(), 0.0),
             None => (range(row, first, last)?, value),
         };
         let value = (!card.keyword.has("FIXED")).then_some(value);
-        if value == Some(0.0) && amplitude.is_some() {
-            // What is held does not vary.
-            return self.hold(row, set, &nodes, &dofs, (None, Some(0.0)), setting, notes);
-        }
-        self.hold(row, set, &nodes, &dofs, (amplitude, value), setting, notes)
-    }
-
-    #[allow(clippy::too_many_arguments)] // what a line says, and what it refers to
-    fn hold(
-        &mut self,
-        row: &Row,
-        set: &str,
-        nodes: &[u32],
-        dofs: &[usize],
-        (amplitude, value): (Option<usize>, Option<f64>),
-        setting: &Setting,
-        notes: &mut Notes,
-    ) -> Result<()> {
-        let Split { of_bodies, of_rigids } = split(setting, row, nodes, notes)?;
-        for &dof in dofs {
-            let mut add = |hint: String, nodes: Rc<[u32]>, dof: usize| {
-                if nodes.is_empty() {
-                    return Ok(());
-                }
-                let twice = self.supports.add(Wish { at: row.at.clone(), hint, nodes, dof, amplitude, value })?;
-                if let Some(node) = twice {
-                    let node = setting.groups.whole.mesh.point_ids[node as usize];
-                    let what =
-                        format!("node {node} is held otherwise by an earlier line of this step: this line counts");
-                    notes.at(&row.at, what);
-                }
-                Ok::<(), Error>(())
-            };
+        // What is held does not vary.
+        let amplitude = line.amplitude.filter(|_| value != Some(0.0));
+        let Split { of_bodies, of_rigids } = line.split(set)?;
+        let mut hold = |hint: String, nodes: Rc<[u32]>, dof: usize| {
+            if nodes.is_empty() {
+                return Ok(());
+            }
+            let twice = self.supports.add(Wish { at: row.at.clone(), hint, nodes, dof, amplitude, value })?;
+            if let Some(node) = twice {
+                let node = line.setting.groups.whole.mesh.point_ids[node as usize];
+                let what = format!("node {node} is held otherwise by an earlier line of this step: this line counts");
+                line.setting.notes.at(&row.at, what);
+            }
+            Ok::<(), Error>(())
+        };
+        for dof in dofs {
             if dof < 3 {
-                add(hint(set), of_bodies.clone(), dof)?;
+                hold(hint(set), of_bodies.clone(), dof)?;
             }
             for &(rigid, is_rotation) in &of_rigids {
-                let body = &setting.bodies.rigids[rigid];
+                let body = &line.setting.bodies.rigids[rigid];
                 // The displacements of a node for the rotations are these.
                 let dof = if is_rotation { dof + 3 } else { dof };
                 if dof < DOFS {
-                    add(body.name.clone(), [body.reference].into(), dof)?;
+                    hold(body.name.clone(), [body.reference].into(), dof)?;
                 }
                 if dof < 3 {
-                    add(body.name.clone(), body.nodes.as_slice().into(), dof)?;
+                    hold(body.name.clone(), body.nodes.as_slice().into(), dof)?;
                 }
             }
         }
         Ok(())
     }
 
-    fn take_forces(
-        &mut self,
-        card: &Card,
-        amplitude: Option<usize>,
-        setting: &Setting,
-        notes: &mut Notes,
-    ) -> Result<()> {
-        // The lines with single nodes are one load, as programs write that on a face.
-        let mut loads: BTreeMap<(String, usize), Load> = BTreeMap::new();
-        for row in &card.rows {
-            let [set, dof, value] = row.fields();
-            let nodes = nodes(setting, card, row, set)?;
-            let Split { of_bodies, of_rigids } = split(setting, row, &nodes, notes)?;
-            let dof: usize = match dof.parse() {
-                Ok(dof @ 1..=3) => dof - 1,
-                Ok(4..=6) => return Err(row.error("a moment cannot be converted", "nagata's loads are forces")),
-                _ => return Err(row.error(format!("expected a direction 1 to 3, found '{dof}'"), "")),
-            };
-            let is_one = nodes.len() == 1 && of_rigids.is_empty();
-            let name = if is_one { format!("loaded-{}", card.at.line) } else { hint(set) };
-            for &(rigid, is_rotation) in &of_rigids {
-                let body = &setting.bodies.rigids[rigid];
-                if is_rotation || !body.nodes.is_empty() {
-                    let what = format!("a force or moment on the rigid body of {} cannot be converted", body.at);
-                    return Err(row.error(what, "it holds nodes of a body that deforms: load those"));
-                }
-            }
-            let value = row.number(value, 0.0)?;
-            let references = of_rigids.iter().map(|&(rigid, _)| setting.bodies.rigids[rigid].reference);
-            let key = (name.to_uppercase(), dof);
-            let load = loads.entry(key).or_insert_with(|| Load::new(&row.at, name, self.step, amplitude));
-            for node in of_bodies.iter().copied().chain(references) {
-                load.values.entry(node).or_insert([0.0; 3])[dof] += value;
+    fn take_force(&mut self, line: &mut Line, loads: &mut BTreeMap<(String, usize), Load>) -> Result<()> {
+        let row = line.row;
+        let [set, dof, value] = row.fields();
+        let is_one = line.nodes(set)?.len() == 1;
+        let Split { of_bodies, of_rigids } = line.split(set)?;
+        let dof: usize = match dof.parse() {
+            Ok(dof @ 1..=3) => dof - 1,
+            Ok(4..=6) => return Err(row.error("a moment cannot be converted", "nagata's loads are forces")),
+            _ => return Err(row.error(format!("expected a direction 1 to 3, found '{dof}'"), "")),
+        };
+        let is_one = is_one && of_rigids.is_empty();
+        let name = if is_one { format!("loaded-{}", line.card.at.line) } else { hint(set) };
+        let rigids = &line.setting.bodies.rigids;
+        for &(rigid, is_rotation) in &of_rigids {
+            if is_rotation || !rigids[rigid].nodes.is_empty() {
+                let what = format!("a force or moment on the rigid body of {} cannot be converted", rigids[rigid].at);
+                return Err(row.error(what, "it holds nodes of a body that deforms: load those"));
             }
         }
+        let value = row.number(value, 0.0)?;
+        let references = of_rigids.iter().map(|&(rigid, _)| rigids[rigid].reference);
+        let key = (name.to_uppercase(), dof);
+        let load = loads.entry(key).or_insert_with(|| Load::new(&row.at, name, self.step, line.amplitude));
+        for node in of_bodies.iter().copied().chain(references) {
+            load.values.entry(node).or_insert([0.0; 3])[dof] += value;
+        }
+        Ok(())
+    }
+
+    /// The forces of a card, by names for what they act on and directions.
+    fn add_forces(&mut self, loads: BTreeMap<(String, usize), Load>, setting: &mut Setting) {
         for ((_, dof), load) in loads {
             let at = load.at.clone();
             let twice = self.forces.add(load, [0, 1, 2].map(|axis| axis == dof));
@@ -184,35 +177,34 @@ impl Conditions {
                 let node = setting.groups.whole.mesh.point_ids[node as usize];
                 let what =
                     format!("node {node} is loaded several times in one direction and step: the forces are added");
-                notes.at(&at, what);
+                setting.notes.at(&at, what);
             }
         }
-        Ok(())
     }
 
-    fn take_distributed(
-        &mut self,
-        card: &Card,
-        row: &Row,
-        amplitude: Option<usize>,
-        setting: &Setting,
-        notes: &mut Notes,
-    ) -> Result<()> {
+    fn take_distributed(&mut self, line: &mut Line) -> Result<()> {
+        let row = line.row;
         let [set, kind, value, x, y, z] = row.fields();
         let value = row.number(value, 0.0)?;
         let kind = kind.to_uppercase();
-        let is_surface = card.keyword.name == "DSLOAD";
+        let is_surface = line.card.keyword.name == "DSLOAD";
         if kind == "GRAV" && !is_surface {
             let along = [row.number(x, 0.0)?, row.number(y, 0.0)?, row.number(z, 0.0)?];
-            return self.take_gravity(card, row, set, along.map(|part| part * value), amplitude, setting);
+            let length = along.iter().map(|part| part * part).sum::<f64>().sqrt();
+            if length == 0.0 {
+                return Err(row.error("gravity has no direction", "write its value and a unit vector"));
+            }
+            let load = line.gravity(set, along.map(|part| part / length * value), self.step)?;
+            self.gravity.add(load, [true; 3]);
+            return Ok(());
         }
         let side =
             kind.strip_prefix('P').and_then(|side| side.parse::<u8>().ok()).filter(|side| (1..=6).contains(side));
-        let mut load = Load::new(&row.at, format!("{}-{kind}", hint(set)), self.step, amplitude);
+        let mut load = Load::new(&row.at, format!("{}-{kind}", hint(set)), self.step, line.amplitude);
         match side {
             None if is_surface && kind == "P" => {
                 load.hint = hint(set);
-                for (body, faces) in faces_by_body(setting.groups, setting.bodies, row, set)? {
+                for (body, faces) in faces_by_body(line.setting.groups, line.setting.bodies, row, set)? {
                     if body.is_none() {
                         return Err(row.error("a pressure on a rigid body cannot be converted", "give its force"));
                     }
@@ -220,28 +212,72 @@ impl Conditions {
                 }
             }
             Some(side) if !is_surface => {
-                for face in self.sides(card, row, set, side - 1, setting)? {
+                for face in line.sides(set, side - 1)? {
                     load.values.insert(face, [value, 0.0, 0.0]);
                 }
             }
             _ => {
-                let what = format!("the load {kind} of *{} cannot be converted", card.keyword.name);
+                let what = format!("the load {kind} of *{} cannot be converted", line.card.keyword.name);
                 return Err(row.error(what, "P of *DSLOAD, P1 to P6 and GRAV of *DLOAD can"));
             }
         }
         if !self.pressures.add(load, [true, false, false]).is_empty() {
-            notes.at(&row.at, "a face has several pressures in one step: they are added");
+            line.setting.notes.at(&row.at, "a face has several pressures in one step: they are added");
         }
         Ok(())
     }
+}
+
+/// Nodes of bodies, and the rigid bodies whose reference nodes, or nodes of rotation, are among them.
+struct Split {
+    of_bodies: Rc<[u32]>,
+    of_rigids: Vec<(usize, bool)>,
+}
+
+impl Line<'_, '_> {
+    fn nodes(&self, set: &str) -> Result<Vec<u32>> {
+        let found = self.setting.groups.whole.nodes(self.card.place.as_deref(), set);
+        found.ok_or_else(|| no_set(&self.row.at, "node or node set", set))
+    }
+
+    fn elements(&self, set: &str) -> Result<Vec<u32>> {
+        let found = self.setting.groups.whole.elements(self.card.place.as_deref(), set);
+        found.ok_or_else(|| no_set(&self.row.at, "element or element set", set))
+    }
+
+    fn split(&mut self, set: &str) -> Result<Split> {
+        let (mut of_bodies, mut of_rigids, mut of_nothing) = (Vec::new(), Vec::new(), Vec::new());
+        let (whole, bodies) = (self.setting.groups.whole, self.setting.bodies);
+        for node in self.nodes(set)? {
+            match bodies.owners[node as usize] {
+                Owner::Body(_) => of_bodies.push(node),
+                Owner::Nothing => of_nothing.push(node),
+                Owner::Rigid(rigid) => {
+                    let body = &bodies.rigids[rigid];
+                    match node {
+                        _ if body.reference == node => of_rigids.push((rigid, false)),
+                        _ if body.rotations == Some(node) => of_rigids.push((rigid, true)),
+                        _ => {
+                            let what = format!("{} of the rigid body of {}", nodes_are(whole, &[node]), body.at);
+                            return Err(self.row.error(what, "hold, move and load its reference node instead"));
+                        }
+                    }
+                }
+            }
+        }
+        if !of_nothing.is_empty() {
+            let what = format!("{} of no body: the condition there is passed over", nodes_are(whole, &of_nothing));
+            self.setting.notes.at(&self.row.at, what);
+        }
+        Ok(Split { of_bodies: of_bodies.into(), of_rigids })
+    }
 
     /// One side of each element of a set.
-    fn sides(&self, card: &Card, row: &Row, set: &str, side: u8, setting: &Setting) -> Result<Vec<u32>> {
+    fn sides(&self, set: &str, side: u8) -> Result<Vec<u32>> {
+        let (row, setting) = (self.row, &self.setting);
         let whole = setting.groups.whole;
-        let elements =
-            whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "element or element set", set))?;
         let mut faces = Vec::new();
-        for element in elements {
+        for element in self.elements(set)? {
             let Slot::Solid(solid) = whole.slots[element as usize] else {
                 let what = format!("a pressure on an element {} cannot be converted", whole.kind(element));
                 return Err(row.error(what, "give it on the faces of solids"));
@@ -262,83 +298,37 @@ impl Conditions {
         Ok(faces)
     }
 
-    fn take_gravity(
-        &mut self,
-        card: &Card,
-        row: &Row,
-        set: &str,
-        along: [f64; 3],
-        amplitude: Option<usize>,
-        setting: &Setting,
-    ) -> Result<()> {
+    /// Gravity as accelerations of sections.
+    fn gravity(&self, set: &str, along: [f64; 3], step: usize) -> Result<Load> {
+        let setting = &self.setting;
         let whole = setting.groups.whole;
-        let elements = match set {
-            "" => (0..whole.slots.len() as u32).collect(),
-            _ => whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "element set", set))?,
-        };
+        let elements = if set.is_empty() { (0..whole.slots.len() as u32).collect() } else { self.elements(set)? };
         let mut has = vec![false; whole.mesh.solids.len()];
-        for &element in &elements {
+        for element in elements {
             if let Slot::Solid(solid) = whole.slots[element as usize] {
                 has[solid as usize] = true;
             }
         }
-        let mut load = Load::new(&row.at, String::new(), self.step, amplitude);
-        for (body, index) in setting.bodies.bodies.iter().zip(0..) {
-            let count = body.solids.iter().filter(|&&solid| has[solid as usize]).count();
+        let mut load = Load::new(&self.row.at, String::new(), step, self.amplitude);
+        for ((body, material, solids), section) in setting.bodies.sections().zip(0..) {
+            let count = solids.iter().filter(|&&solid| has[solid as usize]).count();
             if count == 0 {
                 continue;
             }
-            if count < body.solids.len() {
-                return Err(row.error(format!("gravity acts on a part of the body `{}` only", body.name), ""));
+            let Material { deck, density, .. } = &setting.materials[material];
+            if count < solids.len() {
+                let what = format!("gravity acts on a part of what of the body `{}` is of '{deck}'", body.name);
+                return Err(self.row.error(what, "let it act on all elements of the material, or on none"));
             }
-            let density = body.density(setting.materials).ok_or_else(|| {
-                let what = format!("the body `{}` has no density for gravity, or several", body.name);
-                row.error(what, "give its material a *DENSITY")
-            })?;
-            load.values.insert(index, along.map(|part| part * density));
-        }
-        self.body_forces.add(load, [true; 3]);
-        Ok(())
-    }
-}
-
-/// Nodes of bodies, and the rigid bodies whose reference nodes, or nodes of rotation, are among them.
-struct Split {
-    of_bodies: Rc<[u32]>,
-    of_rigids: Vec<(usize, bool)>,
-}
-
-fn split(setting: &Setting, row: &Row, nodes: &[u32], notes: &mut Notes) -> Result<Split> {
-    let (mut of_bodies, mut of_rigids, mut of_nothing) = (Vec::new(), Vec::new(), Vec::new());
-    for &node in nodes {
-        match setting.bodies.owners[node as usize] {
-            Owner::Body(_) => of_bodies.push(node),
-            Owner::Nothing => of_nothing.push(node),
-            Owner::Rigid(rigid) => {
-                let body = &setting.bodies.rigids[rigid];
-                match node {
-                    _ if body.reference == node => of_rigids.push((rigid, false)),
-                    _ if body.rotations == Some(node) => of_rigids.push((rigid, true)),
-                    _ => {
-                        let what =
-                            format!("{} of the rigid body of {}", nodes_are(setting.groups.whole, &[node]), body.at);
-                        return Err(row.error(what, "hold, move and load its reference node instead"));
-                    }
-                }
+            if density.is_none() {
+                let what =
+                    format!("gravity acts on the body `{}`, but its material '{deck}' has no density", body.name);
+                return Err(self.row.error(what, "give the material a *DENSITY"));
             }
+            load.values.insert(section, along);
         }
+        Ok(load)
     }
-    if !of_nothing.is_empty() {
-        let what =
-            format!("{} of no body: the condition there is passed over", nodes_are(setting.groups.whole, &of_nothing));
-        notes.at(&row.at, what);
-    }
-    Ok(Split { of_bodies: of_bodies.into(), of_rigids })
-}
-
-fn nodes(setting: &Setting, card: &Card, row: &Row, set: &str) -> Result<Vec<u32>> {
-    let whole = setting.groups.whole;
-    whole.nodes(card.place.as_deref(), set).ok_or_else(|| no_set(&row.at, "node or node set", set))
 }
 
 /// A name for the nodes of a field.

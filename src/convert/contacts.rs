@@ -4,7 +4,8 @@ use super::bodies::{Bodies, Owner};
 use super::cards::Notes;
 use super::groups::{Face, Groups};
 use super::names::Namer;
-use crate::error::Result;
+use super::scene::quoted;
+use crate::error::{Location, Result};
 use crate::mesh::abaqus::{Card, Row, no_set};
 use std::collections::BTreeMap;
 
@@ -16,10 +17,12 @@ pub(super) struct Tool {
     group: String,
 }
 
-/// Friction by interaction, its name in capitals.
+/// A *SURFACE INTERACTION.
 struct Interaction {
     name: String,
+    at: Location,
     friction: f64,
+    is_used: bool,
 }
 
 /// The part of a surface that belongs to a body, or all of it on a rigid one.
@@ -28,80 +31,45 @@ enum Part {
     Tool(usize),
 }
 
-/// The tables of contacts.
-pub(super) fn convert(
-    groups: &mut Groups,
-    bodies: &Bodies,
-    tools: &mut Vec<Tool>,
-    namer: &mut Namer,
-    notes: &mut Notes,
-) -> Result<String> {
+/// What the pairs of a deck become.
+#[derive(Default)]
+pub(super) struct Contacts {
+    /// The tables of the scene.
+    pub text: String,
+    pub tools: Vec<Tool>,
+    /// Masters on bodies.
+    pub masters: Vec<(usize, Vec<Face>)>,
+}
+
+/// Converts all pairs.
+pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, notes: &mut Notes) -> Result<Contacts> {
     let whole = groups.whole;
-    let interactions = interactions(&whole.cards, notes)?;
-    let mut text = String::new();
-    for card in whole.cards.iter().filter(|card| card.keyword.name == "CONTACT PAIR") {
+    let cards = &whole.cards;
+    let mut interactions = interactions(cards, notes)?;
+    let mut pairs = Pairs { groups, bodies, namer, made: Contacts::default() };
+    for card in cards.iter().filter(|card| card.keyword.name == "CONTACT PAIR") {
         let wanted = card.keyword.get("INTERACTION").unwrap_or_default();
-        let found = interactions.iter().find(|interaction| interaction.name.eq_ignore_ascii_case(wanted));
+        let found = interactions.iter_mut().find(|interaction| interaction.name.eq_ignore_ascii_case(wanted));
         let Some(interaction) = found else {
             return Err(card.error(format!("there is no *SURFACE INTERACTION '{wanted}'"), ""));
         };
+        interaction.is_used = true;
         tell_of_pair(card, notes);
-        for row in &card.rows {
-            let [slave, master] = row.fields();
-            // One surface alone meets itself.
-            let master = if master.is_empty() { slave } else { master };
-            let slaves = parts(groups, bodies, tools, namer, row, slave)?;
-            let masters = parts(groups, bodies, tools, namer, row, master)?;
-            let many = slaves.len() * masters.len() > 1;
-            for own in &slaves {
-                let Part::Body(body, faces) = own else {
-                    let what = format!("the slave surface '{slave}' is on a rigid body");
-                    return Err(row.error(what, "exchange the two: the second surface is the master"));
-                };
-                let slave_name = face_name(groups, bodies, *body, faces, slave)?;
-                for other in &masters {
-                    let (end, master_name) = match other {
-                        Part::Tool(tool) => (tools[*tool].name.clone(), tools[*tool].name.clone()),
-                        Part::Body(body, faces) => {
-                            (bodies.bodies[*body].name.clone(), face_name(groups, bodies, *body, faces, master)?)
-                        }
-                    };
-                    let name = match many {
-                        true => format!("{slave}-{master}-{}-{end}", bodies.bodies[*body].name),
-                        false => format!("{slave}-{master}"),
-                    };
-                    let name = namer.name(&name, "contact");
-                    text += &format!("\n[contact.{name}]\nslave = {slave_name}\nmaster = ");
-                    text += &match other {
-                        Part::Tool(_) => format!("\"{master_name}\"\n"),
-                        Part::Body(..) => format!("{master_name}\n"),
-                    };
-                    text += &format!("friction = {:?}\n", interaction.friction);
-                }
-            }
-        }
+        card.rows.iter().try_for_each(|row| pairs.convert(row, interaction.friction))?;
     }
-    Ok(text)
+    for interaction in interactions.iter().filter(|interaction| !interaction.is_used) {
+        let what = format!("the interaction '{}' is of no *CONTACT PAIR: it is passed over", interaction.name);
+        notes.at(&interaction.at, what);
+    }
+    Ok(pairs.made)
 }
 
 impl Tool {
     /// Its table in the scene.
     pub fn write(&self, mesh: &str) -> String {
-        let (mesh, group) = (toml::Value::from(mesh), toml::Value::from(self.group.as_str()));
+        let (mesh, group) = (quoted(mesh), quoted(&self.group));
         format!("\n[tool.{}]\nmesh = {mesh}\ngroup = {group}\n", self.name)
     }
-}
-
-/// `"BODY.GROUP"` of faces.
-pub(super) fn face_name(
-    groups: &mut Groups,
-    bodies: &Bodies,
-    body: usize,
-    faces: &[Face],
-    hint: &str,
-) -> Result<String> {
-    let group = groups.faces(faces, bodies.is_inside(body), hint)?;
-    Ok(toml::Value::from(format!("{}.{group}", bodies.bodies[body].name)).to_string())
 }
 
 /// The faces of a surface by body; those of tools are `None`.
@@ -133,53 +101,88 @@ pub(super) fn faces_by_body(
     Ok(found)
 }
 
-fn parts(
-    groups: &Groups,
-    bodies: &Bodies,
-    tools: &mut Vec<Tool>,
-    namer: &mut Namer,
-    row: &Row,
-    name: &str,
-) -> Result<Vec<Part>> {
-    let mut parts = Vec::new();
-    for (body, faces) in faces_by_body(groups, bodies, row, name)? {
-        let Some(body) = body else {
-            parts.push(Part::Tool(tool(groups, bodies, tools, namer, row, name, &faces)?));
-            continue;
-        };
-        parts.push(Part::Body(body, faces));
-    }
-    Ok(parts)
+/// Pairs that are being converted.
+struct Pairs<'a, 'b> {
+    groups: &'a mut Groups<'b>,
+    bodies: &'a Bodies,
+    namer: &'a mut Namer,
+    made: Contacts,
 }
 
-/// The tool with this rigid surface.
-fn tool(
-    groups: &Groups,
-    bodies: &Bodies,
-    tools: &mut Vec<Tool>,
-    namer: &mut Namer,
-    row: &Row,
-    name: &str,
-    facets: &[u32],
-) -> Result<usize> {
-    let of = |facet: u32| bodies.owners[groups.whole.mesh.facets[facet as usize].nodes[0] as usize];
-    let Owner::Rigid(rigid) = of(facets[0]) else {
-        return Err(row.error(format!("surface '{name}' is neither of a solid nor of a rigid body"), ""));
-    };
-    if facets.iter().any(|&facet| of(facet) != Owner::Rigid(rigid)) {
-        return Err(row.error(format!("surface '{name}' is of several rigid bodies"), "make a surface of each"));
+impl Pairs<'_, '_> {
+    /// The contacts of a line: one for each two bodies that its surfaces are on.
+    fn convert(&mut self, row: &Row, friction: f64) -> Result<()> {
+        let [slave, master] = row.fields();
+        // One surface alone meets itself.
+        let master = if master.is_empty() { slave } else { master };
+        let slaves = self.parts(row, slave)?;
+        let masters = self.parts(row, master)?;
+        let many = slaves.len() * masters.len() > 1;
+        for own in &slaves {
+            let Part::Body(body, faces) = own else {
+                let what = format!("the slave surface '{slave}' is on a rigid body");
+                return Err(row.error(what, "exchange the two: the second surface is the master"));
+            };
+            let (slave_body, slave_name) = (&self.bodies.bodies[*body].name, self.face_name(*body, faces, slave)?);
+            for other in &masters {
+                let (end, master_name) = match other {
+                    Part::Tool(tool) => (&self.made.tools[*tool].name, self.made.tools[*tool].name.clone()),
+                    Part::Body(body, faces) => {
+                        self.made.masters.push((*body, faces.clone()));
+                        (&self.bodies.bodies[*body].name, self.face_name(*body, faces, master)?)
+                    }
+                };
+                let name = match many {
+                    true => format!("{slave}-{master}-{slave_body}-{end}"),
+                    false => format!("{slave}-{master}"),
+                };
+                let name = self.namer.name(&name, "contact");
+                let (slave, master) = (quoted(&slave_name), quoted(&master_name));
+                self.made.text += &format!("\n[contact.{name}]\nslave = {slave}\nmaster = {master}\n");
+                self.made.text += &format!("friction = {friction:?}\n");
+            }
+        }
+        Ok(())
     }
-    let group = groups.rigid(facets, name).ok_or_else(|| {
-        let what = format!("the rigid surface '{name}' has the name of an element set, or faces of bodies besides");
-        row.error(what, "give it a name of its own")
-    })?;
-    if let Some(known) = tools.iter().position(|tool| tool.rigid == rigid && tool.group == group) {
-        return Ok(known);
+
+    /// `BODY.GROUP` of faces.
+    fn face_name(&mut self, body: usize, faces: &[Face], hint: &str) -> Result<String> {
+        let group = self.groups.faces(faces, self.bodies.is_inside(body), hint)?;
+        Ok(format!("{}.{group}", self.bodies.bodies[body].name))
     }
-    let is_first = tools.iter().all(|tool| tool.rigid != rigid);
-    let name = if is_first { bodies.rigids[rigid].name.clone() } else { namer.name(name, "tool") };
-    tools.push(Tool { name, rigid, group });
-    Ok(tools.len() - 1)
+
+    fn parts(&mut self, row: &Row, name: &str) -> Result<Vec<Part>> {
+        let mut parts = Vec::new();
+        for (body, faces) in faces_by_body(self.groups, self.bodies, row, name)? {
+            parts.push(match body {
+                Some(body) => Part::Body(body, faces),
+                None => Part::Tool(self.tool(row, name, &faces)?),
+            });
+        }
+        Ok(parts)
+    }
+
+    /// The tool with this rigid surface.
+    fn tool(&mut self, row: &Row, name: &str, facets: &[u32]) -> Result<usize> {
+        let of = |facet: u32| self.bodies.owners[self.groups.whole.mesh.facets[facet as usize].nodes[0] as usize];
+        let Owner::Rigid(rigid) = of(facets[0]) else {
+            return Err(row.error(format!("surface '{name}' is neither of a solid nor of a rigid body"), ""));
+        };
+        if facets.iter().any(|&facet| of(facet) != Owner::Rigid(rigid)) {
+            return Err(row.error(format!("surface '{name}' is of several rigid bodies"), "make a surface of each"));
+        }
+        let group = self.groups.rigid(facets, name).ok_or_else(|| {
+            let what = format!("the rigid surface '{name}' has the name of an element set, or faces of bodies besides");
+            row.error(what, "give it a name of its own")
+        })?;
+        if let Some(known) = self.made.tools.iter().position(|tool| tool.rigid == rigid && tool.group == group) {
+            return Ok(known);
+        }
+        let is_first = self.made.tools.iter().all(|tool| tool.rigid != rigid);
+        let name = if is_first { self.bodies.rigids[rigid].name.clone() } else { self.namer.name(name, "tool") };
+        self.made.tools.push(Tool { name, rigid, group });
+        Ok(self.made.tools.len() - 1)
+    }
 }
 
 fn interactions(cards: &[Card], notes: &mut Notes) -> Result<Vec<Interaction>> {
@@ -188,16 +191,16 @@ fn interactions(cards: &[Card], notes: &mut Notes) -> Result<Vec<Interaction>> {
         match card.keyword.name.as_str() {
             "SURFACE INTERACTION" => {
                 let name = card.keyword.get("NAME").unwrap_or_default().to_string();
-                interactions.push(Interaction { name, friction: 0.0 });
+                interactions.push(Interaction { name, at: card.at.clone(), friction: 0.0, is_used: false });
             }
             "SURFACE BEHAVIOR" => {
                 let law = card.keyword.get("PRESSURE-OVERCLOSURE").unwrap_or("HARD").to_uppercase();
                 if law == "TIED" {
                     return Err(card.error("tied contact cannot be converted", "mesh what is bonded as one part"));
                 }
-                if law != "HARD" {
-                    let what = format!("the {law} pressure-overclosure becomes hard contact, without penetration");
-                    notes.at(&card.at, what);
+                if let Some(what) = softness(card, &law)? {
+                    let hard = "becomes hard contact, without penetration or pressure at a distance";
+                    notes.at(&card.at, format!("the {law} pressure-overclosure {hard}: {what}"));
                 }
             }
             "FRICTION" => {
@@ -234,4 +237,20 @@ fn tell_of_pair(card: &Card, notes: &mut Notes) {
         let what = "becomes one pass, in which the nodes of the slave are kept out of the smoothed master";
         notes.at(&card.at, format!("TYPE={kind} {what}"));
     }
+}
+
+/// What of a pressure by overclosure is missing in hard contact.
+fn softness(card: &Card, law: &str) -> Result<Option<String>> {
+    let number = |at: usize| match card.fields().nth(at) {
+        Some((row, field)) => row.number(field, 0.0),
+        None => Ok(0.0),
+    };
+    Ok(Some(match law {
+        "HARD" => return Ok(None),
+        "LINEAR" => format!("surfaces would lie in each other by the pressure over {:?}", number(0)?),
+        "EXPONENTIAL" => {
+            format!("surfaces would press with {:?} where they touch, and from {:?} before", number(1)?, number(0)?)
+        }
+        _ => "surfaces would lie in each other by its table".into(),
+    }))
 }

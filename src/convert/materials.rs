@@ -1,32 +1,37 @@
 //! *MATERIAL with its *ELASTIC, *PLASTIC, *HYPERELASTIC and *DENSITY.
 
-use super::cards::Notes;
 use super::names::Namer;
+use super::rubber;
 use crate::error::{Error, Location, Result};
 use crate::mesh::abaqus::Card;
 use std::fmt::Write;
+
+/// Poisson's ratio above which full integration locks, as the scene has it for its elements.
+const LOCKING: f64 = 0.45;
 
 /// A material of the deck.
 pub(super) struct Material {
     /// In the scene.
     pub name: String,
     /// In the deck.
-    deck: String,
-    at: Location,
+    pub deck: String,
+    pub at: Location,
     law: Option<Law>,
     /// Equivalent plastic strain and yield stress.
     plastic: Vec<[f64; 2]>,
     pub density: Option<f64>,
 }
 
-/// The elastic law, by Young's modulus and Poisson's ratio.
+/// The elastic law.
 enum Law {
+    /// Young's modulus and Poisson's ratio.
     Hooke(f64, f64),
-    NeoHooke(f64, f64),
+    /// The keys of rubber, and Poisson's ratio at small strain.
+    Rubber(String, f64),
 }
 
 /// Reads all materials.
-pub(super) fn read(cards: &[Card], namer: &mut Namer, notes: &mut Notes) -> Result<Vec<Material>> {
+pub(super) fn read(cards: &[Card], namer: &mut Namer) -> Result<Vec<Material>> {
     let mut materials: Vec<Material> = Vec::new();
     for card in cards {
         let name = card.keyword.name.as_str();
@@ -46,8 +51,17 @@ pub(super) fn read(cards: &[Card], namer: &mut Namer, notes: &mut Notes) -> Resu
         match name {
             "ELASTIC" => material.law = Some(elastic(card)?),
             "PLASTIC" => material.plastic = plastic(card)?,
-            "HYPERELASTIC" => material.law = Some(hyperelastic(card, notes)?),
-            _ => material.density = Some(constants::<1>(card)?[0]),
+            "HYPERELASTIC" => {
+                let (keys, poisson) = rubber::keys(card)?;
+                material.law = Some(Law::Rubber(keys, poisson));
+            }
+            _ => {
+                let [density] = constants(card)?;
+                if density < 0.0 {
+                    return Err(card.error(format!("the density {density:?} is below 0"), ""));
+                }
+                material.density = Some(density);
+            }
         }
     }
     Ok(materials)
@@ -64,23 +78,36 @@ pub(super) fn find(materials: &[Material], card: &Card) -> Result<usize> {
 }
 
 impl Material {
+    /// Whether elements lock, for it all but keeps its volume, where it flows at least.
+    pub fn locks(&self) -> bool {
+        let poisson = match self.law {
+            Some(Law::Hooke(_, poisson) | Law::Rubber(_, poisson)) => poisson,
+            None => 0.0,
+        };
+        poisson > LOCKING || !self.plastic.is_empty()
+    }
+
     /// Its table in the scene.
     pub fn write(&self) -> Result<String> {
-        let name = &self.name;
-        let (law, young, poisson) = match (&self.law, self.plastic.is_empty()) {
+        let mut text = format!("[material.{}]\n", self.name);
+        match (&self.law, self.plastic.is_empty()) {
             (None, _) => {
                 let what = format!("the material '{}' has neither *ELASTIC nor *HYPERELASTIC", self.deck);
                 return Err(Error::input(&self.at, what, ""));
             }
-            (Some(Law::Hooke(young, poisson)), true) => ("hooke", young, poisson),
-            (Some(Law::Hooke(young, poisson)), false) => ("j2", young, poisson),
-            (Some(Law::NeoHooke(young, poisson)), true) => ("neo-hookean", young, poisson),
-            (Some(Law::NeoHooke(..)), false) => {
+            (Some(Law::Hooke(young, poisson)), is_elastic) => {
+                let model = if is_elastic { "hooke" } else { "j2" };
+                let _ = write!(text, "model = \"{model}\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
+            }
+            (Some(Law::Rubber(keys, _)), true) => text += keys,
+            (Some(Law::Rubber(..)), false) => {
                 let what = format!("the material '{}' has *PLASTIC beside *HYPERELASTIC", self.deck);
                 return Err(Error::input(&self.at, what, "plasticity goes with *ELASTIC"));
             }
-        };
-        let mut text = format!("[material.{name}]\nmodel = \"{law}\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
+        }
+        if let Some(density) = self.density {
+            let _ = writeln!(text, "density = {density:?}");
+        }
         match &self.plastic[..] {
             [] => {}
             [[_, stress]] => {
@@ -165,27 +192,4 @@ fn plastic(card: &Card) -> Result<Vec<[f64; 2]>> {
         true => Err(card.error("*PLASTIC has no data", "")),
         false => Ok(table),
     }
-}
-
-/// W = C10 (I1' - 3) + (J - 1)²/D1, whose moduli at small strain are mu = 2 C10 and K = 2/D1.
-fn hyperelastic(card: &Card, notes: &mut Notes) -> Result<Law> {
-    if !card.keyword.has("NEO HOOKE") {
-        let what = "this model of *HYPERELASTIC cannot be converted";
-        return Err(card.error(what, "NEO HOOKE can; write others by hand if docs/scene.md has them"));
-    }
-    let [c10, d1] = constants(card)?;
-    if c10 <= 0.0 || d1 <= 0.0 {
-        let what = format!("C10 = {c10:?} and D1 = {d1:?} are not both above 0");
-        return Err(card.error(what, "D1 = 2/K; for Poisson's ratio 0.49 it is about 0.02/C10"));
-    }
-    let (shear, bulk) = (2.0 * c10, 2.0 / d1);
-    let young = 9.0 * bulk * shear / (3.0 * bulk + shear);
-    let poisson = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
-    check(card, young, poisson)?;
-    notes.at(
-        &card.at,
-        "NEO HOOKE becomes neo-hookean with the same moduli at small strain; its W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln² J \
-         differs where the volume changes much",
-    );
-    Ok(Law::NeoHooke(young, poisson))
 }

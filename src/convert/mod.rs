@@ -18,16 +18,21 @@ mod groups;
 mod loads;
 mod materials;
 mod names;
+mod planes;
+mod rubber;
 mod scene;
 mod spread;
+mod springs;
 mod steps;
 mod supports;
+mod tables;
 
 use crate::error::{Error, Result};
-use crate::mesh::abaqus::{Whole, read_whole};
+use crate::mesh::abaqus::{Card, Whole, read_whole};
 use crate::output::replace;
 use bodies::Bodies;
 use cards::Notes;
+use contacts::Contacts;
 use groups::Groups;
 use names::Namer;
 use std::fmt::Write;
@@ -96,17 +101,34 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
     let mut groups = Groups::new(whole);
     // Bodies, tools and contacts share names in the history; materials and steps have their own.
     let (mut namer, mut of_steps) = (Namer::default(), Namer::default());
-    let materials = materials::read(&whole.cards, &mut Namer::default(), notes)?;
+    let materials = materials::read(&whole.cards, &mut Namer::default())?;
     let bodies = Bodies::new(&mut groups, &materials, &mut namer, notes)?;
-    let mut tools = Vec::new();
-    let contacts = contacts::convert(&mut groups, &bodies, &mut tools, &mut namer, notes)?;
+    let Contacts { text: contacts, tools, masters } = contacts::convert(&mut groups, &bodies, &mut namer, notes)?;
     let amplitudes = amplitudes::read(&whole.cards)?;
-    let model = steps::Model { bodies: &bodies, tools: &tools, materials: &materials, amplitudes: &amplitudes };
-    let (steps, history) = steps::convert(&mut groups, &model, &mut of_steps, notes)?;
-    tell_of_unused(whole, &bodies, &tools, notes);
+    let springs = springs::read(whole, &bodies)?;
+    let model =
+        steps::Model { bodies: &bodies, tools: &tools, materials: &materials, amplitudes: &amplitudes, springs };
+    let (steps, history, still) = steps::convert(&mut groups, &model, &mut of_steps, notes)?;
+    tell_of_unused(whole, &model, notes);
 
-    let bodies_say: Vec<String> =
-        bodies.bodies.iter().map(|body| body.write(&mut groups, &materials, notes)).collect::<Result<_>>()?;
+    let mut bodies_say = Vec::new();
+    for (number, body) in bodies.bodies.iter().enumerate() {
+        let mut says = body.write(&mut groups, &materials, notes)?;
+        let mut planes = Vec::new();
+        for (_, faces) in masters.iter().filter(|(of, _)| *of == number) {
+            planes.extend(still.planes(&mut groups, &bodies, number, faces)?);
+        }
+        planes.sort();
+        planes.dedup();
+        if !planes.is_empty() {
+            says += &format!("symmetry = {planes:?}\n");
+            let name = &body.name;
+            notes.whole(format!(
+                "body `{name}` goes on as its mirror image across the planes in which its nodes are held"
+            ));
+        }
+        bodies_say.push(says);
+    }
     let mesh = if groups.more.is_empty() { deck } else { more };
     let mut text = String::new();
     for (body, says) in bodies.bodies.iter().zip(bodies_say) {
@@ -125,18 +147,24 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
     Ok(Parts { text, groups: (!groups.more.is_empty()).then_some(groups.more) })
 }
 
-/// Rigid bodies that nothing meets, and densities.
-fn tell_of_unused(whole: &Whole, bodies: &Bodies, tools: &[contacts::Tool], notes: &mut Notes) {
-    for (number, rigid) in bodies.rigids.iter().enumerate() {
-        if rigid.nodes.is_empty() && tools.iter().all(|tool| tool.rigid != number) {
+/// What the deck has, and does nothing with; and the law of elasticity.
+fn tell_of_unused(whole: &Whole, model: &steps::Model, notes: &mut Notes) {
+    for (number, rigid) in model.bodies.rigids.iter().enumerate() {
+        if rigid.nodes.is_empty() && model.tools.iter().all(|tool| tool.rigid != number) {
             notes.at(&rigid.at, "the rigid body is in no *CONTACT PAIR: it is passed over, for nothing meets it");
         }
     }
-    let has = |name: &str| whole.cards.iter().find(|card| card.keyword.name == name);
-    let is_gravity = |row: &crate::mesh::abaqus::Row| row.text.to_uppercase().contains("GRAV");
-    if let Some(card) = has("DENSITY").filter(|_| !whole.cards.iter().flat_map(|card| &card.rows).any(is_gravity)) {
-        notes.at(&card.at, "densities are passed over: without gravity they do nothing in statics");
+    let used = model.bodies.materials();
+    for (_, material) in model.materials.iter().enumerate().filter(|(number, _)| !used.contains(number)) {
+        notes.at(&material.at, format!("the material '{}' is of no body: it is passed over", material.deck));
     }
+    for amplitude in model.amplitudes {
+        let names = |card: &Card| card.keyword.get("AMPLITUDE").is_some_and(|name| amplitude.is(name));
+        if !whole.cards.iter().any(names) {
+            notes.at(&amplitude.at, format!("nothing has the amplitude '{}': it is passed over", amplitude.name));
+        }
+    }
+    let has = |name: &str| whole.cards.iter().find(|card| card.keyword.name == name);
     if let Some(card) = has("ELASTIC") {
         let what = "*ELASTIC becomes linear in the logarithmic strain: CalculiX with NLGEOM takes Green's strain, which differs \
                     by the order of the strain";

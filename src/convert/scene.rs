@@ -1,5 +1,6 @@
 //! The text of steps.
 
+use super::tables::Table;
 use std::fmt::Write;
 
 /// The time of a step and its increments.
@@ -19,18 +20,49 @@ pub(super) struct Rotation {
     pub angle: f64,
 }
 
+/// A force on a set, a tool or a body, or a pressure as a vector of one number.
+#[derive(Clone)]
+pub(super) struct Load {
+    pub on: String,
+    pub value: [f64; 3],
+    /// The shares of it that act; without, it goes straight to it.
+    pub table: Option<Table>,
+}
+
+/// How a tool moves.
+pub(super) struct ToolMove {
+    pub name: String,
+    pub by: [f64; 3],
+    pub rotation: Option<Rotation>,
+    pub table: Option<Table>,
+}
+
 /// The conditions of a step by what they act on, each once, in the order in which they came.
 #[derive(Default)]
 pub(super) struct Lists {
     /// Sets that are held or moved.
     pub supported: Vec<String>,
     /// For each of these the way along x, y and z; `None` where it is free.
-    ways: Vec<[Option<f64>; 3]>,
-    tools: Vec<(String, [f64; 3], Option<Rotation>)>,
-    pushed: Vec<(String, [f64; 3], [bool; 3])>,
-    forces: Vec<(String, [f64; 3])>,
-    pressures: Vec<(String, f64)>,
-    body_forces: Vec<(String, [f64; 3])>,
+    pub ways: Vec<[Option<f64>; 3]>,
+    /// And its table.
+    pub tables: Vec<Option<Table>>,
+    pub tools: Vec<ToolMove>,
+    /// With the directions in which the tool is free.
+    pub pushed: Vec<(Load, [bool; 3])>,
+    pub forces: Vec<Load>,
+    pub pressures: Vec<Load>,
+    pub body_forces: Vec<Load>,
+    pub gravity: [f64; 3],
+    /// Sets and stiffnesses.
+    pub springs: Vec<(String, [f64; 3])>,
+}
+
+impl Load {
+    /// At the end of the step.
+    pub fn last(&self) -> [f64; 3] {
+        let share = self.table.as_ref().and_then(|table| table.last()).map_or(1.0, |point| point[1]);
+        self.value.map(|part| share * part)
+    }
 }
 
 pub(super) fn letter(axis: usize) -> &'static str {
@@ -43,6 +75,7 @@ impl Lists {
         let at = known.unwrap_or_else(|| {
             self.supported.push(set.to_string());
             self.ways.push([None; 3]);
+            self.tables.push(None);
             self.ways.len() - 1
         });
         self.ways[at][axis] = Some(by);
@@ -50,27 +83,12 @@ impl Lists {
 
     pub fn move_tool(&mut self, tool: &str, by: [f64; 3], rotation: Option<Rotation>) {
         if by != [0.0; 3] || rotation.is_some() {
-            self.tools.push((tool.to_string(), by, rotation));
+            self.tools.push(ToolMove { name: tool.to_string(), by, rotation, table: None });
         }
     }
 
-    pub fn push_tool(&mut self, tool: &str, total: [f64; 3], free: [bool; 3]) {
-        self.pushed.push((tool.to_string(), total, free));
-    }
-
-    pub fn add_force(&mut self, set: &str, total: [f64; 3]) {
-        add(&mut self.forces, set, total);
-    }
-
-    pub fn add_body_force(&mut self, body: &str, per_volume: [f64; 3]) {
-        add(&mut self.body_forces, body, per_volume);
-    }
-
-    pub fn add_pressure(&mut self, set: &str, value: f64) {
-        match self.pressures.iter_mut().find(|(other, _)| other == set) {
-            Some((_, sum)) => *sum += value,
-            None => self.pressures.push((set.to_string(), value)),
-        }
+    pub fn push_tool(&mut self, tool: &str, value: [f64; 3], free: [bool; 3]) {
+        self.pushed.push((Load { on: tool.to_string(), value, table: None }, free));
     }
 
     fn fix(&self) -> Vec<String> {
@@ -79,43 +97,54 @@ impl Lists {
         held.map(|(set, held)| format!("{{ set = {}{} }}", quoted(set), directions(held))).collect()
     }
 
-    fn moves(&self) -> Vec<String> {
+    fn moves(&self, duration: f64) -> Vec<String> {
         let mut moves = Vec::new();
-        for (set, ways) in self.supported.iter().zip(&self.ways) {
+        let supports = self.supported.iter().zip(&self.ways).zip(&self.tables);
+        for ((set, ways), table) in supports {
             let moved = ways.map(|way| way.is_some_and(|way| way != 0.0));
             let by = ways.map(|way| way.unwrap_or(0.0));
             if moved.contains(&true) {
-                moves.push(format!("{{ target = {}, by = {by:?}{} }}", quoted(set), directions(moved)));
+                let (set, directions, table) = (quoted(set), directions(moved), in_time(table, duration));
+                moves.push(format!("{{ target = {set}, by = {by:?}{directions}{table} }}"));
             }
         }
-        for (tool, by, rotation) in &self.tools {
+        for ToolMove { name, by, rotation, table } in &self.tools {
             let rotate = rotation.map_or(String::new(), |Rotation { point, axis, angle }| {
                 let mut along = [0.0; 3];
                 along[axis] = 1.0;
                 format!(", rotate = {{ point = {point:?}, axis = {along:?}, angle = {angle:?} }}")
             });
             let by = if *by == [0.0; 3] { String::new() } else { format!(", by = {by:?}") };
-            moves.push(format!("{{ target = {}{by}{rotate} }}", quoted(tool)));
+            moves.push(format!("{{ target = {}{by}{rotate}{} }}", quoted(name), in_time(table, duration)));
         }
         moves
     }
 
-    fn all_forces(&self) -> Vec<String> {
-        let on_tools = self.pushed.iter().map(|(tool, total, free)| {
+    fn all_forces(&self, duration: f64) -> Vec<String> {
+        let write = |Load { on, value, table }: &Load, directions: &str| {
+            format!("{{ target = {}, total = {value:?}{directions}{} }}", quoted(on), in_time(table, duration))
+        };
+        let on_tools = self.pushed.iter().map(|(load, free)| {
             let free: String = (0..3).filter(|&axis| free[axis]).map(letter).collect();
-            format!("{{ target = {}, total = {total:?}, directions = \"{free}\" }}", quoted(tool))
+            write(load, &format!(", directions = \"{free}\""))
         });
-        let on_sets =
-            self.forces.iter().map(|(set, total)| format!("{{ target = {}, total = {total:?} }}", quoted(set)));
-        on_tools.chain(on_sets).collect()
+        on_tools.chain(self.forces.iter().map(|load| write(load, ""))).collect()
     }
 }
 
-fn add(list: &mut Vec<(String, [f64; 3])>, name: &str, vector: [f64; 3]) {
-    match list.iter_mut().find(|(other, _)| other == name) {
-        Some((_, sum)) => sum.iter_mut().zip(vector).for_each(|(sum, part)| *sum += part),
-        None => list.push((name.to_string(), vector)),
+/// Adds to the load on what it acts on.
+pub(super) fn add(list: &mut Vec<Load>, on: &str, value: [f64; 3]) {
+    match list.iter_mut().find(|other| other.on == on) {
+        Some(other) => other.value.iter_mut().zip(value).for_each(|(sum, part)| *sum += part),
+        None => list.push(Load { on: on.to_string(), value, table: None }),
     }
+}
+
+/// The key for a table, in the time of the step.
+fn in_time(table: &Option<Table>, duration: f64) -> String {
+    let Some(table) = table else { return String::new() };
+    let points: Vec<String> = table.iter().map(|[s, share]| format!("[{:?}, {share:?}]", s * duration)).collect();
+    format!(", table = [{}]", points.join(", "))
 }
 
 pub(super) fn quoted(text: &str) -> toml::Value {
@@ -144,18 +173,27 @@ pub(super) fn step(name: &str, times: &Times, lists: &Lists) -> String {
         let min = min.map_or(String::new(), |min| format!(", min = {min:?}"));
         let _ = writeln!(text, "increment = {{ initial = {initial:?}{min}, max = {max:?} }}");
     }
-    let pressures = lists.pressures.iter().filter(|(_, value)| *value != 0.0);
-    let pressures = pressures.map(|(set, value)| format!("{{ set = {}, value = {value:?} }}", quoted(set)));
-    let body_forces = lists.body_forces.iter();
-    let body_forces = body_forces.map(|(body, force)| format!("{{ body = {}, per_volume = {force:?} }}", quoted(body)));
+    let duration = *duration;
+    let pressures = lists.pressures.iter().filter(|load| load.value[0] != 0.0).map(|Load { on, value, table }| {
+        format!("{{ set = {}, value = {:?}{} }}", quoted(on), value[0], in_time(table, duration))
+    });
+    let body_forces = lists.body_forces.iter().map(|Load { on, value, table }| {
+        format!("{{ body = {}, per_volume = {value:?}{} }}", quoted(on), in_time(table, duration))
+    });
+    let springs = lists.springs.iter();
+    let springs = springs.map(|(set, along)| format!("{{ set = {}, stiffness = {along:?} }}", quoted(set)));
     for (key, items) in [
         ("fix", lists.fix()),
-        ("move", lists.moves()),
-        ("force", lists.all_forces()),
+        ("move", lists.moves(duration)),
+        ("force", lists.all_forces(duration)),
         ("pressure", pressures.collect()),
         ("body_force", body_forces.collect()),
+        ("spring", springs.collect()),
     ] {
         text += &list(key, &items);
+    }
+    if lists.gravity != [0.0; 3] {
+        let _ = writeln!(text, "gravity = {:?}", lists.gravity);
     }
     text
 }

@@ -9,7 +9,10 @@ use super::groups::Groups;
 use super::loads::Clock;
 use super::materials::Material;
 use super::names::Namer;
+use super::planes::Still;
 use super::scene::{self, Lists};
+use super::springs::Springs;
+use super::tables;
 use crate::error::{Error, Result};
 use crate::mesh::abaqus::Card;
 use std::collections::BTreeMap;
@@ -39,52 +42,63 @@ pub(super) struct Model<'a> {
     pub tools: &'a [Tool],
     pub materials: &'a [Material],
     pub amplitudes: &'a [Amplitude],
+    pub springs: Springs,
 }
 
-/// The tables of all steps, and the sets that are held or moved.
+/// The tables of all steps, the sets that are held or moved, and the nodes that never are moved.
 pub(super) fn convert(
     groups: &mut Groups,
     model: &Model,
     namer: &mut Namer,
     notes: &mut Notes,
-) -> Result<(String, Vec<String>)> {
+) -> Result<(String, Vec<String>, Still)> {
     let whole = groups.whole;
     let (before, steps) = split(&whole.cards)?;
     let mut conditions = Conditions::default();
     let mut clock = Clock::default();
-    let (mut text, mut history) = (String::new(), Vec::new());
+    let (mut text, mut history, mut still) = (String::new(), Vec::new(), Still::default());
     let mut axes = BTreeMap::new();
+    let mut ended = Lists::default();
     for (number, step) in steps.iter().enumerate() {
         let next = Clock { before: clock.before + clock.period, period: step.times.period };
-        let setting =
-            Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes };
+        let mut setting =
+            Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes, notes };
         if number > 0 {
             conditions.begin(&clock, &next, model.amplitudes)?;
         } else {
-            before.iter().try_for_each(|card| conditions.take(card, &setting, notes))?;
+            before.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
         }
         clock = next;
-        step.cards.iter().try_for_each(|card| conditions.take(card, &setting, notes))?;
+        step.cards.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
+        still.meet(&conditions.supports);
         tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
         tell_of_step(step, notes);
-        let ends = pieces(&conditions, &clock, model.amplitudes, step.card)?;
-        let name = step.card.keyword.get("NAME").map_or(format!("step-{}", number + 1), str::to_string);
-        for (piece, span) in ends.windows(2).enumerate() {
-            let name = match ends.len() {
-                2 => namer.name(&name, "step"),
-                _ => namer.name(&format!("{name}-{}", piece + 1), "step"),
-            };
-            let mut writer = Writer { groups, model, conditions: &conditions, clock, axes: &mut axes, step };
-            let lists = writer.lists(span[0], span[1])?;
-            lists.supported.iter().for_each(|set| {
-                if !history.contains(set) {
-                    history.push(set.clone());
-                }
-            });
-            text += &scene::step(&name, &step.times.of(span[0], span[1]), &lists);
+        let ends = bends(&conditions, &clock, model.amplitudes);
+        let mut writer = Writer { groups, model, conditions: &conditions, clock, axes: &mut axes, step };
+        let mut parts: Vec<Lists> =
+            ends.windows(2).map(|span| writer.lists(span[0], span[1])).collect::<Result<_>>()?;
+        for set in parts.iter().flat_map(|part| &part.supported) {
+            if !history.contains(set) {
+                history.push(set.clone());
+            }
         }
+        let name = step.card.keyword.get("NAME").map_or(format!("step-{}", number + 1), str::to_string);
+        match tables::joined(&ended, &parts, &ends) {
+            Some(whole) => text += &scene::step(&namer.name(&name, "step"), &step.times.of(0.0, 1.0), &whole),
+            None if parts.len() > MOST_PIECES => {
+                let what = format!("amplitudes turn the direction of a load or motion at {} times", parts.len() - 1);
+                return Err(step.card.error(what, "each becomes a step of the scene: give them fewer points"));
+            }
+            None => {
+                for (piece, (span, lists)) in ends.windows(2).zip(&parts).enumerate() {
+                    let name = namer.name(&format!("{name}-{}", piece + 1), "step");
+                    text += &scene::step(&name, &step.times.of(span[0], span[1]), lists);
+                }
+            }
+        }
+        ended = parts.pop().unwrap_or_default();
     }
-    Ok((text, history))
+    Ok((text, history, still))
 }
 
 impl Times {
@@ -153,30 +167,24 @@ fn tell_of_jumps(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude
     let what = "the amplitude begins with a jump, which becomes a part of the ramp to its next point";
     let holds = conditions.supports.acting().into_iter().map(|(hold, _)| hold);
     let jumping = holds.filter(|hold| hold.jumps(clock, amplitudes)).map(|hold| &hold.at);
-    let loads = [&conditions.forces, &conditions.pressures, &conditions.body_forces];
-    let loads = loads.into_iter().flat_map(|kind| kind.live()).filter(|load| load.jumps(clock, amplitudes));
+    let loads = conditions.loads().filter(|load| load.jumps(clock, amplitudes));
     let mut places: Vec<_> = jumping.chain(loads.map(|load| &load.at)).collect();
     places.dedup();
     places.into_iter().for_each(|at| notes.at(at, what));
 }
 
 /// Fractions of the step, from 0 to 1, between which all is linear.
-fn pieces(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude], step: &Card) -> Result<Vec<f64>> {
+fn bends(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude]) -> Vec<f64> {
     let holds = conditions.supports.acting().into_iter().filter_map(|(hold, _)| hold.amplitude);
-    let loads = [&conditions.forces, &conditions.pressures, &conditions.body_forces];
-    let loads = loads.into_iter().flat_map(|kind| kind.live()).filter_map(|load| load.amplitude);
+    let loads = conditions.loads().filter_map(|load| load.amplitude);
     let mut ends = vec![0.0, 1.0];
     holds.chain(loads).for_each(|amplitude| ends.extend(clock.bends(&amplitudes[amplitude])));
     ends.sort_by(f64::total_cmp);
     ends.dedup_by(|b, a| *b - *a < 1e-9);
-    if ends.len() > MOST_PIECES + 1 {
-        let what = format!("amplitudes bend at {} times in this step", ends.len() - 2);
-        return Err(step.error(what, "each becomes a step of the scene: give them fewer points"));
-    }
     // The end itself, not a point a rounding before it.
     ends.pop();
     ends.push(1.0);
-    Ok(ends)
+    ends
 }
 
 /// Writes the conditions of a part of a step.
@@ -197,13 +205,58 @@ impl Writer<'_, '_> {
         self.tools(from, to, &mut lists)?;
         self.forces(to, &mut lists)?;
         self.pressures(to, &mut lists)?;
-        let amplitudes = self.model.amplitudes;
-        for (_, field) in self.conditions.body_forces.at(to, &self.clock, amplitudes) {
-            for (body, force) in field {
-                lists.add_body_force(&self.model.bodies.bodies[body as usize].name, force);
+        self.gravity(to, &mut lists)?;
+        self.springs(&mut lists)?;
+        Ok(lists)
+    }
+
+    /// Gravity by the densities of the scene where it acts on all alike, else by force on bodies.
+    fn gravity(&mut self, s: f64, lists: &mut Lists) -> Result<()> {
+        let Model { bodies, materials, amplitudes, .. } = self.model;
+        let mut along = vec![[0.0; 3]; bodies.sections().count()];
+        let mut last = None;
+        for (load, field) in self.conditions.gravity.at(s, &self.clock, amplitudes) {
+            for (section, part) in field {
+                (0..3).for_each(|d| along[section as usize][d] += part[d]);
+                last = Some(load);
             }
         }
-        Ok(lists)
+        let Some(load) = last else { return Ok(()) };
+        if along.windows(2).all(|pair| pair[0] == pair[1]) {
+            lists.gravity = along[0];
+            return Ok(());
+        }
+        let mut forces: BTreeMap<&str, [f64; 3]> = BTreeMap::new();
+        for ((body, material, _), along) in bodies.sections().zip(along) {
+            let force = along.map(|part| part * materials[material].density.unwrap_or(0.0));
+            if *forces.entry(&body.name).or_insert(force) != force {
+                let name = &body.name;
+                let what =
+                    format!("gravity pulls differently at materials of the body `{name}`, and not alike at all bodies");
+                return Err(Error::input(
+                    &load.at,
+                    what,
+                    "let it act on all elements of the deck, or take one density",
+                ));
+            }
+        }
+        for (body, force) in forces.into_iter().filter(|(_, force)| *force != [0.0; 3]) {
+            scene::add(&mut lists.body_forces, body, force);
+        }
+        Ok(())
+    }
+
+    fn springs(&mut self, lists: &mut Lists) -> Result<()> {
+        let springs = &self.model.springs;
+        for (body, nodes) in self.by_body(&springs.keys().copied().collect::<Vec<_>>()) {
+            let mut alike: BTreeMap<[u64; 3], Vec<u32>> = BTreeMap::new();
+            nodes.iter().for_each(|node| alike.entry(springs[node].map(f64::to_bits)).or_default().push(*node));
+            for (bits, own) in alike {
+                let set = self.set(body, &own, true, "springs")?;
+                lists.springs.push((set, bits.map(|bits| f64::from_bits(bits) * own.len() as f64)));
+            }
+        }
+        Ok(())
     }
 
     fn supports(&mut self, from: f64, to: f64, lists: &mut Lists) -> Result<()> {
@@ -316,7 +369,7 @@ impl Writer<'_, '_> {
             for (body, own) in self.by_body(&nodes) {
                 let forces: Vec<[f64; 3]> = own.iter().map(|node| field[node]).collect();
                 for (set, total) in super::spread::sets(self.groups, self.model.bodies, body, &own, &forces, load)? {
-                    lists.add_force(&set, total);
+                    scene::add(&mut lists.forces, &set, total);
                 }
             }
         }
@@ -334,7 +387,8 @@ impl Writer<'_, '_> {
             }
             for ((body, value), faces) in alike {
                 let group = self.groups.faces(&faces, bodies.is_inside(body), &load.hint)?;
-                lists.add_pressure(&format!("{}.{group}", bodies.bodies[body].name), f64::from_bits(value));
+                let set = format!("{}.{group}", bodies.bodies[body].name);
+                scene::add(&mut lists.pressures, &set, [f64::from_bits(value), 0.0, 0.0]);
             }
         }
         Ok(())

@@ -3,7 +3,7 @@
 use super::amplitudes::Amplitude;
 use super::loads::{Clock, carried};
 use crate::error::{Error, Location, Result};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
 /// Degrees of freedom: displacements along x, y and z, rotations about them.
@@ -87,7 +87,7 @@ impl Supports {
         self.step += 1;
         let place = |hold: usize| self.holds[hold].place(1.0, last, amplitudes);
         let ended = self.of.each_ref().map(|of| of.iter().map(|(&node, &hold)| (node, place(hold))).collect());
-        let acting = self.of.each_ref().map(|of| of.values().copied().collect::<std::collections::HashSet<_>>());
+        let acting = self.of.each_ref().map(|of| of.values().copied().collect::<HashSet<_>>());
         for (index, hold) in self.holds.iter_mut().enumerate() {
             hold.start = hold.place(1.0, last, amplitudes);
             if acting[hold.dof].contains(&index) {
@@ -161,6 +161,13 @@ impl Supports {
     /// The hold of a node along a degree of freedom.
     pub fn of(&self, node: u32, dof: usize) -> Option<&Hold> {
         self.of[dof].get(&node).map(|&hold| &self.holds[hold])
+    }
+
+    /// The nodes that stay at their undeformed places along x, y and z.
+    pub fn still(&self) -> [HashSet<u32>; 3] {
+        let is_still = |hold: &Hold| hold.start == 0.0 && hold.value.unwrap_or(0.0) == 0.0;
+        let along = |dof: usize| self.of[dof].iter().filter(|(_, hold)| is_still(&self.holds[**hold]));
+        [0, 1, 2].map(|dof| along(dof).map(|(&node, _)| node).collect())
     }
 
     /// The holds that act, each with the nodes that it still has.

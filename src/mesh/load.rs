@@ -2,7 +2,7 @@
 
 use super::raw::FileMesh;
 use super::select::{self, Selected, Wish};
-use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, orient};
+use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, orient, stl};
 use crate::encoding;
 use crate::error::{Error, Result};
 use crate::scene::{Located, MeshSource};
@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 /// A body has solids, and facets that are boundary faces of them; a tool has facets alone. Errors are wrong input at
 /// the path, the group, or a place in the mesh file.
 pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
+    let mut is_closed = false;
     let Selected { mut mesh, outward } = match source {
         // All of a block is a body.
         MeshSource::Block(shape) if purpose == Purpose::Body => {
@@ -26,14 +27,32 @@ pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
             let file = read(path)?;
             let at = group.as_ref().map_or(&path.at, |group| &group.at);
             let group = group.as_ref().map(|group| group.value.as_str());
+            is_closed = file.is_closed && group.is_none();
             select::select(file, &Wish { purpose, group, at })?
         }
     };
     check::check(&mesh)?;
     if purpose == Purpose::Tool {
-        orient::align(&mut mesh, &outward)?;
+        let turned = orient::align(&mut mesh, &outward, is_closed)?;
+        if is_closed {
+            tell_of_borders(&mut mesh, &turned);
+        }
     }
     Ok(mesh)
+}
+
+/// Warns of what a surface that should be closed has: borders, and facets that looked inward.
+fn tell_of_borders(mesh: &mut Mesh, turned: &[u64]) {
+    let open = orient::open(mesh);
+    let source = &mesh.source;
+    if !open.is_empty() {
+        let what = format!("'{source}': {} at a border: the surface is not closed", message::several("facet", &open));
+        mesh.warnings.push(what);
+    }
+    if !turned.is_empty() {
+        let what = format!("'{source}': {} turned over, to agree with the others", message::several("facet", turned));
+        mesh.warnings.push(what);
+    }
 }
 
 /// All of a mesh file. What stands first in it tells its format; its extension does when that is unclear.
@@ -46,14 +65,16 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
         .map_err(|(what, help)| Error::input(&path.at, format!("the mesh '{name}' {what}"), help))?;
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
+        (_, "stl") => stl::read(&name, data)?,
         (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, data)?,
         (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data)?,
+        _ if stl::is_text(&data) || stl::is_binary(&data) => stl::read(&name, data)?,
         _ => {
-            let what = format!("'{name}' is neither a Gmsh nor an Abaqus file");
+            let what = format!("'{name}' is neither a Gmsh, nor an Abaqus, nor an STL file");
             return Err(Error::input(
                 &path.at,
                 what,
-                "meshes are read from Gmsh 2.2 and 4.1 (.msh) and Abaqus (.inp) files",
+                "meshes are read from Gmsh 2.2 and 4.1 (.msh) and Abaqus (.inp) files, surfaces of tools from STL (.stl), too",
             ));
         }
     };
@@ -69,7 +90,7 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
 /// The mesh files beside one that is missing.
 fn neighbours(path: &Path) -> String {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let is_mesh = |name: &String| [".msh", ".inp"].iter().any(|end| name.to_lowercase().ends_with(end));
+    let is_mesh = |name: &String| [".msh", ".inp", ".stl"].iter().any(|end| name.to_lowercase().ends_with(end));
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut names: Vec<String> =
         entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).filter(is_mesh).collect();
@@ -237,9 +258,9 @@ mod tests {
     #[test]
     fn the_contents_tell_the_format() {
         assert_eq!(load_as("mesh.inp", GMSH, None, Purpose::Body).unwrap().solids.len(), 2);
-        let text = message(load_as("mesh.stl", "solid", None, Purpose::Body));
+        let text = message(load_as("mesh.obj", "v 0 0 0", None, Purpose::Body));
         assert!(
-            text.starts_with("scene.toml:7:1: ") && text.contains("is neither a Gmsh nor an Abaqus file"),
+            text.starts_with("scene.toml:7:1: ") && text.contains("is neither a Gmsh, nor an Abaqus, nor an STL"),
             "{text}"
         );
     }

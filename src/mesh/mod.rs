@@ -16,6 +16,7 @@ pub(crate) mod message;
 mod orient;
 mod raw;
 mod select;
+mod stl;
 
 pub use layer::tie_layer;
 pub use load::load;

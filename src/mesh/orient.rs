@@ -7,16 +7,20 @@ use std::collections::VecDeque;
 /// One side of a facet: the nodes of the edge in ascending order, the facet, and whether it runs through it upwards.
 type Side = ([u32; 2], u32, bool);
 
-/// Turns facets until each connected part agrees with its first facet, or with those that are `fixed`.
-/// Fails on an edge with more than two facets, and on a surface that has one side only.
-pub(super) fn align(mesh: &mut Mesh, fixed: &[bool]) -> Result<()> {
+/// Turns facets until each connected part agrees with its first facet, or with most of them, or with those that are `fixed`,
+/// and returns the numbers of those that are turned. Fails on an edge with more than two facets, and on a surface that has one side only.
+pub(super) fn align(mesh: &mut Mesh, fixed: &[bool], most: bool) -> Result<Vec<u64>> {
     let neighbours = neighbours(mesh)?;
     // None: not reached yet.
     let mut turned: Vec<Option<bool>> = fixed.iter().map(|&fixed| fixed.then_some(false)).collect();
     let mut queue: VecDeque<usize> = (0..fixed.len()).filter(|&facet| fixed[facet]).collect();
     let mut starts = 0..mesh.facets.len();
+    // The first part is that of those that are fixed.
+    let mut is_free = false;
     loop {
+        let mut part = Vec::new();
         while let Some(facet) = queue.pop_front() {
+            part.push(facet);
             let own = turned[facet] == Some(true);
             for &(other, agrees) in neighbours.of(facet) {
                 let wanted = own ^ !agrees;
@@ -27,14 +31,30 @@ pub(super) fn align(mesh: &mut Mesh, fixed: &[bool]) -> Result<()> {
                 }
             }
         }
+        if most && is_free && 2 * part.iter().filter(|&&facet| turned[facet] == Some(true)).count() > part.len() {
+            part.iter().for_each(|&facet| turned[facet] = turned[facet].map(|turned| !turned));
+        }
+        is_free = true;
         let Some(start) = starts.find(|&facet| turned[facet].is_none()) else { break };
         turned[start] = Some(false);
         queue.push_back(start);
     }
+    let mut ids = Vec::new();
     for (facet, _) in mesh.facets.iter_mut().zip(&turned).filter(|(_, turned)| **turned == Some(true)) {
         *facet = facet.reversed();
+        ids.push(facet.id);
     }
-    Ok(())
+    Ok(ids)
+}
+
+/// The numbers of the facets with an edge that no other has.
+pub(super) fn open(mesh: &Mesh) -> Vec<u64> {
+    let sides = sides(mesh);
+    let mut open: Vec<u32> =
+        sides.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 1).map(|same| same[0].1).collect();
+    open.sort_unstable();
+    open.dedup();
+    open.into_iter().map(|facet| mesh.facets[facet as usize].id).collect()
 }
 
 fn one_sided(mesh: &Mesh, a: usize, b: usize) -> Error {
@@ -57,7 +77,8 @@ impl Neighbours {
     }
 }
 
-fn neighbours(mesh: &Mesh) -> Result<Neighbours> {
+/// All sides, those of one edge one after the other.
+fn sides(mesh: &Mesh) -> Vec<Side> {
     let facets = &mesh.facets;
     let mut sides: Vec<Side> = Vec::with_capacity(4 * facets.len());
     for (index, facet) in facets.iter().enumerate() {
@@ -67,6 +88,11 @@ fn neighbours(mesh: &Mesh) -> Result<Neighbours> {
         }
     }
     sides.sort_unstable();
+    sides
+}
+
+fn neighbours(mesh: &Mesh) -> Result<Neighbours> {
+    let (facets, sides) = (&mesh.facets, sides(mesh));
     let mut pairs = Vec::with_capacity(sides.len());
     let mut crowded = Vec::new();
     for same in sides.chunk_by(|a, b| a.0 == b.0) {
@@ -113,22 +139,26 @@ mod tests {
     }
 
     #[test]
-    fn each_part_agrees_with_its_first_facet() {
+    fn each_part_agrees_with_its_first_facet_or_with_most() {
         // A strip of a quadrilateral, a triangle and a quadrilateral, and a pair of triangles apart from it.
         let mut mesh = surface(&[&[0, 1, 2, 3], &[2, 1, 4], &[2, 4, 6, 5], &[20, 21, 22], &[20, 21, 23]]);
-        align(&mut mesh, &[false; 5]).unwrap();
+        align(&mut mesh, &[false; 5], false).unwrap();
         assert_eq!(nodes(&mesh), [&[0, 1, 2, 3][..], &[2, 1, 4], &[2, 4, 6, 5], &[20, 21, 22], &[20, 23, 21]]);
-        let mut mesh = surface(&[&[0, 1, 2, 3], &[1, 2, 4], &[2, 5, 6, 4]]);
-        align(&mut mesh, &[false; 3]).unwrap();
+        let first_differs = || surface(&[&[0, 1, 2, 3], &[1, 2, 4], &[2, 5, 6, 4]]);
+        let mut mesh = first_differs();
+        assert_eq!(align(&mut mesh, &[false; 3], false).unwrap(), [2, 3]);
         assert_eq!(nodes(&mesh), [&[0, 1, 2, 3][..], &[1, 4, 2], &[2, 4, 6, 5]]);
+        let mut mesh = first_differs();
+        assert_eq!(align(&mut mesh, &[false; 3], true).unwrap(), [1]);
+        assert_eq!(nodes(&mesh), [&[0, 3, 2, 1][..], &[1, 2, 4], &[2, 5, 6, 4]]);
     }
 
     #[test]
     fn fixed_facets_decide() {
         let mut mesh = surface(&[&[0, 1, 2, 3], &[1, 2, 4], &[2, 5, 6, 4]]);
-        align(&mut mesh, &[false, true, false]).unwrap();
+        align(&mut mesh, &[false, true, false], true).unwrap();
         assert_eq!(nodes(&mesh), [&[0, 3, 2, 1][..], &[1, 2, 4], &[2, 5, 6, 4]]);
-        let text = align(&mut surface(&[&[0, 1, 2], &[0, 1, 3]]), &[true, true]).unwrap_err().to_string();
+        let text = align(&mut surface(&[&[0, 1, 2], &[0, 1, 3]]), &[true, true], false).unwrap_err().to_string();
         assert!(text.contains("facets 1 and 2 cannot both face outward"), "{text}");
     }
 
@@ -136,10 +166,10 @@ mod tests {
     fn surfaces_with_one_side_and_crowded_edges_are_refused() {
         // A Moebius strip of three quadrilaterals.
         let mut strip = surface(&[&[0, 1, 3, 2], &[2, 3, 5, 4], &[4, 5, 0, 1]]);
-        let text = align(&mut strip, &[false; 3]).unwrap_err().to_string();
+        let text = align(&mut strip, &[false; 3], false).unwrap_err().to_string();
         assert!(text.contains("the surface has one side only"), "{text}");
         let mut fan = surface(&[&[0, 1, 2], &[1, 0, 3], &[0, 1, 4]]);
-        let text = align(&mut fan, &[false; 3]).unwrap_err().to_string();
+        let text = align(&mut fan, &[false; 3], false).unwrap_err().to_string();
         assert!(text.contains("the edge between nodes 100 and 101 has 3 facets ([1, 2, 3])"), "{text}");
     }
 }

@@ -83,6 +83,8 @@ pub(super) struct FileMesh {
     pub attached: Vec<bool>,
     /// The file has elements that cannot be read: the error of whoever takes all of it.
     pub unread: Option<Error>,
+    /// The format is for closed surfaces with their outside out: what is not so is told.
+    pub is_closed: bool,
 }
 
 /// From the numbers of a file to indices.
@@ -218,7 +220,7 @@ impl From<Mesh> for FileMesh {
     fn from(mut mesh: Mesh) -> Self {
         let closed = |(name, group)| (name, FileGroup { group, closed: true, unread: None });
         let groups = std::mem::take(&mut mesh.groups).into_iter().map(closed).collect();
-        Self { attached: vec![true; mesh.points.len()], groups, mesh, unread: None }
+        Self { attached: vec![true; mesh.points.len()], groups, mesh, unread: None, is_closed: false }
     }
 }
 

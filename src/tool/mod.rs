@@ -10,6 +10,6 @@ pub mod normals;
 pub mod shape;
 pub mod surface;
 
-pub use geometry::{Geometry, describe};
+pub use geometry::{Described, Geometry, describe};
 pub use shape::Shape;
 pub use surface::Surface;

@@ -5,6 +5,7 @@
 pub mod hertz;
 pub mod jobs;
 pub mod msh;
+pub mod stl;
 
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;

@@ -553,8 +553,8 @@ fn shape(kind: &str) -> Option<CellShape> {
         // Gmsh writes all its surface elements as CPS, meshio quadrilaterals as CAX.
         (CellShape::Quad, &["S4", "R3D4", "SFM3D4", "M3D4", "DS4", "CPS4", "CPE4", "CAX4"]),
         (CellShape::Triangle, &["S3", "R3D3", "SFM3D3", "M3D3", "DS3", "STRI3", "CPS3", "CPE3", "CAX3"]),
-        (CellShape::Line, &["T3D2", "B31", "B33"]),
-        (CellShape::Point, &["MASS", "ROTARYI"]),
+        (CellShape::Line, &["T3D2", "B31", "B33", "SPRINGA", "SPRING2"]),
+        (CellShape::Point, &["MASS", "ROTARYI", "SPRING1"]),
     ];
     shapes.into_iter().find(|(_, families)| is(families)).map(|found| found.0)
 }

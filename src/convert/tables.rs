@@ -1,0 +1,189 @@
+//! Conditions whose amplitudes bend within a step: one step with tables in time for the parts between the bends.
+
+use super::scene::{Lists, Load, ToolMove};
+
+/// Fractions of a step, from 0 to 1, and shares of what acts or is done.
+pub(super) type Table = Vec<[f64; 2]>;
+
+/// Of the largest number, what is no difference.
+const ROUNDING: f64 = 1e-12;
+
+/// How numbers go over a step.
+struct Course<const N: usize> {
+    /// What the shares are of; at the end of the step where it goes straight.
+    whole: [f64; N],
+    table: Option<Table>,
+}
+
+/// The way from value to value at these fractions of a step, if there is one of a straight way and shares of one vector.
+fn course<const N: usize>(values: &[[f64; N]], ends: &[f64]) -> Option<Course<N>> {
+    let (first, last) = (*values.first()?, *values.last()?);
+    let largest: [f64; N] = std::array::from_fn(|i| values.iter().map(|value| value[i].abs()).fold(0.0, f64::max));
+    let alike = |a: &[f64; N], b: &[f64; N]| (0..N).all(|i| (a[i] - b[i]).abs() <= ROUNDING * largest[i]);
+    let straight = |s: f64| std::array::from_fn(|i| first[i] + (last[i] - first[i]) * s);
+    if values.iter().zip(ends).all(|(value, &s)| alike(value, &straight(s))) {
+        return Some(Course { whole: last, table: None });
+    }
+    let dot = |a: &[f64; N], b: &[f64; N]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let whole = *values.iter().max_by(|a, b| dot(a, a).total_cmp(&dot(b, b)))?;
+    let shares: Vec<f64> = values.iter().map(|value| dot(value, &whole) / dot(&whole, &whole)).collect();
+    let holds = |(value, share): (&[f64; N], &f64)| alike(value, &whole.map(|part| share * part));
+    if !values.iter().zip(&shares).all(holds) {
+        return None;
+    }
+    let mut table = Table::new();
+    for (k, (&s, &share)) in ends.iter().zip(&shares).enumerate() {
+        // Only where it bends: others may bend elsewhere.
+        let bends = || {
+            let ([s0, a0], [s1, a1]) = (table[table.len() - 1], [ends[k + 1], shares[k + 1]]);
+            (a0 + (a1 - a0) * (s - s0) / (s1 - s0) - share).abs() > ROUNDING
+        };
+        if k == 0 || k + 1 == ends.len() || bends() {
+            table.push([s, share]);
+        }
+    }
+    Some(Course { whole, table: Some(table) })
+}
+
+/// The conditions of a whole step from those of its parts between these fractions, after `before`, the conditions at the end
+/// of the last step. `None` where they change their direction on the way, which no table says.
+pub(super) fn joined(before: &Lists, parts: &[Lists], ends: &[f64]) -> Option<Lists> {
+    let first = parts.first()?;
+    if parts.iter().any(|part| part.supported != first.supported || part.pushed.len() != first.pushed.len()) {
+        return None;
+    }
+    let mut all = Lists { supported: first.supported.clone(), springs: first.springs.clone(), ..Lists::default() };
+    for (set, way) in first.ways.iter().enumerate() {
+        if parts.iter().any(|part| part.ways[set].map(|way| way.is_some()) != way.map(|way| way.is_some())) {
+            return None;
+        }
+        let steps: Vec<_> = parts.iter().map(|part| part.ways[set].map(|way| way.unwrap_or(0.0))).collect();
+        let Course { whole, table } = course(&sums(&steps), ends)?;
+        all.ways.push([0, 1, 2].map(|axis| {
+            let is_moved = steps.iter().any(|by| by[axis] != 0.0);
+            way[axis].map(|_| if is_moved { whole[axis] } else { 0.0 })
+        }));
+        all.tables.push(table);
+    }
+    for name in names(parts.iter().map(|part| part.tools.iter().map(|tool| &tool.name))) {
+        all.tools.push(tool(name, parts, ends)?);
+    }
+    for (at, (_, free)) in first.pushed.iter().enumerate() {
+        let name = &first.pushed[at].0.on;
+        let of = |lists: &Lists| lists.pushed.iter().find(|(load, _)| load.on == *name).map(|(load, _)| load.last());
+        let values: Vec<_> = [before].into_iter().chain(parts).map(|lists| of(lists).unwrap_or_default()).collect();
+        let Course { whole, table } = course(&values, ends)?;
+        all.pushed.push((Load { on: name.clone(), value: whole, table }, *free));
+    }
+    let of_gravity: Vec<_> = [before].into_iter().chain(parts).map(|lists| lists.gravity).collect();
+    match course(&of_gravity, ends)? {
+        Course { whole, table: None } => all.gravity = whole,
+        _ => return None,
+    }
+    all.forces = loads(before, parts, ends, |lists| &lists.forces)?;
+    all.pressures = loads(before, parts, ends, |lists| &lists.pressures)?;
+    all.body_forces = loads(before, parts, ends, |lists| &lists.body_forces)?;
+    Some(all)
+}
+
+/// The way of a tool.
+fn tool(name: &str, parts: &[Lists], ends: &[f64]) -> Option<ToolMove> {
+    let found: Vec<_> = parts.iter().map(|part| part.tools.iter().find(|tool| tool.name == name)).collect();
+    let steps: Vec<[f64; 4]> = found
+        .iter()
+        .map(|tool| {
+            let [x, y, z] = tool.map_or([0.0; 3], |tool| tool.by);
+            [x, y, z, tool.and_then(|tool| tool.rotation).map_or(0.0, |rotation| rotation.angle)]
+        })
+        .collect();
+    let places = sums(&steps);
+    let turn = found.iter().zip(&places).find_map(|(tool, place)| Some(((*tool)?.rotation?, place)));
+    let Course { whole: [x, y, z, angle], table } = course(&places, ends)?;
+    let rotation = turn.map(|(mut rotation, place)| {
+        // The axis goes along with the tool.
+        (0..3).for_each(|axis| rotation.point[axis] -= place[axis]);
+        rotation.angle = angle;
+        rotation
+    });
+    Some(ToolMove { name: name.to_string(), by: [x, y, z], rotation, table })
+}
+
+/// Loads of one kind, those of the last step, too; what falls to zero straight is not listed.
+fn loads(before: &Lists, parts: &[Lists], ends: &[f64], of: impl Fn(&Lists) -> &Vec<Load>) -> Option<Vec<Load>> {
+    let mut all = Vec::new();
+    for name in names([before].into_iter().chain(parts).map(|lists| of(lists).iter().map(|load| &load.on))) {
+        let value = |lists: &Lists| of(lists).iter().find(|load| load.on == name).map_or([0.0; 3], Load::last);
+        let values: Vec<_> = [before].into_iter().chain(parts).map(value).collect();
+        let Course { whole, table } = course(&values, ends)?;
+        if table.is_some() || whole != [0.0; 3] {
+            all.push(Load { on: name.to_string(), value: whole, table });
+        }
+    }
+    Some(all)
+}
+
+/// Each name once, in the order in which they come.
+fn names<'a>(lists: impl Iterator<Item = impl Iterator<Item = &'a String>>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in lists.flatten() {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// 0 and the sums of the first, the first two, and so on.
+fn sums<const N: usize>(steps: &[[f64; N]]) -> Vec<[f64; N]> {
+    let mut sums = vec![[0.0; N]];
+    for step in steps {
+        let last = sums[sums.len() - 1];
+        sums.push(std::array::from_fn(|i| last[i] + step[i]));
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::convert::scene::add;
+
+    type Found = (String, [f64; 3], Option<Table>);
+
+    fn pushing(loads: &[(&str, [f64; 3])]) -> Lists {
+        let mut lists = Lists::default();
+        loads.iter().for_each(|(on, value)| add(&mut lists.forces, on, *value));
+        lists
+    }
+
+    /// What the loads of a step of two halves become: name, whole, table.
+    fn forces(before: &Lists, middle: &Lists, end: Lists) -> Option<Vec<Found>> {
+        let parts = [Lists { forces: middle.forces.clone(), ..Lists::default() }, end];
+        let all = joined(before, &parts, &[0.0, 0.5, 1.0])?;
+        Some(all.forces.into_iter().map(|load| (load.on, load.value, load.table)).collect())
+    }
+
+    #[test]
+    fn loads_go_on_from_the_last_step() {
+        let (nothing, a) = (Lists::default(), pushing(&[("a", [0.0, 0.0, 4.0])]));
+        let half = pushing(&[("a", [0.0, 0.0, 2.0])]);
+        let table = |shares: [f64; 3]| Some([0.0, 0.5, 1.0].into_iter().zip(shares).map(|(s, a)| [s, a]).collect());
+        let of_a = |table| Some(vec![("a".to_string(), [0.0, 0.0, 4.0], table)]);
+        // Straight up, straight down, up and down, and away in the first half, though then nothing has its name.
+        assert_eq!(forces(&nothing, &half, pushing(&[("a", [0.0, 0.0, 4.0])])), of_a(None));
+        assert_eq!(forces(&a, &half, Lists::default()), Some(Vec::new()));
+        assert_eq!(forces(&nothing, &a, pushing(&[("a", [0.0, 0.0, 1.0])])), of_a(table([0.0, 1.0, 0.25])));
+        assert_eq!(forces(&a, &nothing, Lists::default()), of_a(table([1.0, 0.0, 0.0])));
+        // One that turns has no table.
+        assert_eq!(forces(&nothing, &a, pushing(&[("a", [1.0, 0.0, 4.0])])), None);
+    }
+
+    /// Another amplitude bends at a quarter: this one is straight there.
+    #[test]
+    fn tables_have_the_points_at_which_they_bend() {
+        let ends = [0.0, 0.25, 0.5, 1.0];
+        let parts = [1.0, 2.0, 0.0].map(|value| pushing(&[("a", [value, 0.0, 0.0])]));
+        let all = joined(&Lists::default(), &parts, &ends).unwrap();
+        assert_eq!(all.forces[0].table, Some(vec![[0.0, 0.0], [0.5, 1.0], [1.0, 0.0]]));
+    }
+}
