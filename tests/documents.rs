@@ -67,6 +67,9 @@ master = "m.a"
 [contact.s]
 slave = "b.a"
 master = "b.a"
+[tie.j]
+slave = "b.a"
+master = "m.a"
 [[step]]
 name = "s"
 increments = 1
@@ -133,6 +136,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("contact.NAME", "contact.t", &[]),
     ("contact.NAME", "contact.p", &[]),
     ("contact.NAME", "contact.s", &[]),
+    ("tie.NAME", "tie.j", &[]),
     ("step", "step.s", &[]),
     ("step", "step.0", &["step=[{}]"]),
     ("step.increment", "step.0.increment", &["step=[{ increment = {} }]"]),

@@ -5,7 +5,7 @@ use super::references::Names;
 use super::tree::{self, Node};
 use super::{
     Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool,
-    contacts, gravity, materials, overrides, probes, solver, steps, tools, trade,
+    contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -13,8 +13,8 @@ use crate::error::{Error, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
-const KEYS: [&str; 10] =
-    ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls", "trade"];
+const KEYS: [&str; 11] =
+    ["title", "body", "material", "tool", "contact", "tie", "step", "output", "solver", "controls", "trade"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -110,6 +110,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         tools,
         bodies,
         contacts: contacts::read(contacts, &names)?,
+        ties: ties::read(&root, &names)?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output(&root, &names)?,
         solver,
