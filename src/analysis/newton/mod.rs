@@ -15,6 +15,7 @@ mod growth;
 mod rounds;
 mod share;
 mod springs;
+mod ties;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -237,6 +238,15 @@ impl<'a> Newton<'a> {
                 }
             }
         }
+        for (joint, equations) in self.system.model.joints.iter().zip(&self.system.dofs.tie) {
+            for (slave, equations) in joint.slaves.iter().zip(equations) {
+                for d in 0..3 {
+                    if let Some(k) = self.system.dofs.local(equations[d]) {
+                        x[k] = slave.force[d] / slave.stiffness;
+                    }
+                }
+            }
+        }
         for (equations, offset) in self.system.dofs.tool.iter().zip(&self.found.offsets) {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(equations[d]) {
@@ -336,6 +346,7 @@ impl<'a> Newton<'a> {
             self.add_contact(x, ahead.as_deref(), r);
             self.system.phases.add(Phase::Search, begun.elapsed());
         }
+        self.add_ties(x, ahead.as_deref(), r);
         for n in 0..self.system.model.part.owned {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(self.system.dofs.node[n][d]) {
@@ -413,6 +424,7 @@ impl Newton<'_> {
         if !self.system.model.is_alone() {
             self.add_contact_tangent();
         }
+        self.add_tie_tangent();
         self.add_spring_tangent();
         self.add_drag_tangent();
     }
