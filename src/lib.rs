@@ -15,6 +15,7 @@
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches
+//! - [`mortar`]: integration over the overlap of two surfaces of faces, and the interpolation that it makes
 //! - [`refine`]: meshes split by midpoints, curved boundaries kept
 //! - [`tool`]: the surfaces of rigid tools, dealt out over the ranks
 //! - [`solid`]: elements and materials as pure functions on fixed-size arrays; what plastic points remember
@@ -44,6 +45,7 @@ pub mod failure;
 pub mod interrupt;
 pub mod mesh;
 pub mod model;
+pub mod mortar;
 pub mod output;
 pub mod parallel;
 pub mod partition;

@@ -8,6 +8,7 @@ mod sections;
 mod shared;
 pub mod states;
 mod symmetry;
+pub mod ties;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
@@ -29,6 +30,7 @@ use mpi::traits::*;
 use sections::Sections;
 use std::collections::BTreeMap;
 pub use symmetry::SymmetryPlane;
+use ties::Joint;
 
 /// A deformable body on this rank.
 #[derive(Clone, Debug)]
@@ -72,6 +74,10 @@ pub struct Model {
     pub symmetry: Vec<SymmetryPlane>,
     pub masters: Masters,
     pub pairs: Vec<Pair>,
+    /// In the order of the scene's ties.
+    pub joints: Vec<Joint>,
+    /// A line about each.
+    pub joined: Vec<String>,
     /// Index of each set of the scene in [`Part::sets`].
     set_index: BTreeMap<String, usize>,
     /// Largest diagonal entry of the initial stiffness, force per length; over all ranks.
@@ -91,10 +97,16 @@ impl Model {
     pub fn new(comm: &SimpleCommunicator, scene: &Scene, phases: &Phases) -> Result<Self> {
         let names = set_names(scene);
         let root = comm.rank() == 0;
-        let read = || agree(comm, if root { assemble_bodies(scene, &names).map(Some) } else { Ok(None) });
-        let global = phases.time(Phase::Read, read)?;
+        let assemble = || {
+            let mut global = assemble_bodies(scene, &names)?;
+            let tied = ties::tie(scene, &names, &mut global)?;
+            Ok(Some((global, tied)))
+        };
+        let read = || agree(comm, if root { assemble() } else { Ok(None) });
+        let (global, tied) = phases.time(Phase::Read, read)?.unzip();
         let found = global.as_ref().map_or(Ok(Vec::new()), |global| {
             let mut found = global.warnings.clone();
+            found.extend(tied.iter().flat_map(|tied: &ties::Tied| tied.warnings.clone()));
             found.extend(shared::check(scene, &names, global)?);
             Ok(found)
         });
@@ -102,6 +114,8 @@ impl Model {
         let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
         let symmetry = symmetry::planes(comm, scene, &names, &part)?;
+        let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
+        let joined = first_word(comm, tied.map(|tied| tied.lines.join("\n"))).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
@@ -135,6 +149,8 @@ impl Model {
             symmetry,
             masters: Masters { tools, surfaces: Vec::new() },
             pairs,
+            joints,
+            joined: joined.lines().map(str::to_string).collect(),
             set_index,
             stiffness: 0.0,
             size: 0.0,
@@ -162,11 +178,13 @@ impl Model {
             model.bodies[section.body].stiffness = model.bodies[section.body].stiffness.max(*k);
         }
         model.stiffness = largest.into_iter().fold(0.0, f64::max);
+        model.stiffen_joints(scene);
         for contact in &passes {
             let pair = model.pair(comm, scene, contact, &avoided);
             model.pairs.push(pair);
         }
         model.join_passes(&passes);
+        model.check_joints(comm, scene)?;
         model.tell_repeats();
         model.find_mates(comm, scene)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
@@ -243,6 +261,14 @@ impl Model {
             // A node on both sides would meet itself.
             nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
         }
+        // What is tied to the master neither opens nor slides.
+        let index = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
+        if let (Some(own), Some(other)) = (index(&contact.slave.value), index(&contact.master.value)) {
+            for joint in &self.joints {
+                let tied = joint.nodes_between(own, other);
+                nodes.retain(|n| tied.binary_search(n).is_err());
+            }
+        }
         let mut shunned = Vec::new();
         if let Master::Surface(k, Meets::Own) = master {
             let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
@@ -261,14 +287,13 @@ impl Model {
             })
             .collect();
         let facet_size = self.longest_edge(comm, &contact.slave.value);
-        let body = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
         let mut pair = Pair {
             name: contact.name.value.clone(),
             master,
-            body: body(&contact.slave.value).unwrap_or_default(),
-            master_body: body(&contact.master.value).filter(|_| contact.surface.is_some()),
+            body: index(&contact.slave.value).unwrap_or_default(),
+            master_body: index(&contact.master.value).filter(|_| contact.surface.is_some()),
             sections: self.sections_of(comm, set),
             master_sections: match contact.surface {
                 Some(_) => self.sections_of(comm, self.set(&contact.master.value)),
@@ -295,6 +320,36 @@ impl Model {
         };
         pair.enforce(contact.method);
         pair
+    }
+
+    /// Tells the slave nodes of ties how stiff their bodies are there.
+    fn stiffen_joints(&mut self, scene: &Scene) {
+        for (k, tie) in scene.ties.iter().enumerate() {
+            let stiffness = self.contact_stiffness(self.set(&tie.slave.value));
+            self.joints[k].slaves.iter_mut().for_each(|slave| slave.stiffness = stiffness[slave.node as usize]);
+        }
+    }
+
+    /// Refuses slave nodes of ties that contacts with multipliers hold, too. Collective.
+    fn check_joints(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
+        for (joint, tie) in self.joints.iter().zip(&scene.ties) {
+            for pair in self.pairs.iter().filter(|pair| pair.width() > 0) {
+                let is_slave = |n: &u32| pair.slaves.binary_search_by_key(n, |s| s.node).is_ok();
+                let both = joint.slaves.iter().map(|slave| slave.node).find(is_slave);
+                let told = both.map(|node| {
+                    let (x, id) = (self.part.points[node as usize], self.part.id[node as usize]);
+                    let what = format!(
+                        "tie `{}`: its slave node {id} at ({:.6}, {:.6}, {:.6}) is one of contact `{}`, too, which would hold \
+                         it twice",
+                        joint.name, x.x, x.y, x.z, pair.name
+                    );
+                    let help = "exchange `slave` and `master` of the tie, or leave the node out of the contact";
+                    Error::input(&tie.slave.at, what, help)
+                });
+                agree(comm, told.map_or(Ok(()), Err))?;
+            }
+        }
+        Ok(())
     }
 
     /// Tells slave nodes that others of their surface may make the same constraint.
@@ -418,6 +473,16 @@ impl Model {
         self.pairs.is_empty() && self.masters.tools.is_empty()
     }
 
+    /// For each body the first of those that ties make one with it.
+    pub fn united(&self) -> Vec<usize> {
+        let mut first: Vec<usize> = (0..self.bodies.len()).collect();
+        for joint in &self.joints {
+            let [a, b] = joint.bodies.map(|body| first[body]);
+            first.iter_mut().filter(|body| **body == a.max(b)).for_each(|body| *body = a.min(b));
+        }
+        first
+    }
+
     /// Whether some body is elastic-plastic; the same on all ranks.
     pub fn can_flow(&self) -> bool {
         self.sections.iter().any(|section| section.material.remembers())
@@ -459,6 +524,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
     scene.bodies.iter().flat_map(|b| &b.symmetry).for_each(&mut add);
     scene.contacts.iter().for_each(|c| add(&c.slave));
     scene.contacts.iter().for_each(|c| add(&c.master));
+    scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]).for_each(&mut add);
     for step in &scene.steps {
         step.fix.iter().for_each(|c| add(&c.set));
         step.moves.iter().for_each(|c| add(&c.target));
@@ -517,7 +583,8 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         }
     }
     let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
-    let of_faces = of_contacts.chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
+    let of_ties = scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]);
+    let of_faces = of_contacts.chain(of_ties).chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
     Faults::all(of_faces.map(|name| {
         let is_bare = names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty());
         let what = format!("`{}` has no faces", name.value);

@@ -67,6 +67,9 @@ master = "m.a"
 [contact.s]
 slave = "b.a"
 master = "b.a"
+[tie.j]
+slave = "b.a"
+master = "m.a"
 [[step]]
 name = "s"
 increments = 1
@@ -133,6 +136,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("contact.NAME", "contact.t", &[]),
     ("contact.NAME", "contact.p", &[]),
     ("contact.NAME", "contact.s", &[]),
+    ("tie.NAME", "tie.j", &[]),
     ("step", "step.s", &[]),
     ("step", "step.0", &["step=[{}]"]),
     ("step.increment", "step.0.increment", &["step=[{ increment = {} }]"]),
@@ -313,6 +317,7 @@ fn the_scene_document_marks_what_must_be_given() {
         ("tool.NAME.profile.revolve", "tool.t.profile.revolve", "point = [0, 0, 0], axis = [0, 0, 1]"),
         ("tool.NAME.symmetry", "tool.t.symmetry.0", "point = [0, 0, 0], normal = [0, 0, 1]"),
         ("contact.NAME", "contact.t", "slave = 'b.a', master = 't'"),
+        ("tie.NAME", "tie.j", "slave = 'b.a', master = 'm.a'"),
         ("step", "step.0", "increments = 1"),
         ("step.fix", "step.s.fix.0", "set = 'b'"),
         ("step.move", "step.s.move.0", "target = 't', by = [0, 0, 0]"),

@@ -338,7 +338,10 @@ fn bodies_with_places_in_common() {
         ],
     );
     accepted(&two_cubes(true, contact), "4 nodes that touch");
-    warned(&two_cubes(false, ""), &["bodies `a` and `b` lie on each other with 1 faces", "no contact is between them"]);
+    warned(
+        &two_cubes(false, ""),
+        &["bodies `a` and `b` lie on each other with 1 faces", "neither contact nor tie is between them"],
+    );
     accepted(&two_cubes(false, contact), "4 nodes that touch");
     let forgotten = two_cubes(true, "");
     let scene = std::fs::read_to_string(forgotten.path("scene.toml")).unwrap();

@@ -12,12 +12,13 @@ use super::conditions::Conditions;
 use super::ladder::Tries;
 use super::newton::{Newton, Share, Start, System, update_halo};
 use super::state::State;
-use super::step::Running;
+use super::step::{Frame, Running};
 use super::watch::Touch;
 use crate::Vec3;
 use crate::contact::{Committed, Manner, Pair, Pose, Sight, Slave, Trial};
 use crate::error::Result;
 use crate::model::Model;
+use crate::model::ties::Joint;
 use crate::output::OutputFolder;
 use crate::output::checkpoint::{self, Stored, Table};
 use crate::parallel::{any, max};
@@ -28,11 +29,12 @@ use crate::words::Words;
 use mpi::topology::SimpleCommunicator;
 use petsc::Problem;
 
-/// Rows of nodes, elements, and the slave nodes of each pair.
+/// Rows of nodes, elements, and the slave nodes of each pair and tie.
 pub(super) struct Layout {
     nodes: Order,
     solids: Order,
     pairs: Vec<Order>,
+    ties: Vec<Order>,
 }
 
 impl Layout {
@@ -40,10 +42,12 @@ impl Layout {
     pub fn new(comm: &SimpleCommunicator, model: &Model) -> Self {
         let part = &model.part;
         let slaves = |pair: &Pair| -> Vec<u64> { pair.slaves.iter().map(|s| part.number[s.node as usize]).collect() };
+        let tied = |joint: &Joint| -> Vec<u64> { joint.slaves.iter().map(|s| part.number[s.node as usize]).collect() };
         Self {
             nodes: Order::new(comm, &part.number[..part.owned]),
             solids: Order::new(comm, &part.solids.iter().map(|solid| solid.number).collect::<Vec<_>>()),
             pairs: model.pairs.iter().map(|pair| Order::new(comm, &slaves(pair))).collect(),
+            ties: model.joints.iter().map(|joint| Order::new(comm, &tied(joint))).collect(),
         }
     }
 }
@@ -133,6 +137,7 @@ impl<'a> Simulation<'a> {
         own.put(&mut words);
         let mut tables = vec![self.nodes(running, &layout.nodes), self.solids(points, &layout.solids)];
         tables.extend((0..self.model.pairs.len()).map(|p| self.slaves(running, p, &layout.pairs[p])));
+        tables.extend((0..self.model.joints.len()).map(|t| self.tied(running, t, &layout.ties[t])));
         checkpoint::write(folder, self.comm, texts, &words, &tables)
     }
 
@@ -199,6 +204,17 @@ impl<'a> Simulation<'a> {
         Table { name: name_of_pair(p), order, width: width_of_slave() + 3 * frame.progress.past.len(), rows }
     }
 
+    fn tied<'l>(&self, running: &Running, t: usize, order: &'l Order) -> Table<'l> {
+        let (joint, Frame { dofs, progress, .. }) = (&self.model.joints[t], &running.frame);
+        let mut rows = Vec::new();
+        for (slave, equations) in joint.slaves.iter().zip(&dofs.tie[t]) {
+            slave.force.put(&mut rows);
+            let past = progress.past.iter().map(|(_, x)| unknowns(equations, |e| dofs.local(e), x));
+            past.for_each(|past| past.put(&mut rows));
+        }
+        Table { name: name_of_tie(t), order, width: 3 * (1 + progress.past.len()), rows }
+    }
+
     /// Goes to a checkpoint of a run of the same scene, into the step that was under way; gives what the driver had added.
     /// Collective.
     ///
@@ -232,6 +248,7 @@ impl<'a> Simulation<'a> {
             pair.enforce(Enforcement::Uzawa);
         }
         let pairs = self.restore_slaves(stored, layout, past)?;
+        let ties = self.restore_ties(stored, layout, past)?;
         for (tool, pose) in self.model.masters.tools.iter_mut().zip(&common.poses) {
             (tool.committed, tool.trial) = (*pose, *pose);
         }
@@ -250,7 +267,7 @@ impl<'a> Simulation<'a> {
             (common.start, before, common.start_poses, common.offsets);
         let near = pairs.iter().map(|rows| rows.iter().map(|(slave, _)| slave.near).collect()).collect();
         self.set_up(progress, near)?;
-        self.restore_past(&common.past, &nodes, &pairs);
+        self.restore_past(&common.past, &nodes, (&pairs, &ties));
         match self.departs()? {
             None => Ok(own),
             Some(what) => Err(stored.refused(&what)),
@@ -300,8 +317,20 @@ impl<'a> Simulation<'a> {
         Ok(pairs)
     }
 
+    /// The forces of ties, and their rows.
+    fn restore_ties(&mut self, stored: &Stored, layout: &Layout, past: usize) -> Result<Vec<Rows>> {
+        let mut ties = Vec::new();
+        for (t, joint) in self.model.joints.iter_mut().enumerate() {
+            let width = 3 * (1 + past);
+            let rows = Rows { words: stored.table(self.comm, &name_of_tie(t), &layout.ties[t], width)?, width };
+            joint.slaves.iter_mut().enumerate().for_each(|(s, slave)| slave.force = rows.vector(s, 0));
+            ties.push(rows);
+        }
+        Ok(ties)
+    }
+
     /// The past unknowns of the step, in its numbering.
-    fn restore_past(&mut self, tools: &[(f64, Vec<Vec3>)], nodes: &Rows, pairs: &[Vec<Remembered>]) {
+    fn restore_past(&mut self, tools: &[(f64, Vec<Vec3>)], nodes: &Rows, (pairs, ties): (&[Vec<Remembered>], &[Rows])) {
         let Some(Running { frame, .. }) = &mut self.running else { return };
         let dofs = &frame.dofs;
         for (k, (fraction, of_tools)) in tools.iter().enumerate() {
@@ -316,6 +345,9 @@ impl<'a> Simulation<'a> {
             (0..self.model.part.owned).for_each(|n| set(&dofs.node[n], nodes.vector(n, OF_NODE + k)));
             for (equations, rows) in dofs.multiplier.iter().zip(pairs) {
                 equations.iter().zip(rows).for_each(|(equations, (_, past))| set(equations, past[k]));
+            }
+            for (equations, rows) in dofs.tie.iter().zip(ties) {
+                equations.iter().enumerate().for_each(|(s, equations)| set(equations, rows.vector(s, 1 + k)));
             }
             dofs.tool.iter().zip(of_tools).for_each(|(equations, value)| set(equations, *value));
             frame.progress.past.push((*fraction, x));
@@ -422,6 +454,10 @@ fn unknowns(equations: &[i64; 3], local: impl Fn(i64) -> Option<usize>, x: &[f64
 
 fn name_of_pair(p: usize) -> String {
     format!("contact {p}")
+}
+
+fn name_of_tie(t: usize) -> String {
+    format!("tie {t}")
 }
 
 fn width_of_slave() -> usize {

@@ -86,6 +86,8 @@ pub(super) struct Memory {
     solids: solid::history::History,
     poses: Vec<Pose>,
     pairs: Vec<OfPair>,
+    /// The forces of the slave nodes of each tie.
+    ties: Vec<Vec<Vec3>>,
 }
 
 /// What a contact pair remembers.
@@ -111,6 +113,7 @@ impl Memory {
             solids: model.history.clone(),
             poses: model.masters.tools.iter().map(|tool| tool.committed).collect(),
             pairs: model.pairs.iter().map(of_pair).collect(),
+            ties: model.joints.iter().map(|joint| joint.slaves.iter().map(|slave| slave.force).collect()).collect(),
         }
     }
 
@@ -124,6 +127,9 @@ impl Memory {
         model.history.clone_from(&self.solids);
         for (tool, pose) in model.masters.tools.iter_mut().zip(&self.poses) {
             (tool.committed, tool.trial) = (*pose, *pose);
+        }
+        for (joint, forces) in model.joints.iter_mut().zip(&self.ties) {
+            joint.slaves.iter_mut().zip(forces).for_each(|(slave, force)| slave.force = *force);
         }
         for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {
             if pair.method != memory.method {

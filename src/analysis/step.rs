@@ -101,6 +101,7 @@ pub(super) struct Converged {
     tool_forces: Vec<Vec3>,
     offsets: Vec<Vec3>,
     multipliers: Vec<Vec<Vec3>>,
+    tie_forces: Vec<Vec<Vec3>>,
     seen: Vec<f64>,
     /// Residual that is let through at each contact, N.
     pub(super) limits: Vec<f64>,
@@ -546,7 +547,10 @@ impl<'a> Simulation<'a> {
         for tool in &mut self.model.masters.tools {
             tool.committed = tool.trial;
         }
-        let Model { part, masters, pairs, .. } = &mut self.model;
+        let Model { part, masters, pairs, joints, .. } = &mut self.model;
+        for (joint, forces) in joints.iter_mut().zip(&converged.tie_forces) {
+            joint.slaves.iter_mut().zip(forces).for_each(|(slave, force)| slave.force = *force);
+        }
         for (pair, multipliers) in pairs.iter_mut().zip(&converged.multipliers) {
             let ground = masters.of(pair.master);
             for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
@@ -680,6 +684,7 @@ fn matrix<'a>(petsc: &'a Petsc<'a>, dofs: &DofMap, pattern: &Pattern, symmetric:
 /// What is kept of a converged iterate.
 fn converged(newton: Newton, x: &[f64]) -> Converged {
     let (multipliers, limits, limit) = (newton.multipliers(x), newton.limits(), newton.limit());
+    let tie_forces = newton.tie_forces(x);
     let Newton { s: end, found, course, .. } = newton;
     Converged {
         end,
@@ -689,6 +694,7 @@ fn converged(newton: Newton, x: &[f64]) -> Converged {
         tool_forces: found.tool_forces,
         offsets: found.offsets,
         multipliers,
+        tie_forces,
         limits,
         limit,
         trace: course.trace,

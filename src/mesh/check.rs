@@ -66,11 +66,7 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
         let fault = if repeats(solid.nodes()) {
             0
         } else {
-            let corners = solid.nodes.map(|node| Vec3::from(mesh.points[node as usize]));
-            let (low, high) = match solid.shape {
-                SolidShape::Tet4 => scaled_tet(&corners),
-                SolidShape::Hex8 => points.scaled_hex(&corners),
-            };
+            let (low, high) = points.scaled(solid, |node| Vec3::from(mesh.points[node as usize]));
             match () {
                 _ if high < -FLAT => 1,
                 _ if low < -FLAT => 2,
@@ -98,6 +94,14 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
         "repair the mesh there",
     )?;
     refuse(mesh, "element", flat, "without volume", "repair the mesh there")
+}
+
+/// The numbers of elements that are inside out or flat with nodes at `place`.
+pub fn spoiled<'a>(solids: impl Iterator<Item = &'a Solid>, place: impl Fn(u32) -> Vec3) -> Vec<u64> {
+    let points = Quadrature::new();
+    // Also what is not a number.
+    let is_sound = |solid: &Solid| points.scaled(solid, &place).0 > FLAT;
+    solids.filter(|solid| !is_sound(solid)).map(|solid| solid.id).collect()
 }
 
 fn repeats(nodes: &[u32]) -> bool {
@@ -140,6 +144,15 @@ impl Quadrature {
                 [corner[0] * f[1] * f[2], f[0] * corner[1] * f[2], f[0] * f[1] * corner[2]].map(|d| d / 8.0)
             })
         }))
+    }
+
+    /// Smallest and largest scaled determinant of an element.
+    fn scaled(&self, solid: &Solid, place: impl Fn(u32) -> Vec3) -> (f64, f64) {
+        let corners = solid.nodes.map(place);
+        match solid.shape {
+            SolidShape::Tet4 => scaled_tet(&corners),
+            SolidShape::Hex8 => self.scaled_hex(&corners),
+        }
     }
 
     /// Smallest and largest scaled determinant over the points.

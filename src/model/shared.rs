@@ -1,7 +1,7 @@
 //! Places that several bodies have in common, on the rank that reads the meshes.
 //!
-//! Every body has nodes of its own. Two that stand on the same place part there without a force, unless a contact is
-//! between them. Elements at one place in two bodies may be specimens to be compared; of a mesh file with several groups
+//! Every body has nodes of its own. Two that stand on the same place part there without a force, unless a contact or a tie
+//! is between them. Elements at one place in two bodies may be specimens to be compared; of a mesh file with several groups
 //! of elements they are a `group` that was forgotten.
 
 use crate::Vec3;
@@ -14,10 +14,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Nodes are at one place when they are closer than this times the size of both bodies.
 const COINCIDENT: f64 = 1e-9;
 
-/// Warns of faces of two bodies at one place that no contact is between.
+/// Warns of faces of two bodies at one place that neither contact nor tie is between.
 ///
 /// # Errors
-/// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that no contact is between.
+/// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that neither contact nor tie is between.
 pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Vec<String>> {
     let mut warnings = Vec::new();
     for ((a, b), pairs) in partners(global) {
@@ -66,8 +66,8 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
             && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
         let x = global.points[bare[0][0] as usize];
         let what = format!(
-            "bodies `{}` and `{}` lie on each other with {} faces, such as near ({:.6}, {:.6}, {:.6}), where no contact is \
-             between them: they {} there",
+            "bodies `{}` and `{}` lie on each other with {} faces, such as near ({:.6}, {:.6}, {:.6}), where neither contact \
+             nor tie is between them: they {} there",
             one.name.value,
             other.name.value,
             bare.len(),
@@ -77,10 +77,10 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
             if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
         );
         if shared {
-            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact between the faces";
+            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact or a `tie` between the faces";
             return Err(Error::input(&other.name.at, what, help));
         }
-        warnings.push(what + "; add a contact, or mesh them as one body");
+        warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
     }
     Ok(warnings)
 }
@@ -151,12 +151,13 @@ fn faces_of(solid: &Solid) -> Vec<Vec<u32>> {
     (0..count).map(|k| sorted(solid.face(k).nodes())).collect()
 }
 
-/// Nodes of the first body in contacts with the second, on either side.
+/// Nodes of the first body in contacts and ties with the second, on either side.
 fn covered(scene: &Scene, names: &[Located<String>], global: &GlobalMesh, (a, b): (u32, u32)) -> BTreeSet<u32> {
     let [a, b] = [a, b].map(|k| scene.bodies[k as usize].name.value.as_str());
     let mut covered = BTreeSet::new();
-    for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
-        let (slave, master) = (&contact.slave.value, &contact.master.value);
+    let of_contacts = scene.contacts.iter().filter(|c| c.surface.is_some()).map(|c| (&c.slave, &c.master));
+    for (slave, master) in of_contacts.chain(scene.ties.iter().map(|tie| (&tie.slave, &tie.master))) {
+        let (slave, master) = (&slave.value, &master.value);
         let own = match (body_of(slave), body_of(master)) {
             (s, m) if s == a && m == b => slave,
             (s, m) if s == b && m == a => master,

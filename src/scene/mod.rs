@@ -24,6 +24,7 @@ mod solver;
 mod steps;
 #[cfg(test)]
 mod tests;
+mod ties;
 mod tools;
 mod trade;
 mod tree;
@@ -74,6 +75,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     pub tools: Vec<Tool>,
     pub contacts: Vec<Contact>,
+    pub ties: Vec<Tie>,
     pub steps: Vec<Step>,
     pub output: Output,
     pub solver: Solver,
@@ -187,6 +189,18 @@ impl Contact {
     pub fn is_self(&self) -> bool {
         self.slave.value == self.master.value
     }
+}
+
+/// Faces that are joined to others for good, with unlike meshes.
+#[derive(Clone, Debug)]
+pub struct Tie {
+    pub name: Located<String>,
+    /// `body.group`, of which the nodes follow.
+    pub slave: Located<String>,
+    /// `body.group`.
+    pub master: Located<String>,
+    /// Largest gap or overlap that is closed where the meshes begin; `None` is a share of their edges.
+    pub tolerance: Option<f64>,
 }
 
 /// A step: the conditions listed act during it, and only they do. What it keeps of the one before is listed, too.

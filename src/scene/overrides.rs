@@ -11,7 +11,7 @@ use super::tree::{Entry, Node, Value, parse_value};
 use crate::error::{Error, Location, Result};
 
 /// Tables whose entries are named by the user.
-const NAMED: [&str; 4] = ["body", "material", "tool", "contact"];
+const NAMED: [&str; 5] = ["body", "material", "tool", "contact", "tie"];
 
 /// Applies the override `a.b.c=value` to the tree.
 pub(super) fn apply(root: &mut Node, text: &str) -> Result<()> {

@@ -5,7 +5,7 @@ use super::references::Names;
 use super::tree::{self, Node};
 use super::{
     Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool,
-    contacts, gravity, materials, overrides, probes, solver, steps, tools, trade,
+    contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -14,8 +14,8 @@ use crate::error::{Error, Faults, Result};
 use std::path::Path;
 
 /// The tables and keys of a scene.
-const KEYS: [&str; 10] =
-    ["title", "body", "material", "tool", "contact", "step", "output", "solver", "controls", "trade"];
+const KEYS: [&str; 11] =
+    ["title", "body", "material", "tool", "contact", "tie", "step", "output", "solver", "controls", "trade"];
 
 /// Elements a block may have: nodes are numbered in 32 bits on a rank.
 const MOST_ELEMENTS: usize = 1 << 31;
@@ -106,12 +106,14 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let materials = Faults::all(materials.into_iter().map(|(name, item)| materials::read(name, &item)));
     let tools = Faults::all(tools.into_iter().map(|(name, item)| tools::read(name, &item, directory)));
     let (contacts, steps) = (contacts::read(contacts, &names), steps::read(&root, &names));
+    let ties = ties::read(&root, &names);
     let (output, solver, controls) = (output(&root, &names), solver::read(&root), controls(&root));
     let (title, trade) = (root.optional("title", Item::string), trade::read(&root));
     faults.note(&bodies);
     faults.note(&materials);
     faults.note(&tools);
     faults.note(&contacts);
+    faults.note(&ties);
     faults.note(&steps);
     faults.note(&output);
     faults.note(&solver);
@@ -129,6 +131,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         tools: tools?,
         bodies,
         contacts: contacts?,
+        ties: ties?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output?,
         solver,

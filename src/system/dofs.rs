@@ -12,6 +12,7 @@ use crate::contact::Movement;
 use crate::contact::moves::{alike, way};
 use crate::failure::Place;
 use crate::model::Model;
+use crate::model::ties::Joint;
 use crate::parallel::{any, number, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -56,6 +57,8 @@ pub struct DofMap {
     pub is_inclined: bool,
     /// For each pair and slave node its multiplier equations; without friction only the first, none when they are held.
     pub multiplier: Vec<Vec<[i64; 3]>>,
+    /// For each tie and slave node the equations of its force along the axes; none where the step prescribes how it moves.
+    pub tie: Vec<Vec<[i64; 3]>>,
     /// The slave nodes that have equations of contact.
     pub near: Near,
     /// For each tool the equations of its free translations.
@@ -98,11 +101,18 @@ impl DofMap {
                 by_node[slave.node as usize].push((p, s));
             }
         }
+        let mut tied: Vec<Vec<(usize, usize)>> = vec![Vec::new(); part.owned];
+        for (t, joint) in model.joints.iter().enumerate() {
+            for (s, slave) in joint.slaves.iter().enumerate() {
+                tied[slave.node as usize].push((t, s));
+            }
+        }
         let mut map = Self {
             node: vec![[NONE; 3]; part.points.len()],
             axes: Axes::default(),
             is_inclined: any(comm, !axes.is_empty()),
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
+            tie: model.joints.iter().map(|joint| vec![[NONE; 3]; joint.slaves.len()]).collect(),
             near,
             tool: vec![[NONE; 3]; tools.len()],
             first: 0,
@@ -142,6 +152,12 @@ impl DofMap {
                     }
                 }
             }
+            for &(t, s) in &tied[node] {
+                for d in (0..3).filter(|&d| prescribed[d].is_none()) {
+                    map.tie[t][s][d] = number();
+                    multipliers += 1;
+                }
+            }
         }
         if comm.rank() == 0 {
             for (equations, tool) in map.tool.iter_mut().zip(tools) {
@@ -172,7 +188,7 @@ impl DofMap {
             }
         };
         self.node.iter_mut().flatten().for_each(globalise);
-        self.multiplier.iter_mut().flatten().flatten().for_each(globalise);
+        self.multiplier.iter_mut().chain(&mut self.tie).flatten().flatten().for_each(globalise);
         for node in 0..part.owned {
             self.node[node] = self.node[part.tie[node] as usize];
         }
@@ -212,14 +228,14 @@ impl DofMap {
 
     /// All equations that this rank sees, in an order that does not depend on their numbers.
     fn equations(&self) -> impl Iterator<Item = i64> {
-        let multipliers = self.multiplier.iter().flatten();
+        let multipliers = self.multiplier.iter().chain(&self.tie).flatten();
         self.node.iter().chain(multipliers).chain(&self.tool).flatten().copied()
     }
 
     /// Of each local equation whether its unknown is a force, not a displacement.
     pub fn forces(&self) -> Vec<bool> {
         let mut forces = vec![false; self.count];
-        for equation in self.multiplier.iter().flatten().flatten() {
+        for equation in self.multiplier.iter().chain(&self.tie).flatten().flatten() {
             if let Some(k) = self.local(*equation) {
                 forces[k] = true;
             }
@@ -254,6 +270,15 @@ impl DofMap {
                 }
             }
         }
+        for (joint, equations) in model.joints.iter().zip(&self.tie) {
+            for (slave, equations) in joint.slaves.iter().zip(equations) {
+                let mut rows = equations.iter().filter_map(|e| row(*e));
+                if let Some(first) = rows.next() {
+                    let count = 1 + rows.count() as u32;
+                    unknowns.multipliers.push(Multipliers { first, count, stiffness: slave.stiffness });
+                }
+            }
+        }
         unknowns
     }
 
@@ -263,11 +288,20 @@ impl DofMap {
         let of_node = |equations: &[i64; 3]| equations.iter().position(|&e| e == wanted);
         let mut displacements = self.node.iter().take(model.part.owned).enumerate();
         let displacement = displacements.find_map(|(n, equations)| Some((n as u32, Some(of_node(equations)?))));
-        displacement.or_else(|| {
+        let found = displacement.or_else(|| {
             let pairs = model.pairs.iter().zip(&self.multiplier);
             let mut slaves = pairs.flat_map(|(pair, of_pair)| pair.slaves.iter().zip(of_pair));
             slaves.find(|(_, equations)| equations.contains(&wanted)).map(|(slave, _)| (slave.node, None))
-        })
+        });
+        let joints = model.joints.iter().zip(&self.tie);
+        let mut tied = joints.flat_map(|(joint, of_joint)| joint.slaves.iter().zip(of_joint));
+        let of_tie = || tied.find(|(_, equations)| equations.contains(&wanted)).map(|(slave, _)| (slave.node, None));
+        found.or_else(of_tie)
+    }
+
+    /// The equations of the nodes of a tie's master. Collective.
+    pub fn of_masters(&self, comm: &SimpleCommunicator, joint: &Joint) -> Vec<[i64; 3]> {
+        joint.masters.fetch(comm, 3, |n, d| self.node[n as usize][d]).as_chunks::<3>().0.to_vec()
     }
 
     /// The node of a local equation; none for those of tools.
@@ -296,7 +330,7 @@ impl DofMap {
             Some(axes) => format!("({:.3}, {:.3}, {:.3}) of", axes[(0, d)], axes[(1, d)], axes[(2, d)]),
             None => format!("{} of", ["x", "y", "z"][d]),
         };
-        let what = direction.map_or("the contact force at".into(), along);
+        let what = direction.map_or("the force of a contact or tie at".into(), along);
         format!("{what} node {}{}", node_name(model, node), contact_status(model, node))
     }
 }

@@ -86,8 +86,16 @@ impl Pattern {
             dofs.local(equation).into_iter().for_each(|row| added.push(row, &[equation as i32]));
         }
         let groups = pattern.candidates.groups(comm, &model.pairs, &model.masters, dofs);
-        let foreign = groups.iter().flat_map(|group| added.couple(group)).collect();
+        let mut foreign: Vec<[i32; 2]> = groups.iter().flat_map(|group| added.couple(group)).collect();
         drop(groups);
+        for (joint, equations) in model.joints.iter().zip(&dofs.tie) {
+            let of_masters = dofs.of_masters(comm, joint);
+            for (slave, equations) in joint.slaves.iter().zip(equations) {
+                free(equations).for_each(|e| added.couple_one([i64::from(e); 2], &mut foreign));
+                let own = dofs.node[slave.node as usize];
+                slave.couplings(equations, own, &of_masters, |entry, _| added.couple_one(entry, &mut foreign));
+            }
+        }
         let (foreign, received) = Foreign::new(comm, foreign, &dofs.starts);
         received.iter().for_each(|[row, column]| added.push((i64::from(*row) - dofs.first) as usize, &[*column]));
         let Added { node_of, columns, .. } = added;
@@ -235,6 +243,14 @@ impl Added<'_> {
         if row.columns.len() > CROWDED.max(2 * row.tidy) {
             tidy(&mut row.columns);
             row.tidy = row.columns.len();
+        }
+    }
+
+    /// Adds an entry, by row and column, or lists it as one in a row of another rank.
+    fn couple_one(&mut self, [row, column]: [i64; 2], foreign: &mut Vec<[i32; 2]>) {
+        match self.dofs.local(row) {
+            Some(local) => self.push(local, &[column as i32]),
+            None => foreign.push([row as i32, column as i32]),
         }
     }
 

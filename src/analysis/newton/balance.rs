@@ -92,6 +92,11 @@ impl Balance {
         for (p, of_pair) in dofs.multiplier.iter().enumerate() {
             of_pair.iter().flatten().for_each(|&e| give(e, model.sections.len() + p));
         }
+        for (joint, of_joint) in model.joints.iter().zip(&dofs.tie) {
+            for (slave, equations) in joint.slaves.iter().zip(of_joint) {
+                equations.iter().for_each(|&e| give(e, model.part.section[slave.node as usize] as usize));
+            }
+        }
         for (t, of_tool) in dofs.tool.iter().enumerate() {
             of_tool.iter().for_each(|&e| give(e, model.sections.len() + model.pairs.len() + t));
         }

@@ -15,6 +15,7 @@ mod growth;
 mod rounds;
 mod share;
 mod springs;
+mod ties;
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -244,6 +245,15 @@ impl<'a> Newton<'a> {
                 }
             }
         }
+        for (joint, equations) in self.system.model.joints.iter().zip(&self.system.dofs.tie) {
+            for (slave, equations) in joint.slaves.iter().zip(equations) {
+                for d in 0..3 {
+                    if let Some(k) = self.system.dofs.local(equations[d]) {
+                        x[k] = slave.force[d] / slave.stiffness;
+                    }
+                }
+            }
+        }
         for (equations, offset) in self.system.dofs.tool.iter().zip(&self.found.offsets) {
             for d in 0..3 {
                 if let Some(k) = self.system.dofs.local(equations[d]) {
@@ -341,6 +351,7 @@ impl<'a> Newton<'a> {
             self.add_contact(x, ahead.as_deref(), r);
             self.system.phases.add(Phase::Search, begun.elapsed());
         }
+        self.add_ties(x, ahead.as_deref(), r);
         for n in 0..self.system.model.part.owned {
             let force = self.system.dofs.axes.inward(n, &self.found.forces[n]);
             for d in 0..3 {
@@ -420,6 +431,7 @@ impl Newton<'_> {
         if !self.system.model.is_alone() {
             self.add_contact_tangent();
         }
+        self.add_tie_tangent();
         self.add_spring_tangent();
         self.add_drag_tangent();
     }

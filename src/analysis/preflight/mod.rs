@@ -7,6 +7,7 @@
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
 //! - `opposite`: contacts that are another one the other way round
+//! - `tied`: slave nodes of ties that a step moves otherwise than their masters
 //! - `support`: what holds every body and every force-driven tool, in each step
 //! - `pressed`: bodies that nothing presses against what touches them
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
@@ -23,6 +24,7 @@ pub mod rigid;
 mod sight;
 mod stuck;
 pub(super) mod support;
+mod tied;
 mod units;
 
 use super::conditions::Conditions;
@@ -35,7 +37,7 @@ use crate::scene::{Scene, Step};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 
-/// Checks a model before it is run; warnings are added to the model. Gives a line about the gap of every contact.
+/// Checks a model before it is run; warnings are added to the model. Gives a line about the gap of every contact and tie.
 /// Collective; what is found does not depend on the number of ranks.
 ///
 /// # Errors
@@ -50,9 +52,11 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
     facing::check(comm, &contacts, model, &sights)?;
-    let lines = gaps::check(comm, &contacts, model, &sights)?;
+    let mut lines = gaps::check(comm, &contacts, model, &sights)?;
+    lines.extend(model.joined.clone());
     units::sizes(comm, scene, model, &sights);
     stuck::check(comm, scene, model, &steps)?;
+    tied::check(comm, scene, model, &steps)?;
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     Ok(lines)

@@ -3,7 +3,7 @@
 //! Contacts push, and friction pulls along them by no more than mu times that. Where all the forces that the contacts of a
 //! body could have lie on one side, and neither a support nor a load acts against them, there is no equilibrium, or only one
 //! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of no support, that is so if
-//! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them.
+//! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are tied count as one.
 
 use super::super::conditions::Conditions;
 use super::rigid::{Side, sides};
@@ -26,18 +26,20 @@ pub fn check(
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let sides = sides(model, scene);
+    let united = model.united();
     for (step, conditions) in scene.steps.iter().zip(steps) {
         let times: Vec<f64> = [0.0, 1.0].into_iter().chain(step.corners()).collect();
-        let supports = supports(comm, model, conditions, &times);
+        let supports = supports(comm, model, &united, conditions, &times);
         for (b, (body, Support { free, loads, pressed })) in model.bodies.iter().zip(supports).enumerate() {
-            if pressed || free == Vec3::zeros() {
+            if united[b] != b || pressed || free == Vec3::zeros() {
                 continue;
             }
             // The normals of all contacts, as pushes on the body, with the sine of the angle of friction of each.
             let pushes = || {
                 model.pairs.iter().zip(&sides).zip(sights).flat_map(|((pair, (own, other)), sights)| {
-                    let sign = if *own == b { 1.0 } else { -1.0 };
-                    let concerned = (*own == b) != (*other == Side::Body(b));
+                    let sign = if united[*own] == b { 1.0 } else { -1.0 };
+                    let is_other = matches!(other, Side::Body(other) if united[*other] == b);
+                    let concerned = (united[*own] == b) != is_other;
                     let sine = pair.friction / pair.friction.hypot(1.0);
                     let of = move |s: &Standing| s.normal().map(|n| (sign * n, sine));
                     sights.iter().filter(move |_| concerned).filter_map(of)
@@ -79,13 +81,19 @@ struct Support {
     pressed: bool,
 }
 
-/// What acts on each body, with its loads at these fractions of the step. Collective.
-fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, times: &[f64]) -> Vec<Support> {
+/// What acts on each body and those `united` with it, with the loads at these fractions of the step. Collective.
+fn supports(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    united: &[usize],
+    conditions: &Conditions,
+    times: &[f64],
+) -> Vec<Support> {
     let mut set = vec![0.0f64; 3 * model.bodies.len()];
     let width = 3 * times.len();
     let mut loads = vec![0.0f64; width * model.bodies.len()];
     for n in 0..model.part.owned {
-        let b = model.part.body[n] as usize;
+        let b = united[model.part.body[n] as usize];
         let spring = conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
         let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
         for d in (0..3).filter(|&d| spring[d] > 0.0 || held.iter().any(|along| along[d].abs() > SLIGHT)) {
@@ -98,7 +106,8 @@ fn supports(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, t
     }
     max(comm, &mut set);
     sum(comm, &mut loads);
-    let pressed = |b: usize| conditions.pressures.keys().any(|set| body_of(set) == model.bodies[b].name);
+    let body = |set: &str| model.bodies.iter().position(|body| body.name == body_of(set));
+    let pressed = |b: usize| conditions.pressures.keys().any(|set| body(set).is_some_and(|body| united[body] == b));
     let one = |b: usize| Support {
         free: Vec3::from_column_slice(&set[3 * b..3 * b + 3]).map(|set| 1.0 - set),
         loads: loads[width * b..width * (b + 1)].chunks_exact(3).map(Vec3::from_column_slice).collect(),

@@ -88,7 +88,7 @@ pub fn check(
     Ok(())
 }
 
-/// The supports of a step, with tools that are free along some directions, and nodes where `place` has them. Collective.
+/// The supports and ties of a step, with tools that are free along some directions, and nodes where `place` has them. Collective.
 pub fn supported(
     comm: &SimpleCommunicator,
     model: &Model,
@@ -105,6 +105,15 @@ pub fn supported(
     for (&n, stiffness) in &conditions.springs {
         for d in (0..3).filter(|&d| stiffness[d] > 0.0) {
             motions.hold(model.part.body[n as usize] as usize, &place(n as usize), &Vec3::ith(d, 1.0));
+        }
+    }
+    // What is tied moves as one, but for slave nodes that are held themselves.
+    for joint in model.joints.iter().filter(|joint| joint.bodies[0] != joint.bodies[1]) {
+        for n in joint.slaves.iter().map(|slave| slave.node as usize) {
+            for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_none()) {
+                let [body, master] = joint.bodies;
+                motions.touch(body, Side::Body(master), &place(n), &Vec3::ith(d, 1.0), false);
+            }
         }
     }
     motions

@@ -36,7 +36,7 @@
 mod search;
 #[cfg(test)]
 mod tests;
-mod tree;
+pub(crate) mod tree;
 
 pub use search::{Admission, settle};
 

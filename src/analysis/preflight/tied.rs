@@ -1,0 +1,46 @@
+//! Slave nodes of ties that a step moves otherwise than their masters.
+//!
+//! A slave node whose motion a step prescribes along a direction is not tied along it: in a plane of symmetry, and where both
+//! sides are held, nothing is lost by that, since the master beside it moves alike. Where that is free, or goes another way, the
+//! tie would not hold, or would be held twice: such a scene is refused.
+
+use super::super::conditions::Conditions;
+use super::worst;
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::scene::Scene;
+use mpi::topology::SimpleCommunicator;
+
+/// Weight in the mean of a slave node from which a master node is beside it.
+const BESIDE: f64 = 1e-6;
+
+/// Refuses what a tie would have to hold and does not. Collective.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model, steps: &[Conditions]) -> Result<()> {
+    for (step, conditions) in scene.steps.iter().zip(steps) {
+        for (joint, tie) in model.joints.iter().zip(&scene.ties) {
+            let moves = joint.masters.fetch(comm, 3, |n, d| conditions.move_of(n, d));
+            let mut lost: Vec<(u32, f64)> = Vec::new();
+            for slave in &joint.slaves {
+                for (d, by) in (0..3).map(|d| (d, conditions.move_of(slave.node, d))).filter(|(_, by)| !by.is_nan()) {
+                    let alike = |(k, weight): &(u32, f64)| weight.abs() > BESIDE && moves[3 * *k as usize + d] == by;
+                    if !slave.weights.iter().any(alike) {
+                        lost.push((slave.node, 0.0));
+                    }
+                }
+            }
+            if let Some(node) = worst(comm, model, &lost) {
+                let what = format!(
+                    "step `{}` holds or moves node {node}, a slave of tie `{}`, and not the master beside it alike: the tie would \
+                     not hold there",
+                    step.name.value, joint.name
+                );
+                return Err(Error::input(
+                    &tie.slave.at,
+                    what,
+                    "exchange `slave` and `master` of the tie, or hold both alike",
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! Convex polygons in a plane, counter-clockwise.
+
+use crate::Vec2;
+
+/// Twice the area of the triangle from a line to a point: positive on its left.
+fn left(from: &Vec2, to: &Vec2, x: &Vec2) -> f64 {
+    (to - from).perp(&(x - from))
+}
+
+/// The area of a polygon.
+pub fn area(polygon: &[Vec2]) -> f64 {
+    triangles(polygon).map(|[a, b, c]| 0.5 * left(&a, &b, &c)).sum()
+}
+
+/// The triangles from its first corner.
+pub fn triangles(polygon: &[Vec2]) -> impl Iterator<Item = [Vec2; 3]> + '_ {
+    (2..polygon.len()).map(|k| [polygon[0], polygon[k - 1], polygon[k]])
+}
+
+/// What two have in common; nothing, where that has no area (Sutherland and Hodgman, Commun. ACM 17, 1974).
+pub fn common(one: &[Vec2], other: &[Vec2]) -> Vec<Vec2> {
+    let mut rest = one.to_vec();
+    for (k, from) in other.iter().enumerate() {
+        let to = &other[(k + 1) % other.len()];
+        let heights: Vec<f64> = rest.iter().map(|x| left(from, to, x)).collect();
+        let mut cut = Vec::with_capacity(rest.len() + 1);
+        for (i, x) in rest.iter().enumerate() {
+            let next = (i + 1) % rest.len();
+            let [here, there] = [heights[i], heights[next]];
+            if here >= 0.0 {
+                cut.push(*x);
+            }
+            if here * there < 0.0 {
+                cut.push(x + (rest[next] - x) * (here / (here - there)));
+            }
+        }
+        rest = cut;
+    }
+    if rest.len() < 3 { Vec::new() } else { rest }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(x: f64, y: f64, size: f64) -> Vec<Vec2> {
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[s, t]| Vec2::new(x + size * s, y + size * t)).to_vec()
+    }
+
+    #[test]
+    fn what_polygons_have_in_common_is_cut_out() {
+        let is = |one: &[Vec2], other: &[Vec2], expected: f64| {
+            for common in [common(one, other), common(other, one)] {
+                assert!((area(&common) - expected).abs() < 1e-15, "{common:?}");
+            }
+        };
+        is(&square(0.0, 0.0, 1.0), &square(0.75, 0.5, 1.0), 0.125);
+        is(&square(0.0, 0.0, 1.0), &square(0.25, 0.25, 0.5), 0.25);
+        is(&square(0.0, 0.0, 1.0), &square(0.0, 0.0, 1.0), 1.0);
+        is(&square(0.0, 0.0, 1.0), &square(1.0, 0.0, 1.0), 0.0);
+        is(&square(0.0, 0.0, 1.0), &square(2.0, 0.0, 1.0), 0.0);
+        // A square and the same turned by 45 degrees about its middle: an octagon.
+        let turned = [[0.5, -0.2], [1.2, 0.5], [0.5, 1.2], [-0.2, 0.5]].map(Vec2::from);
+        is(&square(0.0, 0.0, 1.0), &turned, 1.0 - 4.0 * 0.5 * 0.3 * 0.3);
+    }
+}

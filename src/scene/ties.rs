@@ -1,0 +1,40 @@
+//! Ties of unlike faces: `[tie.NAME]`.
+
+use super::reader::{Item, Table};
+use super::references::Names;
+use super::{Located, Tie};
+use crate::error::{Error, Result};
+
+const KEYS: [&str; 3] = ["slave", "master", "tolerance"];
+
+/// Reads all ties; none may occur twice, in either direction.
+pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Tie>> {
+    let mut ties: Vec<Tie> = Vec::new();
+    for (name, item) in root.named("tie")? {
+        let next = tie(name, &item, names)?;
+        let faces = |tie: &Tie| {
+            let mut faces = [&tie.slave, &tie.master].map(|set| set.value.clone());
+            faces.sort_unstable();
+            faces
+        };
+        if let Some(first) = ties.iter().find(|other| faces(other) == faces(&next)) {
+            let what = format!("tie.{} repeats the faces of tie.{}", next.name.value, first.name.value);
+            return Err(Error::input(&next.slave.at, what, "remove one of them"));
+        }
+        ties.push(next);
+    }
+    Ok(ties)
+}
+
+fn tie(name: Located<String>, item: &Item, names: &Names) -> Result<Tie> {
+    let table = item.table(&KEYS)?;
+    let [slave, master] = ["slave", "master"].map(|key| names.faces(&table.require(key, "\"BODY.GROUP\"")?));
+    let (slave, master) = (slave?, master?);
+    if slave.value == master.value {
+        let what = format!("ties `{}` to itself", slave.value);
+        return Err(Error::input(&master.at, what, "name the faces that it is to be tied to"));
+    }
+    let length =
+        |item: &Item| if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) };
+    Ok(Tie { name, slave, master, tolerance: table.optional("tolerance", length)?.flatten() })
+}
