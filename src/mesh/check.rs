@@ -1,6 +1,7 @@
 //! Refuses meshes that cannot be computed with, and names what is wrong by the numbers of the file.
 
-use super::{Facet, Mesh, Solid, SolidShape, message};
+use super::faces::TET_EDGES;
+use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
 use crate::Vec3;
 use crate::error::{Error, Result};
 
@@ -11,7 +12,8 @@ const FLAT: f64 = 1e-10;
 
 /// Checks a whole mesh: coordinates, connectivity, shapes of elements and facets, duplicates, coincident nodes.
 ///
-/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners.
+/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners, a quadratic tetrahedron at its
+/// four integration points and all its nodes.
 pub fn check(mesh: &Mesh) -> Result<()> {
     let broken = (0..mesh.points.len()).filter(|&node| !mesh.points[node].iter().all(|x| x.is_finite()));
     refuse(mesh, "node", ids_of(mesh, broken), "not at a finite place", "give it finite coordinates")?;
@@ -70,6 +72,7 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
             let (low, high) = match solid.shape {
                 SolidShape::Tet4 => scaled_tet(&corners),
                 SolidShape::Hex8 => points.scaled_hex(&corners),
+                SolidShape::Tet10 => scaled_tet10(&corners),
             };
             match () {
                 _ if high < -FLAT => 1,
@@ -110,9 +113,36 @@ fn scaled(a: Vec3, b: Vec3, c: Vec3) -> f64 {
 }
 
 /// Smallest and largest scaled determinant over the corners of a tetrahedron.
-fn scaled_tet(x: &[Vec3; 8]) -> (f64, f64) {
+fn scaled_tet(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
     let value = scaled(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
     (value, value)
+}
+
+/// The same of a quadratic tetrahedron, over its integration points and nodes, by their barycentric coordinates.
+fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+    const FAR: f64 = 0.138_196_601_125_010_5;
+    let of = |is: &dyn Fn(usize) -> bool, one: f64, other: f64| -> [f64; 4] {
+        std::array::from_fn(|k| if is(k) { one } else { other })
+    };
+    let corners = (0..4).flat_map(|a| [of(&|k| k == a, 1.0, 0.0), of(&|k| k == a, 1.0 - 3.0 * FAR, FAR)]);
+    let middles = TET_EDGES.iter().map(|ends| of(&|k| ends.contains(&k), 0.5, 0.0));
+    widen(corners.chain(middles).map(|b| {
+        // x by b_k, of x = sum_k b_k (2 b_k - 1) x_k + sum_ij 4 b_i b_j x_ij
+        let mut by: [Vec3; 4] = std::array::from_fn(|k| (4.0 * b[k] - 1.0) * x[k]);
+        for ([i, j], middle) in TET_EDGES.iter().zip(&x[4..]) {
+            by[*i] += 4.0 * b[*j] * middle;
+            by[*j] += 4.0 * b[*i] * middle;
+        }
+        scaled(by[1] - by[0], by[2] - by[0], by[3] - by[0])
+    }))
+}
+
+/// The smallest and the largest; not a number where one is none.
+fn widen(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| match value.is_nan() || low.is_nan() {
+        true => (f64::NAN, f64::NAN),
+        false => (low.min(value), high.max(value)),
+    })
 }
 
 /// Signs of the parent coordinates of the corners of a hexahedron.
@@ -143,22 +173,16 @@ impl Quadrature {
     }
 
     /// Smallest and largest scaled determinant over the points.
-    fn scaled_hex(&self, x: &[Vec3; 8]) -> (f64, f64) {
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for derivatives in &self.0 {
+    fn scaled_hex(&self, x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+        widen(self.0.iter().map(|derivatives| {
             let mut columns = [Vec3::zeros(); 3];
             for (derivative, x) in derivatives.iter().zip(x) {
                 for (column, d) in columns.iter_mut().zip(derivative) {
                     *column += x * *d;
                 }
             }
-            let value = scaled(columns[0], columns[1], columns[2]);
-            if value.is_nan() {
-                return (value, value);
-            }
-            range = (range.0.min(value), range.1.max(value));
-        }
-        range
+            scaled(columns[0], columns[1], columns[2])
+        }))
     }
 }
 
@@ -284,21 +308,20 @@ fn sizes(mesh: &Mesh) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0], id: 70 };
+    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0, 0, 0], id: 70 };
 
     /// A unit tetrahedron and a unit cube beside it; number of node i is 10 i.
     fn sample() -> Mesh {
         let mut points = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
         points.extend(CORNERS.map(|corner| corner.map(|sign| 3.5 + 0.5 * sign)));
-        let hex = Solid { shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11], id: 71 };
+        let hex = Solid::new(SolidShape::Hex8, &[4, 5, 6, 7, 8, 9, 10, 11], 71);
         Mesh {
             source: "a.msh".into(),
             point_ids: (0..points.len() as u64).map(|id| 10 * id).collect(),
             points,
             solids: vec![TET, hex],
             facets: vec![hex.face(1), TET.face(0)],
-            groups: Default::default(),
-            warnings: Vec::new(),
+            ..Mesh::default()
         }
     }
 
@@ -363,7 +386,7 @@ mod tests {
         assert_eq!(mirrored, "element 70 is inside out: the nodes are in mirrored order");
         let mirrored = broken(|mesh| {
             let n = mesh.solids[1].nodes;
-            mesh.solids[1].nodes = [n[4], n[5], n[6], n[7], n[0], n[1], n[2], n[3]];
+            mesh.solids[1] = Solid::new(SolidShape::Hex8, &[n[4], n[5], n[6], n[7], n[0], n[1], n[2], n[3]], 71);
         });
         assert_eq!(mirrored, "element 71 is inside out: the nodes are in mirrored order");
         // A corner pushed through the opposite faces; the Jacobian of the other corners stays positive.
@@ -375,7 +398,7 @@ mod tests {
             "element 71 is without volume"
         );
         assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 8), "element 71 is degenerate: a node occurs twice");
-        let twice = |mesh: &mut Mesh| mesh.solids.push(Solid { nodes: [1, 2, 0, 3, 0, 0, 0, 0], id: 80, ..TET });
+        let twice = |mesh: &mut Mesh| mesh.solids.push(Solid::new(SolidShape::Tet4, &[1, 2, 0, 3], 80));
         assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
     }
 
@@ -391,7 +414,7 @@ mod tests {
         assert_eq!(
             broken(|mesh| {
                 crossed(mesh);
-                mesh.facets.push(Solid { id: 5, shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11] }.face(0))
+                mesh.facets.push(Solid::new(SolidShape::Hex8, &[4, 5, 6, 7, 8, 9, 10, 11], 5).face(0))
             }),
             "facet 71 is folded or concave"
         );

@@ -26,7 +26,7 @@ fn tetrahedra(mut mesh: Mesh) -> Mesh {
     let ways = [[1, 2], [2, 3], [3, 7], [7, 4], [4, 5], [5, 1]];
     let tet = |solid: &Solid, [a, b]: [usize; 2]| {
         let n = solid.nodes;
-        Solid { shape: SolidShape::Tet4, nodes: [n[0], n[a], n[b], n[6], 0, 0, 0, 0], id: solid.id }
+        Solid::new(SolidShape::Tet4, &[n[0], n[a], n[b], n[6]], solid.id)
     };
     mesh.solids = mesh.solids.iter().flat_map(|solid| ways.map(|way| tet(solid, way))).collect();
     let boundary = faces::boundary(&mesh.solids);

@@ -287,9 +287,9 @@ fn types_that_are_not_read_are_named_with_their_element() {
     for (kind, name, help) in [
         (6, "6-node wedges", "use linear"),
         (7, "5-node pyramids", "use linear"),
-        (11, "second-order tetrahedra", "mesh with order 1"),
-        (17, "second-order hexahedra", "mesh with order 1"),
-        (92, "such elements", "mesh with order 1"),
+        (13, "second-order wedges", "or with order 1"),
+        (17, "second-order hexahedra", "or with order 1"),
+        (92, "such elements", "or with order 1"),
         (0, "such elements", "use linear"),
     ] {
         for style in STYLES {
