@@ -219,7 +219,9 @@ impl FileMesh {
                 let [a, b, c, mut d, e, f, ..] = nodes;
                 let quadratic = cell.shape == CellShape::Triangle6;
                 if quadratic {
-                    [([a, b], d), ([b, c], e), ([c, a], f)].map(|(ends, middle)| self.mesh.middles.add(ends, middle));
+                    for (ends, middle) in [([a, b], d), ([b, c], e), ([c, a], f)] {
+                        self.mesh.middles.add(ends, middle);
+                    }
                     d = 0;
                 }
                 let count = if quadratic { 3 } else { count as u8 };

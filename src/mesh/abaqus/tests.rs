@@ -83,7 +83,7 @@ fn a_deck_gives_its_mesh_and_groups() {
     assert_eq!(file.mesh.points.len(), 13);
     assert_eq!(file.mesh.points[4], [1.0, 1.0, 0.0]);
     assert_eq!(file.mesh.solids.iter().map(|solid| solid.id).collect::<Vec<_>>(), [101, 102]);
-    assert_eq!(file.mesh.solids[0].nodes, [0, 1, 4, 3, 6, 7, 10, 9]);
+    assert_eq!(file.mesh.solids[0].nodes(), [0, 1, 4, 3, 6, 7, 10, 9]);
     assert!(file.attached.iter().all(|&attached| attached));
 
     let names = [

@@ -376,7 +376,7 @@ impl Listed {
 
 const VERSIONS: &str = "save it as version 4.1 or 2.2";
 const ORDER: &str = "of second order are read lines, triangles and tetrahedra alone: mesh with these, or with order 1";
-const LINEAR: &str = "use tetrahedra or linear hexahedra, and triangles or quadrilaterals on surfaces";
+const LINEAR: &str = "use linear hexahedra, or tetrahedra, and triangles or quadrilaterals on surfaces";
 
 /// From the order of Gmsh to that of [`CellShape`].
 fn order(cell: &mut Cell) {

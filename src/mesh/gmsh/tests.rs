@@ -202,7 +202,7 @@ fn all_versions_and_encodings_read_alike() {
         assert_eq!((&file.mesh.point_ids, &file.mesh.points), (&ids, &points));
         assert!(file.attached.iter().all(|&attached| attached));
         assert_eq!(file.mesh.solids.len(), 2);
-        assert_eq!(file.mesh.solids[1].nodes, [1, 2, 5, 4, 7, 8, 11, 10]);
+        assert_eq!(file.mesh.solids[1].nodes(), [1, 2, 5, 4, 7, 8, 11, 10]);
         assert_eq!(file.mesh.facets.iter().map(|facet| facet.id).collect::<Vec<_>>(), [3, 4, 5, 6]);
         assert_eq!(file.mesh.facets[3].nodes(), [6, 7, 10]);
 
