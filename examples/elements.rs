@@ -1,8 +1,8 @@
 //! How the elements bend, lock and stay stable, as Markdown tables.
 
-use nagata::solid::element::hex8_eas::{Modes, VOLUME};
 use nagata::mesh::faces::TET_EDGES;
 use nagata::scene::MaterialModel;
+use nagata::solid::element::hex8_eas::{Modes, VOLUME};
 use nagata::solid::element::{
     ElementMatrices, Inverted, Medium, hex8, hex8_eas, hex8_fbar, hex8_sri, tet4, tet10, tet10_sri,
 };
@@ -603,9 +603,7 @@ fn main() {
         });
     }
     if on("ring") {
-        table("Ring", &["5", "10", "15", "30", "60"], |e| {
-            [5, 10, 15, 30, 60].map(|n| number(ring(e, n))).to_vec()
-        });
+        table("Ring", &["5", "10", "15", "30", "60"], |e| [5, 10, 15, 30, 60].map(|n| number(ring(e, n))).to_vec());
     }
     if on("cost") {
         let hooke = Material::new(&MaterialModel::Hooke { young: 210.0, poisson: 0.3 });

@@ -726,7 +726,8 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
             let what = format!("the mesh of body `{}` has {}", body.name.value, words.join(" and "));
             return Err(Error::input(&asked.at, what, "leave `element` out to take each element by its shape"));
         }
-        let default = has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
+        let default =
+            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
         kinds.push(asked.map_or(default, |e| e.value));
     }
     Ok(kinds)

@@ -182,7 +182,8 @@ fn tension_of_every_element() {
     let stored = 0.5 * stress * stress / young;
     let plastic = k / (n + 1.0) * ((e0 + e).powf(n + 1.0) - e0.powf(n + 1.0));
     let (linear, quadratic) = ("mesh = \"cube.msh\"", "mesh = \"ten.msh\"");
-    let elements = [("hex8", block), ("hex8-fbar", block), ("tet4", linear), ("tet10", quadratic), ("tet10-sri", quadratic)];
+    let elements =
+        [("hex8", block), ("hex8-fbar", block), ("tet4", linear), ("tet10", quadratic), ("tet10-sri", quadratic)];
     for (element, mesh) in elements {
         let bench = scene(element, mesh);
         bench.write("ten.msh", &msh::second_order(&msh::block([1, 1, 2], true, |x| x)));

@@ -223,7 +223,10 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
     if let Some(&other) = solids.iter().find(|&&solid| mesh.solids[solid as usize].shape != shape) {
         let (a, b) = (mesh.solids[solids[0] as usize].id, mesh.solids[other as usize].id);
         let what = format!("elements {a} and {b} are of one part, but of different shape or order");
-        return Err(Error::input_anywhere(what, "mesh each connected part with hexahedra or with tetrahedra of one order"));
+        return Err(Error::input_anywhere(
+            what,
+            "mesh each connected part with hexahedra or with tetrahedra of one order",
+        ));
     }
     let mut sets = solids.iter().filter_map(|&solid| sections[solid as usize]?.1.keyword.get("ELSET"));
     let set = sets.next().filter(|first| sets.all(|other| other == *first));

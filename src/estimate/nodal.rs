@@ -3,8 +3,8 @@
 use super::recovery::{Recovered, Values, nodes_of};
 use crate::Vec3;
 use crate::error::Result;
-use crate::model::Model;
 use crate::mesh::{MOST_NODES, SolidShape};
+use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
 use crate::solid::element::{Inverted, hex8, tet10};
 use crate::solid::voigt::{Voigt, double_contraction};

@@ -4,6 +4,7 @@ use super::faces::TET_EDGES;
 use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
 use crate::Vec3;
 use crate::error::{Error, Result};
+use std::collections::HashMap;
 
 /// Coincident nodes are closer than this times the size of the elements around them.
 const COINCIDENT: f64 = 1e-9;
@@ -19,6 +20,7 @@ pub fn check(mesh: &Mesh) -> Result<()> {
     refuse(mesh, "node", ids_of(mesh, broken), "not at a finite place", "give it finite coordinates")?;
     check_connectivity(mesh)?;
     check_solids(mesh)?;
+    check_middles(mesh)?;
     check_facets(mesh)?;
     check_duplicates(mesh)?;
     check_coincident(mesh)
@@ -101,6 +103,25 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
         "repair the mesh there",
     )?;
     refuse(mesh, "element", flat, "without volume", "repair the mesh there")
+}
+
+/// Quadratic elements that share an edge share the node in its middle.
+fn check_middles(mesh: &Mesh) -> Result<()> {
+    let mut known: HashMap<[u32; 2], (u32, u64)> = HashMap::new();
+    for solid in &mesh.solids {
+        for (ends, middle) in solid.middles() {
+            let (first, id) = *known.entry(ends).or_insert((middle, solid.id));
+            if first != middle {
+                let [a, b] = ends.map(|node| mesh.point_ids[node as usize]);
+                let what = format!(
+                    "elements {id} and {} share the edge between nodes {a} and {b}, but not the node in its middle",
+                    solid.id
+                );
+                return Err(fail(mesh, what, "merge what belongs together, or take the parts as separate groups"));
+            }
+        }
+    }
+    Ok(())
 }
 
 fn repeats(nodes: &[u32]) -> bool {
@@ -400,6 +421,53 @@ mod tests {
         assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 8), "element 71 is degenerate: a node occurs twice");
         let twice = |mesh: &mut Mesh| mesh.solids.push(Solid::new(SolidShape::Tet4, &[1, 2, 0, 3], 80));
         assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
+    }
+
+    /// A tetrahedron with a middle on an edge, moved towards the opposite one until elements fold at a node, and at an integration
+    /// point; and a neighbour that has its own middle.
+    #[test]
+    fn quadratic_tetrahedra() {
+        let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 1., 1.]];
+        let mut points = corners.to_vec();
+        let mut tet = |corners: [usize; 4], own: Option<usize>| {
+            let middles = TET_EDGES.map(|[i, j]| {
+                let (a, b) = (corners[i].min(corners[j]), corners[i].max(corners[j]));
+                let place: [f64; 3] = std::array::from_fn(|d| 0.5 * (points[a][d] + points[b][d]));
+                let known = points.iter().position(|x| *x == place).filter(|_| own != Some(a + b));
+                known.unwrap_or_else(|| {
+                    points.push(if own == Some(a + b) { place.map(|x| x + 0.01) } else { place });
+                    points.len() - 1
+                })
+            });
+            [&corners[..], &middles].concat().iter().map(|n| *n as u32).collect::<Vec<u32>>()
+        };
+        let (one, same, other) = (tet([0, 1, 2, 3], None), tet([4, 2, 1, 3], None), tet([4, 2, 1, 3], Some(3)));
+        let mesh = |solids: &[&Vec<u32>]| {
+            let solid = |(id, nodes): (u64, &&Vec<u32>)| Solid::new(SolidShape::Tet10, nodes, id);
+            let solids: Vec<Solid> = (1..).zip(solids).map(solid).collect();
+            let used = |n: usize| solids.iter().any(|s| s.nodes().contains(&(n as u32)));
+            let points: Vec<[f64; 3]> = points.iter().enumerate().filter(|(n, _)| used(*n)).map(|(_, x)| *x).collect();
+            let renumber = |n: u32| (0..n).filter(|m| used(*m as usize)).count() as u32;
+            let solid =
+                |s: &Solid| Solid::new(s.shape, &s.nodes().iter().map(|n| renumber(*n)).collect::<Vec<u32>>(), s.id);
+            Mesh {
+                point_ids: (1..=points.len() as u64).collect(),
+                solids: solids.iter().map(solid).collect(),
+                points,
+                ..Mesh::default()
+            }
+        };
+        check(&mesh(&[&one, &same])).unwrap();
+        let text = check(&mesh(&[&one, &other])).unwrap_err().to_string();
+        assert!(text.contains("elements 1 and 2 share the edge between nodes 2 and 3, but not the node"), "{text}");
+        for (by, fault) in [(0.2, None), (0.3, Some("negative somewhere"))] {
+            let mut one = mesh(&[&one]);
+            let middle = one.solids[0].nodes[4] as usize;
+            one.points[middle][0] += by;
+            let found = check(&one).err().map(|error| error.to_string());
+            assert_eq!(found.is_some(), fault.is_some(), "{by}: {found:?}");
+            assert!(found.is_none_or(|found| found.contains(fault.unwrap())));
+        }
     }
 
     #[test]

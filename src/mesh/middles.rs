@@ -199,12 +199,7 @@ mod tests {
 
     #[test]
     fn curved_edges_have_their_own_nodes_in_every_format() {
-        let files = [
-            ("2.msh", gmsh_2()),
-            ("4.msh", gmsh_4()),
-            ("a.inp", deck("C3D10")),
-            ("m.inp", deck("C3D10M")),
-        ];
+        let files = [("2.msh", gmsh_2()), ("4.msh", gmsh_4()), ("a.inp", deck("C3D10")), ("m.inp", deck("C3D10M"))];
         for (name, text) in files {
             let mesh = read(name, &text, None, Purpose::Body);
             let place = |n: u32| mesh.points[n as usize];

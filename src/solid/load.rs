@@ -55,18 +55,8 @@ const fn tri6([r, s, t]: [f64; 3], weight: f64) -> FacePoint<6> {
     let (dr, ds, dt) = (4.0 * r - 1.0, 4.0 * s - 1.0, 4.0 * t - 1.0);
     FacePoint {
         weight,
-        values: [
-            r * (2.0 * r - 1.0),
-            s * (2.0 * s - 1.0),
-            t * (2.0 * t - 1.0),
-            4.0 * r * s,
-            4.0 * s * t,
-            4.0 * t * r,
-        ],
-        gradients: [
-            [-dr, ds, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t],
-            [-dr, 0.0, dt, -4.0 * s, 4.0 * s, 4.0 * (r - t)],
-        ],
+        values: [r * (2.0 * r - 1.0), s * (2.0 * s - 1.0), t * (2.0 * t - 1.0), 4.0 * r * s, 4.0 * s * t, 4.0 * t * r],
+        gradients: [[-dr, ds, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t], [-dr, 0.0, dt, -4.0 * s, 4.0 * s, 4.0 * (r - t)]],
     }
 }
 
@@ -173,8 +163,7 @@ mod tests {
     const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 2.0], [3.0, 0.0, 2.0], [3.0, 1.0, 2.0], [0.0, 1.0, 2.0]];
 
     /// A triangle on [`SQUARE`] with the middles of its edges.
-    const SIX: [[f64; 3]; 6] =
-        [SQUARE[0], SQUARE[1], SQUARE[3], [1.5, 0.0, 2.0], [1.5, 0.5, 2.0], [0.0, 0.5, 2.0]];
+    const SIX: [[f64; 3]; 6] = [SQUARE[0], SQUARE[1], SQUARE[3], [1.5, 0.0, 2.0], [1.5, 0.5, 2.0], [0.0, 0.5, 2.0]];
 
     /// The tangent against differences of the force.
     fn check_tangent<const N: usize, const D: usize>(x: [[f64; 3]; N], load: impl Fn(&[[f64; 3]; N]) -> FaceLoad<D>) {

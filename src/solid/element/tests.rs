@@ -330,7 +330,8 @@ fn quadratic_tetrahedra_pass_the_patch_test() {
     let mut middles = std::collections::BTreeMap::new();
     let mut elements: Vec<[usize; 10]> = Vec::new();
     for corners in tets {
-        let edges = crate::mesh::faces::TET_EDGES.map(|[i, j]| [corners[i].min(corners[j]), corners[i].max(corners[j])]);
+        let edges =
+            crate::mesh::faces::TET_EDGES.map(|[i, j]| [corners[i].min(corners[j]), corners[i].max(corners[j])]);
         let mut number = |[i, j]: [usize; 2]| {
             *middles.entry([i, j]).or_insert_with(|| {
                 points.push(std::array::from_fn(|d| 0.5 * (points[i][d] + points[j][d])));
