@@ -20,7 +20,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scene, body_of, did_you_mean};
-use crate::solid::element::{hex8, plane4, tet4};
+use crate::solid::element::{hex8, plane4, tet4, tet10};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::MovingPatch;
@@ -28,7 +28,7 @@ use bodies::Meshed;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use sections::Sections;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 pub use symmetry::SymmetryPlane;
 use ties::Joint;
 
@@ -59,6 +59,7 @@ impl Section {
             _ if plane_strain => plane4::POINTS,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
+            SolidShape::Tet10 => tet10::POINTS,
         }
     }
 }
@@ -223,6 +224,7 @@ impl Model {
             let at = |a: usize| -> [f64; 3] { self.part.points[solid.nodes[a] as usize].into() };
             volume[0] += match solid.shape {
                 SolidShape::Tet4 => tet4::volume(&std::array::from_fn(at)),
+                SolidShape::Tet10 => tet10::volume(&std::array::from_fn(at)),
                 SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)),
             };
         }
@@ -560,6 +562,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
                 *set = shifted(found, offset);
             }
         }
+        global.middles.join(mesh.middles.renumbered(|n| Some(n + offset)));
         global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
         global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
         ties.iter_mut().for_each(|tie| *tie += offset);
@@ -575,6 +578,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         join(&mut global.solids, mesh.solids);
     }
     faults.finish()?;
+    refuse_quadratic_contacts(scene, &global)?;
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {
         let slave = names.iter().position(|n| n.value == contact.slave.value).unwrap_or_default();
@@ -592,6 +596,19 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         if is_bare { Err(Error::input(&name.at, what, help)) } else { Ok(()) }
     }))?;
     Ok(global)
+}
+
+/// On the faces of quadratic elements uniform pressure has no force at the corners, which contact in nodes does not know of.
+fn refuse_quadratic_contacts(scene: &Scene, global: &GlobalMesh) -> Result<()> {
+    let quadratic: BTreeSet<&str> = (global.solids.iter().zip(&global.solid_body))
+        .filter(|(solid, _)| solid.shape == SolidShape::Tet10)
+        .map(|(_, body)| scene.bodies[*body as usize].name.value.as_str())
+        .collect();
+    let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
+    let mut sides = of_contacts.chain(scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]));
+    let Some(side) = sides.find(|side| quadratic.contains(body_of(&side.value))) else { return Ok(()) };
+    let what = format!("`{}` has quadratic faces, which contacts and ties do not take", side.value);
+    Err(Error::input(&side.at, what, "mesh such bodies with hexahedra, or with tetrahedra of first order"))
 }
 
 /// Patches, and what nodes avoid by their numbers.
@@ -684,33 +701,29 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
 
 /// The element formulation of each section: the user's, checked against the mesh, or the mesh's own. Collective.
 fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Formulation>> {
-    let mut present = vec![0.0; 2 * scene.sections().count()];
+    const SHAPES: [(SolidShape, &str); 3] = [
+        (SolidShape::Hex8, "hexahedra"),
+        (SolidShape::Tet4, "linear tetrahedra"),
+        (SolidShape::Tet10, "quadratic tetrahedra"),
+    ];
+    let mut present = vec![0.0; SHAPES.len() * scene.sections().count()];
     for solid in &part.solids {
-        present[2 * solid.section as usize + usize::from(solid.shape == SolidShape::Tet4)] = 1.0;
+        let shape = SHAPES.iter().position(|(shape, _)| *shape == solid.shape).unwrap_or_default();
+        present[SHAPES.len() * solid.section as usize + shape] = 1.0;
     }
     max(comm, &mut present);
     let mut kinds = Vec::new();
-    for ((body, material), has) in scene.sections().zip(present.chunks_exact(2)) {
+    for ((body, material), has) in scene.sections().zip(present.chunks_exact(SHAPES.len())) {
         let body = &scene.bodies[body];
-        let (hexes, tets) = (has[0] > 0.0, has[1] > 0.0);
+        let has = || SHAPES.iter().zip(has).filter(|(_, has)| **has > 0.0).map(|(shape, _)| shape);
         let asked = body.element.as_ref();
-        let wrong = match asked.map(|e| e.value) {
-            Some(Formulation::Tet4) => hexes,
-            Some(_) => tets,
-            None => false,
-        };
-        if let (true, Some(asked)) = (wrong, asked) {
-            let has = if hexes && tets {
-                "hexahedra and tetrahedra"
-            } else if hexes {
-                "hexahedra"
-            } else {
-                "tetrahedra"
-            };
-            let what = format!("the mesh of body `{}` has {has}", body.name.value);
+        if let Some(asked) = asked.filter(|asked| has().any(|(shape, _)| asked.value.shape() != *shape)) {
+            let words: Vec<&str> = has().map(|(_, word)| *word).collect();
+            let what = format!("the mesh of body `{}` has {}", body.name.value, words.join(" and "));
             return Err(Error::input(&asked.at, what, "leave `element` out to take each element by its shape"));
         }
-        let default = if hexes { scene.default_element(&material.value) } else { Formulation::Tet4 };
+        let default =
+            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
         kinds.push(asked.map_or(default, |e| e.value));
     }
     Ok(kinds)

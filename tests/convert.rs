@@ -70,6 +70,59 @@ fn a_patch_under_pressure_has_its_stress() {
     assert_small("stress", worst, 1e-9);
 }
 
+/// A cube of quadratic tetrahedra with nodes as Abaqus has them, pressed on faces of elements and by nodal forces that are those of
+/// a pressure: uniaxial stress.
+#[test]
+fn quadratic_tetrahedra_are_taken_over() {
+    let mesh = common::msh::second_order(&common::msh::block([1, 1, 1], true, |x| x));
+    let section = |name: &str| -> Vec<Vec<String>> {
+        let begin = mesh.split_once(&format!("${name}\n")).unwrap().1;
+        let lines = begin.split_once("$End").unwrap().0.lines().skip(1);
+        lines.map(|line| line.split(' ').map(String::from).collect()).collect()
+    };
+    let nodes = section("Nodes");
+    let height = |node: &String| nodes[node.parse::<usize>().unwrap() - 1][3].parse::<f64>().unwrap();
+    let list = |d: usize| {
+        let own = nodes.iter().filter(|node| node[1 + d] == "0.0").map(|node| node[0].clone());
+        format!("*NSET, NSET=low{d}\n{}\n", own.collect::<Vec<_>>().join(",\n"))
+    };
+    let mut deck = String::from("*NODE\n");
+    deck.extend(nodes.iter().map(|node| node.join(", ") + "\n"));
+    deck += "*ELEMENT, TYPE=C3D10M, ELSET=cube\n";
+    let (mut loads, mut forces) = (String::new(), String::new());
+    for mut tet in section("Elements").into_iter().filter(|element| element[1] == "11") {
+        let id = tet[0].clone();
+        tet.drain(1..5);
+        tet.swap(9, 10);
+        deck += &format!("{}\n", tet.join(", "));
+        for (face, corners) in [[1, 2, 3], [1, 4, 2], [2, 4, 3], [3, 4, 1]].iter().enumerate() {
+            if corners.iter().all(|&k| height(&tet[k]) == 1.0) {
+                loads += &format!("{id}, P{}, 6.0\n", face + 1);
+            }
+        }
+        for middle in tet[5..].iter().filter(|node| height(node) == 1.0) {
+            // A third of the pressure on each triangle of area 1/2, which have one node in common.
+            let shared = nodes[middle.parse::<usize>().unwrap() - 1][1..3] == ["0.5", "0.5"];
+            let line = format!("{middle}, 3, {:?}\n", if shared { -2.0 } else { -1.0 });
+            if !forces.contains(&line) {
+                forces += &line;
+            }
+        }
+    }
+    (0..3).for_each(|d| deck += &list(d));
+    deck += "*SOLID SECTION, ELSET=cube, MATERIAL=steel\n*MATERIAL, NAME=steel\n*ELASTIC\n1e6, 0.3\n*STEP\n*STATIC\n*BOUNDARY\n";
+    (0..3).for_each(|d| deck += &format!("low{d}, {0}, {0}\n", d + 1));
+    for load in [format!("*DLOAD\n{loads}"), format!("*CLOAD\n{forces}")] {
+        let (bench, found) = converted(&format!("{deck}{load}*END STEP\n"));
+        assert!(found.notes.iter().any(|note| note.contains("elements C3D10M become `tet10`")), "{:?}", found.notes);
+        let run = bench.solve(1, &[]);
+        let stress = run.field(&format!("increments/{:06}/body_cube/cell/von_mises", run.written()));
+        assert_eq!(stress.len(), 6);
+        let worst = stress.iter().map(|s| (s / 6.0 - 1.0).abs()).fold(0.0, f64::max);
+        assert_small("stress", worst, 1e-5);
+    }
+}
+
 /// What is passed over is told with its line, on the terminal and in the scene.
 #[test]
 fn what_is_passed_over_is_named() {
@@ -249,7 +302,7 @@ fn what_cannot_be_converted_is_refused() {
         (BAR, "400., 0.1", "400., 0.1, 20", "varies with temperature"),
         (BAR, "400., 0.1", "200., 0.1", "yield stress falls"),
         (BAR, "*Plastic", "*Plastic, hardening=KINEMATIC", "HARDENING=KINEMATIC"),
-        (BAR, "type=C3D8R", "type=C3D10", "which is not read"),
+        (BAR, "type=C3D8R", "type=C3D20", "which is not read"),
         (BAR, "amplitude=Pull", "amplitude=Push", "no amplitude 'Push'"),
         (BAR, "*Amplitude, name=Pull", "*Amplitude, name=Pull, definition=SMOOTH STEP", "SMOOTH STEP"),
         (STEPS, "1, 1, 50.", "1, 4, 50.", "a moment cannot be converted"),

@@ -129,7 +129,7 @@ fn a_linear_stress_is_recovered() {
     });
 }
 
-/// A beam, bent, of hexahedra or tetrahedra askew, at whose end another body begins; and the place of a node in it.
+/// A beam, bent, of hexahedra or tetrahedra, linear or quadratic, askew, at whose end another body begins; and the place of a node in it.
 fn beam(kind: &str) -> (Bench, [f64; 3]) {
     let askew = |[x, y, z]: [f64; 3]| {
         let bump = 0.05 * [x, y, z].iter().map(|x| (TAU * x).sin()).product::<f64>();
@@ -165,13 +165,17 @@ fn beam(kind: &str) -> (Bench, [f64; 3]) {
         ]
         "#
     ));
-    bench.write("bar.msh", &common::msh::block([5, 3, 3], kind == "tet", askew));
+    let mesh = match kind {
+        "ten" => common::msh::second_order(&common::msh::block([5, 3, 3], true, askew)),
+        _ => common::msh::block([5, 3, 3], kind == "tet", askew),
+    };
+    bench.write("bar.msh", &mesh);
     (bench, node)
 }
 
 #[test]
 fn probes_and_fields_on_any_number_of_ranks() {
-    for kind in ["hex", "tet"] {
+    for (kind, vtk) in [("hex", (12, 8)), ("tet", (10, 4)), ("ten", (24, 10))] {
         let (bench, at) = beam(kind);
         let [alone, shared] = [1, 2].map(|ranks| bench.solve(ranks, &[]));
         for name in ["node", "face", "other", "side", "line"] {
@@ -179,7 +183,7 @@ fn probes_and_fields_on_any_number_of_ranks() {
         }
         same_fields(&alone, &shared);
         for run in [&alone, &shared] {
-            vtk_has_the_fields(run, if kind == "tet" { (10, 4) } else { (12, 8) });
+            vtk_has_the_fields(run, vtk);
         }
 
         // At a node it is the field; where bodies touch, that of the body that is meant.

@@ -241,6 +241,24 @@ fn an_element_kind_that_does_not_fit_the_mesh() {
     refuses_scene("mesh = ", "element = \"tet4\"\nmesh = ", "scene.toml:3:11: ", &words);
 }
 
+/// One with a contact, which quadratic faces have not, and one with an element that does not know of the nodes between its own.
+#[test]
+fn quadratic_elements_where_they_cannot_be() {
+    let nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,.5,0,0\n6,.5,.5,0\n7,0,.5,0\n8,0,0,.5\n9,.5,0,.5\n10,0,.5,.5\n\
+                 *ELEMENT, TYPE=C3D10, ELSET=all\n21,1,2,3,4,5,6,7,8,9,10\n";
+    let surfaces = "*SURFACE, NAME=bottom\n21, S1\n*SURFACE, NAME=top\n21, S3\n";
+    let mesh = |more: &str| {
+        let bench = bench("slab.inp", "ten.inp");
+        bench.write("ten.inp", &format!("{nodes}{more}{surfaces}"));
+        bench
+    };
+    let words = ["`slab.top` has quadratic faces, which contacts and ties do not take", "tetrahedra of first order"];
+    refuses(&mesh(""), &[], "scene.toml:14:9: ", &words);
+    let mixed = mesh("*NODE\n11,1,1,1\n*ELEMENT, TYPE=C3D4, ELSET=all\n22,2,11,3,4\n");
+    let words = ["body `slab` has quadratic elements, such as 21, and linear ones, such as 22", "the same order"];
+    refuses(&mixed, &[], "scene.toml:1:7: ", &words);
+}
+
 #[test]
 fn a_slave_group_without_faces() {
     let words = ["`slab.edge` has no faces", "name a group of faces"];

@@ -181,8 +181,12 @@ fn tension_of_every_element() {
     let area = (-0.6 * stress / young - e).exp();
     let stored = 0.5 * stress * stress / young;
     let plastic = k / (n + 1.0) * ((e0 + e).powf(n + 1.0) - e0.powf(n + 1.0));
-    for (element, mesh) in [("hex8", block), ("hex8-fbar", block), ("tet4", "mesh = \"cube.msh\"")] {
+    let (linear, quadratic) = ("mesh = \"cube.msh\"", "mesh = \"ten.msh\"");
+    let elements =
+        [("hex8", block), ("hex8-fbar", block), ("tet4", linear), ("tet10", quadratic), ("tet10-sri", quadratic)];
+    for (element, mesh) in elements {
         let bench = scene(element, mesh);
+        bench.write("ten.msh", &msh::second_order(&msh::block([1, 1, 2], true, |x| x)));
         bench.write("cube.msh", &msh::block([1, 1, 2], true, |x| x));
         let run = bench.solve(2, &[]);
         let history = run.history();

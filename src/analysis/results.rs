@@ -6,7 +6,7 @@ use super::{Increment, SetReading, Simulation, State, Way};
 use crate::Vec3;
 use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
-use crate::mesh::SolidShape;
+use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::{Body, Model, elements, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
@@ -66,10 +66,7 @@ impl Grids {
             let nodes: Vec<u32> =
                 (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
             let cells: Vec<NumberedCell> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
-                .map(|s| match s.shape {
-                    SolidShape::Tet4 => (s.number, CellShape::Tetrahedron, &s.nodes[..4]),
-                    SolidShape::Hex8 => (s.number, CellShape::Hexahedron, &s.nodes[..]),
-                })
+                .map(|s| (s.number, cell_shape(s.shape), s.nodes()))
                 .collect();
             bodies.push(show(comm, fields, model, &format!("body.{}", body.name), nodes, &cells)?);
         }
@@ -440,6 +437,14 @@ fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3],
     Columns { grid: &shown.grid, node: wanted.iter().filter_map(values).collect(), cell: Vec::new() }
 }
 
+fn cell_shape(shape: SolidShape) -> CellShape {
+    match shape {
+        SolidShape::Tet4 => CellShape::Tetrahedron,
+        SolidShape::Hex8 => CellShape::Hexahedron,
+        SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
+    }
+}
+
 fn facet_cell(facet: &PartFacet) -> NumberedCell<'_> {
     match facet.count {
         3 => (facet.number, CellShape::Triangle, &facet.nodes[..3]),
@@ -468,7 +473,7 @@ fn show(
     let cells: Vec<Cell> = cells
         .iter()
         .map(|(_, shape, local)| {
-            let mut of_cell = [0; 8];
+            let mut of_cell = [0; MOST_NODES];
             local.iter().zip(&mut of_cell).for_each(|(&n, global)| *global = numbers[n as usize]);
             Cell { shape: *shape, nodes: of_cell }
         })
@@ -535,7 +540,7 @@ fn add_surface(
 ) -> Result<(Placed, Vec<Vec3>)> {
     let order = Order::new(comm, numbers);
     let cell = |shape: CellShape, corners: &[u32]| {
-        let mut nodes = [0; 8];
+        let mut nodes = [0; MOST_NODES];
         corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = order.positions()[n as usize]);
         Cell { shape, nodes }
     };

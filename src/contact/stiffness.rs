@@ -14,7 +14,7 @@
 use crate::Vec3;
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
-use crate::solid::element::{hex8, tet4};
+use crate::solid::element::{hex8, tet4, tet10};
 use crate::solid::load;
 
 /// What a body is made of, as far as contact feels it.
@@ -94,6 +94,7 @@ fn height(part: &Part, solid: &PartSolid, face: f64) -> f64 {
     let at = |a: usize| -> [f64; 3] { part.points[solid.nodes[a] as usize].into() };
     match solid.shape {
         SolidShape::Tet4 => 3.0 * tet4::volume(&std::array::from_fn(at)) / face,
+        SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / face,
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)) / face,
     }
 }
@@ -108,7 +109,7 @@ mod tests {
             |k: usize| Vec3::new(a * [0.0, 1.0, 1.0, 0.0][k % 4], b * [0.0, 0.0, 1.0, 1.0][k % 4], c * (k / 4) as f64);
         let solid = PartSolid {
             shape: SolidShape::Hex8,
-            nodes: [0, 1, 2, 3, 4, 5, 6, 7],
+            nodes: [0, 1, 2, 3, 4, 5, 6, 7, 0, 0],
             body: 0,
             section: 0,
             id: 1,

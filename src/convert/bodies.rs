@@ -166,7 +166,10 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
 fn nodes_of(whole: &Whole, slot: Slot) -> Vec<u32> {
     match slot {
         Slot::Solid(solid) => whole.mesh.solids[solid as usize].nodes().to_vec(),
-        Slot::Facet(facet) => whole.mesh.facets[facet as usize].nodes().to_vec(),
+        Slot::Facet(facet) => {
+            let corners = whole.mesh.facets[facet as usize].nodes();
+            corners.iter().copied().chain(whole.mesh.middles.around(corners)).collect()
+        }
         Slot::Loose(ends) => ends.to_vec(),
     }
 }
@@ -204,7 +207,7 @@ fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> R
                 }
                 _ => {
                     let what = format!("*{name} of elements {} cannot be converted", whole.kind(element));
-                    return Err(card.error(what, "nagata computes the solids C3D8 and C3D4"));
+                    return Err(card.error(what, "nagata computes the solids C3D8, C3D4 and C3D10"));
                 }
             }
         }
@@ -225,8 +228,11 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
     let shape = mesh.solids[solids[0] as usize].shape;
     if let Some(&other) = solids.iter().find(|&&solid| mesh.solids[solid as usize].shape != shape) {
         let (a, b) = (mesh.solids[solids[0] as usize].id, mesh.solids[other as usize].id);
-        let what = format!("elements {a} and {b} are of one part, but one is a hexahedron and one a tetrahedron");
-        return Err(Error::input_anywhere(what, "mesh each connected part with one of the two"));
+        let what = format!("elements {a} and {b} are of one part, but of different shape or order");
+        return Err(Error::input_anywhere(
+            what,
+            "mesh each connected part with hexahedra or with tetrahedra of one order",
+        ));
     }
     let mut sets = solids.iter().filter_map(|&solid| sections[solid as usize]?.1.keyword.get("ELSET"));
     let set = sets.next().filter(|first| sets.all(|other| other == *first));
@@ -299,7 +305,17 @@ impl Body {
         let kinds: BTreeSet<&str> = self.solids.iter().map(kind).collect();
         let named: Vec<&str> = kinds.iter().copied().collect();
         let (name, types) = (&self.name, named.join(", "));
-        if whole.mesh.solids[self.solids[0] as usize].shape == SolidShape::Tet4 {
+        let shape = whole.mesh.solids[self.solids[0] as usize].shape;
+        if shape == SolidShape::Tet4 {
+            return "";
+        }
+        if shape == SolidShape::Tet10 {
+            if named != ["C3D10"] {
+                notes.whole(format!(
+                    "body `{name}`: elements {types} become `tet10`, or `tet10-sri` where the material nearly keeps its \
+                     volume (see `nagata check`)"
+                ));
+            }
             return "";
         }
         if named == ["C3D8I"] {

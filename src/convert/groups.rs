@@ -4,7 +4,7 @@ use super::names::Namer;
 use crate::error::{Error, Result};
 use crate::mesh::abaqus::Whole;
 use crate::mesh::faces::{self, FaceKey};
-use crate::mesh::{Facet, Group, message};
+use crate::mesh::{Facet, Group, Middles, message};
 use std::collections::{BTreeSet, HashMap};
 use std::fmt::Write;
 
@@ -39,10 +39,24 @@ impl<'a> Groups<'a> {
         Self { whole, boundary, faces, namer, more: String::new(), made: HashMap::new() }
     }
 
-    /// The nodes of a face.
+    /// A face by its corners.
     pub fn facet(&self, face: Face) -> Facet {
         let (solid, local) = self.boundary[face as usize];
         self.whole.mesh.solids[solid as usize].face(local as usize)
+    }
+
+    /// The nodes in the middles of its edges, where it is quadratic.
+    pub fn middles(&self, face: Face) -> Option<[u32; 3]> {
+        let (solid, local) = self.boundary[face as usize];
+        let solid = &self.whole.mesh.solids[solid as usize];
+        let facet = solid.face(local as usize);
+        Middles::in_solids([solid].into_iter(), [facet.nodes()].into_iter(), [].into_iter()).of(facet.nodes())
+    }
+
+    /// All nodes of a face.
+    pub fn face_nodes(&self, face: Face) -> Vec<u32> {
+        let middles = self.middles(face);
+        self.facet(face).nodes().iter().copied().chain(middles.into_iter().flatten()).collect()
     }
 
     /// The boundary face that a facet of the mesh is.
@@ -76,7 +90,7 @@ impl<'a> Groups<'a> {
 
     /// The group with these faces, and no others, of a body.
     pub fn faces(&mut self, wanted: &[Face], is_inside: impl Fn(u32) -> bool, hint: &str) -> Result<String> {
-        let nodes: BTreeSet<u32> = wanted.iter().flat_map(|&face| self.facet(face).nodes().to_vec()).collect();
+        let nodes: BTreeSet<u32> = wanted.iter().flat_map(|&face| self.face_nodes(face)).collect();
         let fits = |groups: &Self, group: &Group| {
             let own = group.facets.iter().filter_map(|&facet| groups.face_of(facet));
             let mut own: Vec<Face> = own.filter(|&face| is_inside(groups.facet(face).nodes[0])).collect();

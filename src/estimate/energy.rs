@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::elements::{carrying, lost, mine, samples};
 use crate::model::{Model, states};
 use crate::parallel::{agree, sum};
-use crate::solid::element::{Inverted, hex8};
+use crate::solid::element::{Inverted, hex8, tet10};
 use crate::solid::voigt::double_contraction;
 use mpi::topology::SimpleCommunicator;
 
@@ -39,18 +39,6 @@ impl OfBody {
     }
 }
 
-/// Shape functions of a tetrahedron at the four points that integrate squares of linear functions.
-const TETRAHEDRON: [[f64; 4]; 4] = {
-    const FAR: f64 = 0.138_196_601_125_010_5;
-    let mut points = [[FAR; 4]; 4];
-    let mut q = 0;
-    while q < 4 {
-        points[q][q] = 1.0 - 3.0 * FAR;
-        q += 1;
-    }
-    points
-};
-
 /// (tau* - tau) : (h* - h) at a point.
 fn product(recovered: &Values, own: &Values) -> f64 {
     let difference: Values = std::array::from_fn(|k| recovered[k] - own[k]);
@@ -69,7 +57,9 @@ fn of_element(model: &Model, recovered: &Recovered, e: usize, u: &[Vec3]) -> Res
         let own = values_at(model, e, q, sample)?;
         let mut add = |weight: f64, shape: &[f64]| sum += weight * product(&recovered.at(model, e, shape), &own);
         match (samples.len(), nodes) {
-            (1, _) => TETRAHEDRON.iter().for_each(|shape| add(0.25 * sample.weight, shape)),
+            // Squares of linear functions want four points.
+            (1, _) => tet10::RULE.iter().for_each(|shape| add(0.25 * sample.weight, shape)),
+            (_, 10) => add(sample.weight, &tet10::VALUES[q]),
             (_, 8) => add(sample.weight, &hex8::VALUES[q]),
             // Both planes of nodes together.
             _ => add(sample.weight, &std::array::from_fn::<_, 4, _>(|a| hex8::VALUES[q][a] + hex8::VALUES[q][a + 4])),

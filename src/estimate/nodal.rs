@@ -3,9 +3,10 @@
 use super::recovery::{Recovered, Values, nodes_of};
 use crate::Vec3;
 use crate::error::Result;
+use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Inverted, hex8};
+use crate::solid::element::{Inverted, hex8, tet10};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -45,8 +46,8 @@ fn cauchy(values: &Values) -> Voigt {
 pub fn jumps(model: &Model, recovered: &Recovered, u: &[Vec3]) -> Result<Vec<f64>> {
     let mut most = vec![0.0f64; model.part.owned];
     for e in 0..model.part.solids.len() {
-        let corners = at_corners(model, e, u).map_err(|_| lost(model, e))?;
-        for (n, own) in nodes_of(model, e).zip(corners).filter(|(n, _)| *n < model.part.owned) {
+        let own = at_nodes(model, e, u).map_err(|_| lost(model, e))?;
+        for (n, own) in nodes_of(model, e).zip(own).filter(|(n, _)| *n < model.part.owned) {
             let recovered = cauchy(&recovered.beside(model, e, n));
             let d: Voigt = std::array::from_fn(|k| own[k] - recovered[k]);
             most[n] = most[n].max(double_contraction(&d, &d).sqrt());
@@ -55,8 +56,8 @@ pub fn jumps(model: &Model, recovered: &Recovered, u: &[Vec3]) -> Result<Vec<f64
     Ok((0..model.part.owned).map(|n| most[model.part.tie[n] as usize]).collect())
 }
 
-/// Cauchy stress of an element at its nodes; the first 4 or all 8 count.
-fn at_corners(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 8], Inverted> {
+/// Cauchy stress of an element at its nodes; as many as carry it count.
+fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; MOST_NODES], Inverted> {
     let (samples, medium) = (samples(model, e, u)?, medium(model, e));
     let mut points = [[0.0; 6]; 8];
     for (q, sample) in samples.iter().enumerate() {
@@ -64,14 +65,22 @@ fn at_corners(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt
         let kirchhoff = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
         points[q] = kirchhoff.map(|s| s / sample.det_f);
     }
-    Ok(match samples.len() {
-        1 => [points[0]; 8],
-        count => {
+    let sum = |weights: &[f64]| std::array::from_fn(|k| weights.iter().zip(&points).map(|(w, s)| w * s[k]).sum());
+    Ok(match (model.part.solids[e].shape, samples.len()) {
+        (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
+        (SolidShape::Tet10, _) => tet10::AT_NODES.map(|weights| sum(&weights)),
+        (SolidShape::Hex8, count) => {
             // Points of a plane element stand for two above one another.
-            (count..8).for_each(|q| points[q] = points[q - count]);
-            std::array::from_fn(|a| {
-                std::array::from_fn(|k| hex8::AT_NODES[a].iter().zip(&points).map(|(w, s)| w * s[k]).sum())
-            })
+            let weights = |a: usize| -> [f64; 8] {
+                std::array::from_fn(|q| match count {
+                    8 => hex8::AT_NODES[a][q],
+                    _ if q < count => hex8::AT_NODES[a][q] + hex8::AT_NODES[a][q + count],
+                    _ => 0.0,
+                })
+            };
+            let mut at = [[0.0; 6]; MOST_NODES];
+            at.iter_mut().zip(0..8).for_each(|(at, a)| *at = sum(&weights(a)));
+            at
         }
     })
 }

@@ -79,7 +79,7 @@ impl Nodes<'_> {
         for facet in self.facets {
             let count = facet.count as usize;
             let at = |a: usize| field[facet.nodes[a % count] as usize];
-            for (a, area) in nodal_areas(self.model, facet, u).into_iter().enumerate().take(count) {
+            for (a, area) in nodal_areas(self.model, &facet.nodes[..count], u).into_iter().enumerate().take(count) {
                 // Rows of the mass matrix of a triangle or parallelogram.
                 let mean = match count {
                     3 => (2.0 * at(a) + at(a + 1) + at(a + 2)) / 4.0,
@@ -120,8 +120,11 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
         let at = |k: usize| facet.nodes[k % count] as usize;
         let place = |n: usize| part.points[n] + u[n];
         let bulges = (0..count).map(|k| (normal(at(k + 1)) - normal(at(k))).dot(&(place(at(k + 1)) - place(at(k)))));
-        let force: f64 =
-            nodal_areas(nodes.model, facet, u).iter().zip(&facet.nodes).map(|(a, n)| a * field[*n as usize]).sum();
+        let force: f64 = nodal_areas(nodes.model, &facet.nodes[..facet.count as usize], u)
+            .iter()
+            .zip(&facet.nodes)
+            .map(|(a, n)| a * field[*n as usize])
+            .sum();
         if (0..count).any(|k| normal(at(k)) == Vec3::zeros()) {
             return [0.0; 2];
         }

@@ -126,7 +126,7 @@ fn fill(elements: [usize; 3], grading: [f64; 3], shape: &CheckedShape) -> Mesh {
                 let layer = |k: usize| [node(i, j, k), node(i + 1, j, k), node(i + 1, j + 1, k), node(i, j + 1, k)];
                 let ([a, b, c, d], [e, f, g, h]) = (layer(k), layer(k + 1));
                 let id = mesh.solids.len() as u64 + 1;
-                mesh.solids.push(Solid { shape: SolidShape::Hex8, nodes: [a, b, c, d, e, f, g, h], id });
+                mesh.solids.push(Solid::new(SolidShape::Hex8, &[a, b, c, d, e, f, g, h], id));
             }
         }
     }

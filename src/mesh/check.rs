@@ -1,8 +1,10 @@
 //! Refuses meshes that cannot be computed with, and names what is wrong by the numbers of the file.
 
-use super::{Facet, Mesh, Solid, SolidShape, message};
+use super::faces::TET_EDGES;
+use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
 use crate::Vec3;
 use crate::error::{Error, Result};
+use std::collections::HashMap;
 
 /// Coincident nodes are closer than this times the size of the elements around them.
 const COINCIDENT: f64 = 1e-9;
@@ -11,12 +13,14 @@ const FLAT: f64 = 1e-10;
 
 /// Checks a whole mesh: coordinates, connectivity, shapes of elements and facets, duplicates, coincident nodes.
 ///
-/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners.
+/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners, a quadratic tetrahedron at its
+/// four integration points and all its nodes.
 pub fn check(mesh: &Mesh) -> Result<()> {
     let broken = (0..mesh.points.len()).filter(|&node| !mesh.points[node].iter().all(|x| x.is_finite()));
     refuse(mesh, "node", ids_of(mesh, broken), "not at a finite place", "give it finite coordinates")?;
     check_connectivity(mesh)?;
     check_solids(mesh)?;
+    check_middles(mesh)?;
     check_facets(mesh)?;
     check_duplicates(mesh)?;
     check_coincident(mesh)
@@ -104,6 +108,25 @@ pub fn spoiled<'a>(solids: impl Iterator<Item = &'a Solid>, place: impl Fn(u32) 
     solids.filter(|solid| !is_sound(solid)).map(|solid| solid.id).collect()
 }
 
+/// Quadratic elements that share an edge share the node in its middle.
+fn check_middles(mesh: &Mesh) -> Result<()> {
+    let mut known: HashMap<[u32; 2], (u32, u64)> = HashMap::new();
+    for solid in &mesh.solids {
+        for (ends, middle) in solid.middles() {
+            let (first, id) = *known.entry(ends).or_insert((middle, solid.id));
+            if first != middle {
+                let [a, b] = ends.map(|node| mesh.point_ids[node as usize]);
+                let what = format!(
+                    "elements {id} and {} share the edge between nodes {a} and {b}, but not the node in its middle",
+                    solid.id
+                );
+                return Err(fail(mesh, what, "merge what belongs together, or take the parts as separate groups"));
+            }
+        }
+    }
+    Ok(())
+}
+
 fn repeats(nodes: &[u32]) -> bool {
     nodes.iter().enumerate().any(|(at, node)| nodes[..at].contains(node))
 }
@@ -114,9 +137,36 @@ fn scaled(a: Vec3, b: Vec3, c: Vec3) -> f64 {
 }
 
 /// Smallest and largest scaled determinant over the corners of a tetrahedron.
-fn scaled_tet(x: &[Vec3; 8]) -> (f64, f64) {
+fn scaled_tet(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
     let value = scaled(x[1] - x[0], x[2] - x[0], x[3] - x[0]);
     (value, value)
+}
+
+/// The same of a quadratic tetrahedron, over its integration points and nodes, by their barycentric coordinates.
+fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+    const FAR: f64 = 0.138_196_601_125_010_5;
+    let of = |is: &dyn Fn(usize) -> bool, one: f64, other: f64| -> [f64; 4] {
+        std::array::from_fn(|k| if is(k) { one } else { other })
+    };
+    let corners = (0..4).flat_map(|a| [of(&|k| k == a, 1.0, 0.0), of(&|k| k == a, 1.0 - 3.0 * FAR, FAR)]);
+    let middles = TET_EDGES.iter().map(|ends| of(&|k| ends.contains(&k), 0.5, 0.0));
+    widen(corners.chain(middles).map(|b| {
+        // x by b_k, of x = sum_k b_k (2 b_k - 1) x_k + sum_ij 4 b_i b_j x_ij
+        let mut by: [Vec3; 4] = std::array::from_fn(|k| (4.0 * b[k] - 1.0) * x[k]);
+        for ([i, j], middle) in TET_EDGES.iter().zip(&x[4..]) {
+            by[*i] += 4.0 * b[*j] * middle;
+            by[*j] += 4.0 * b[*i] * middle;
+        }
+        scaled(by[1] - by[0], by[2] - by[0], by[3] - by[0])
+    }))
+}
+
+/// The smallest and the largest; not a number where one is none.
+fn widen(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| match value.is_nan() || low.is_nan() {
+        true => (f64::NAN, f64::NAN),
+        false => (low.min(value), high.max(value)),
+    })
 }
 
 /// Signs of the parent coordinates of the corners of a hexahedron.
@@ -152,26 +202,21 @@ impl Quadrature {
         match solid.shape {
             SolidShape::Tet4 => scaled_tet(&corners),
             SolidShape::Hex8 => self.scaled_hex(&corners),
+            SolidShape::Tet10 => scaled_tet10(&corners),
         }
     }
 
     /// Smallest and largest scaled determinant over the points.
-    fn scaled_hex(&self, x: &[Vec3; 8]) -> (f64, f64) {
-        let mut range = (f64::INFINITY, f64::NEG_INFINITY);
-        for derivatives in &self.0 {
+    fn scaled_hex(&self, x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+        widen(self.0.iter().map(|derivatives| {
             let mut columns = [Vec3::zeros(); 3];
             for (derivative, x) in derivatives.iter().zip(x) {
                 for (column, d) in columns.iter_mut().zip(derivative) {
                     *column += x * *d;
                 }
             }
-            let value = scaled(columns[0], columns[1], columns[2]);
-            if value.is_nan() {
-                return (value, value);
-            }
-            range = (range.0.min(value), range.1.max(value));
-        }
-        range
+            scaled(columns[0], columns[1], columns[2])
+        }))
     }
 }
 
@@ -297,21 +342,20 @@ fn sizes(mesh: &Mesh) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0], id: 70 };
+    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0, 0, 0], id: 70 };
 
     /// A unit tetrahedron and a unit cube beside it; number of node i is 10 i.
     fn sample() -> Mesh {
         let mut points = vec![[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]];
         points.extend(CORNERS.map(|corner| corner.map(|sign| 3.5 + 0.5 * sign)));
-        let hex = Solid { shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11], id: 71 };
+        let hex = Solid::new(SolidShape::Hex8, &[4, 5, 6, 7, 8, 9, 10, 11], 71);
         Mesh {
             source: "a.msh".into(),
             point_ids: (0..points.len() as u64).map(|id| 10 * id).collect(),
             points,
             solids: vec![TET, hex],
             facets: vec![hex.face(1), TET.face(0)],
-            groups: Default::default(),
-            warnings: Vec::new(),
+            ..Mesh::default()
         }
     }
 
@@ -376,7 +420,7 @@ mod tests {
         assert_eq!(mirrored, "element 70 is inside out: the nodes are in mirrored order");
         let mirrored = broken(|mesh| {
             let n = mesh.solids[1].nodes;
-            mesh.solids[1].nodes = [n[4], n[5], n[6], n[7], n[0], n[1], n[2], n[3]];
+            mesh.solids[1] = Solid::new(SolidShape::Hex8, &[n[4], n[5], n[6], n[7], n[0], n[1], n[2], n[3]], 71);
         });
         assert_eq!(mirrored, "element 71 is inside out: the nodes are in mirrored order");
         // A corner pushed through the opposite faces; the Jacobian of the other corners stays positive.
@@ -388,8 +432,55 @@ mod tests {
             "element 71 is without volume"
         );
         assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 8), "element 71 is degenerate: a node occurs twice");
-        let twice = |mesh: &mut Mesh| mesh.solids.push(Solid { nodes: [1, 2, 0, 3, 0, 0, 0, 0], id: 80, ..TET });
+        let twice = |mesh: &mut Mesh| mesh.solids.push(Solid::new(SolidShape::Tet4, &[1, 2, 0, 3], 80));
         assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
+    }
+
+    /// A tetrahedron with a middle on an edge, moved towards the opposite one until elements fold at a node, and at an integration
+    /// point; and a neighbour that has its own middle.
+    #[test]
+    fn quadratic_tetrahedra() {
+        let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [1., 1., 1.]];
+        let mut points = corners.to_vec();
+        let mut tet = |corners: [usize; 4], own: Option<usize>| {
+            let middles = TET_EDGES.map(|[i, j]| {
+                let (a, b) = (corners[i].min(corners[j]), corners[i].max(corners[j]));
+                let place: [f64; 3] = std::array::from_fn(|d| 0.5 * (points[a][d] + points[b][d]));
+                let known = points.iter().position(|x| *x == place).filter(|_| own != Some(a + b));
+                known.unwrap_or_else(|| {
+                    points.push(if own == Some(a + b) { place.map(|x| x + 0.01) } else { place });
+                    points.len() - 1
+                })
+            });
+            [&corners[..], &middles].concat().iter().map(|n| *n as u32).collect::<Vec<u32>>()
+        };
+        let (one, same, other) = (tet([0, 1, 2, 3], None), tet([4, 2, 1, 3], None), tet([4, 2, 1, 3], Some(3)));
+        let mesh = |solids: &[&Vec<u32>]| {
+            let solid = |(id, nodes): (u64, &&Vec<u32>)| Solid::new(SolidShape::Tet10, nodes, id);
+            let solids: Vec<Solid> = (1..).zip(solids).map(solid).collect();
+            let used = |n: usize| solids.iter().any(|s| s.nodes().contains(&(n as u32)));
+            let points: Vec<[f64; 3]> = points.iter().enumerate().filter(|(n, _)| used(*n)).map(|(_, x)| *x).collect();
+            let renumber = |n: u32| (0..n).filter(|m| used(*m as usize)).count() as u32;
+            let solid =
+                |s: &Solid| Solid::new(s.shape, &s.nodes().iter().map(|n| renumber(*n)).collect::<Vec<u32>>(), s.id);
+            Mesh {
+                point_ids: (1..=points.len() as u64).collect(),
+                solids: solids.iter().map(solid).collect(),
+                points,
+                ..Mesh::default()
+            }
+        };
+        check(&mesh(&[&one, &same])).unwrap();
+        let text = check(&mesh(&[&one, &other])).unwrap_err().to_string();
+        assert!(text.contains("elements 1 and 2 share the edge between nodes 2 and 3, but not the node"), "{text}");
+        for (by, fault) in [(0.2, None), (0.3, Some("negative somewhere"))] {
+            let mut one = mesh(&[&one]);
+            let middle = one.solids[0].nodes[4] as usize;
+            one.points[middle][0] += by;
+            let found = check(&one).err().map(|error| error.to_string());
+            assert_eq!(found.is_some(), fault.is_some(), "{by}: {found:?}");
+            assert!(found.is_none_or(|found| found.contains(fault.unwrap())));
+        }
     }
 
     #[test]
@@ -404,7 +495,7 @@ mod tests {
         assert_eq!(
             broken(|mesh| {
                 crossed(mesh);
-                mesh.facets.push(Solid { id: 5, shape: SolidShape::Hex8, nodes: [4, 5, 6, 7, 8, 9, 10, 11] }.face(0))
+                mesh.facets.push(Solid::new(SolidShape::Hex8, &[4, 5, 6, 7, 8, 9, 10, 11], 5).face(0))
             }),
             "facet 71 is folded or concave"
         );

@@ -10,7 +10,10 @@ pub const TET_FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
 pub const HEX_FACES: [[u8; 4]; 6] =
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
-/// The nodes of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
+/// Local ends of the edges of a tetrahedron, in the order in which a quadratic one has the nodes in their middles.
+pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
+/// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];
 
 /// What a facet is a face of.
@@ -28,25 +31,25 @@ impl SolidShape {
     /// The number of faces.
     pub fn face_count(self) -> usize {
         match self {
-            Self::Tet4 => TET_FACES.len(),
+            Self::Tet4 | Self::Tet10 => TET_FACES.len(),
             Self::Hex8 => HEX_FACES.len(),
         }
     }
 }
 
 impl Solid {
-    /// Face `face` (from 0), outward, with the number of the solid.
+    /// The corners of face `face` (from 0), outward, with the number of the solid.
     pub fn face(&self, face: usize) -> Facet {
         let mut nodes = [0; 4];
         let count = match self.shape {
-            SolidShape::Tet4 => gather(&self.nodes, &TET_FACES[face], &mut nodes),
+            SolidShape::Tet4 | SolidShape::Tet10 => gather(&self.nodes, &TET_FACES[face], &mut nodes),
             SolidShape::Hex8 => gather(&self.nodes, &HEX_FACES[face], &mut nodes),
         };
         Facet { count, nodes, id: self.id }
     }
 }
 
-fn gather(from: &[u32; 8], local: &[u8], to: &mut [u32; 4]) -> u8 {
+fn gather(from: &[u32], local: &[u8], to: &mut [u32; 4]) -> u8 {
     for (node, &at) in to.iter_mut().zip(local) {
         *node = from[at as usize];
     }
@@ -115,7 +118,7 @@ mod tests {
     use crate::Vec3;
 
     fn hex(nodes: [u32; 8]) -> Solid {
-        Solid { shape: SolidShape::Hex8, nodes, id: 1 }
+        Solid::new(SolidShape::Hex8, &nodes, 1)
     }
 
     #[test]
@@ -123,7 +126,7 @@ mod tests {
         let corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let hex_points: Vec<Vec3> = corners.iter().map(|c| Vec3::from(c.map(f64::from))).collect();
         let tet_points = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
-        let tet = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0], id: 1 };
+        let tet = Solid::new(SolidShape::Tet4, &[0, 1, 2, 3], 1);
         for (solid, points) in [(tet, tet_points), (hex([0, 1, 2, 3, 4, 5, 6, 7]), hex_points)] {
             let middle = points.iter().sum::<Vec3>() / points.len() as f64;
             for face in 0..solid.shape.face_count() {

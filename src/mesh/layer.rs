@@ -47,9 +47,9 @@ pub fn tie_layer(mesh: &mut Mesh, at: &Location) -> Result<Vec<u32>> {
                 if lower.iter().any(|&n| (height(n) - thickness).abs() > 1e-6 * thickness) {
                     return refuse(format!("element {} is thicker on one side", solid.id));
                 }
-                solid.nodes = std::array::from_fn(|k| {
-                    if k < 4 { lower[k] } else { above[lower[k - 4] as usize].unwrap_or_default() }
-                });
+                for k in 0..4 {
+                    (solid.nodes[k], solid.nodes[k + 4]) = (lower[k], above[lower[k] as usize].unwrap_or_default());
+                }
             }
             None => return refuse(format!("element {} does not stand upright", solid.id)),
         }
@@ -75,7 +75,7 @@ mod tests {
     fn lying() -> Mesh {
         let upright = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
         let points = upright.map(|[x, y, z]| [f64::from(y), f64::from(z), f64::from(x)]);
-        let solid = Solid { shape: SolidShape::Hex8, nodes: [0, 1, 2, 3, 4, 5, 6, 7], id: 7 };
+        let solid = Solid::new(SolidShape::Hex8, &[0, 1, 2, 3, 4, 5, 6, 7], 7);
         Mesh { points: points.to_vec(), point_ids: (1..=8).collect(), solids: vec![solid], ..Mesh::default() }
     }
 

@@ -2,7 +2,7 @@
 
 use super::raw::FileMesh;
 use super::select::{self, Selected, Wish};
-use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, orient, stl};
+use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, middles, orient, stl};
 use crate::encoding;
 use crate::error::{Error, Result};
 use crate::scene::{Located, MeshSource};
@@ -10,11 +10,12 @@ use std::path::{Path, PathBuf};
 
 /// Reads or generates a mesh, takes what `purpose` needs of it, orients its facets outward and checks it.
 ///
-/// A body has solids, and facets that are boundary faces of them; a tool has facets alone. Errors are wrong input at
+/// A body has solids, and facets that are boundary faces of them; a tool has facets alone, where quadratic ones have become four
+/// linear ones each. Errors are wrong input at
 /// the path, the group, or a place in the mesh file.
 pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
     let mut is_closed = false;
-    let Selected { mut mesh, outward } = match source {
+    let Selected { mut mesh, mut outward } = match source {
         // All of a block is a body.
         MeshSource::Block(shape) if purpose == Purpose::Body => {
             Selected { mesh: block::generate(shape)?, outward: Vec::new() }
@@ -31,6 +32,10 @@ pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
             select::select(file, &Wish { purpose, group, at })?
         }
     };
+    if purpose == Purpose::Tool && !mesh.middles.is_empty() {
+        let origins = middles::split_facets(&mut mesh);
+        outward = origins.into_iter().map(|facet| outward[facet as usize]).collect();
+    }
     check::check(&mesh)?;
     if purpose == Purpose::Tool {
         let turned = orient::align(&mut mesh, &outward, is_closed)?;

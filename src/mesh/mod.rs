@@ -13,14 +13,18 @@ mod gmsh;
 mod layer;
 mod load;
 pub(crate) mod message;
+pub mod middles;
 mod orient;
 mod raw;
 mod select;
+mod shape;
 mod stl;
 
 pub use layer::tie_layer;
 pub use load::load;
+pub use middles::Middles;
 pub(crate) use raw::Slot;
+pub use shape::SolidShape;
 
 use std::collections::BTreeMap;
 
@@ -33,26 +37,21 @@ pub enum Purpose {
     Tool,
 }
 
-/// Shape of a volume element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum SolidShape {
-    /// 4 nodes.
-    Tet4,
-    /// 8 nodes; Gmsh and Abaqus order: bottom face counter-clockwise seen from inside the element, then the top face.
-    Hex8,
-}
+/// The most nodes of a volume element.
+pub const MOST_NODES: usize = 10;
 
 /// A volume element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Solid {
     pub shape: SolidShape,
-    /// Indices into [`Mesh::points`]; the first 4 or all 8 count.
-    pub nodes: [u32; 8],
+    /// Indices into [`Mesh::points`]; as many as the shape has count.
+    pub nodes: [u32; MOST_NODES],
     /// Its number in the file, for messages.
     pub id: u64,
 }
 
-/// A surface facet: a triangle, or a quadrilateral when `count` is 4.
+/// A surface facet: a triangle, or a quadrilateral when `count` is 4. It names its corners; [`Mesh::middles`] has more nodes
+/// where it is quadratic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
     /// 3 or 4.
@@ -68,7 +67,7 @@ pub struct Facet {
 pub struct Group {
     /// All its nodes, sorted, each once.
     pub nodes: Vec<u32>,
-    /// The nodes of its lines in ascending order, sorted.
+    /// The ends of its lines in ascending order, sorted.
     pub lines: Vec<[u32; 2]>,
     /// Indices into [`Mesh::facets`], sorted.
     pub facets: Vec<u32>,
@@ -86,18 +85,24 @@ pub struct Mesh {
     pub point_ids: Vec<u64>,
     pub solids: Vec<Solid>,
     pub facets: Vec<Facet>,
+    /// Of the edges of facets and lines of quadratic elements.
+    pub middles: Middles,
     pub groups: BTreeMap<String, Group>,
     /// What the user should know of the file.
     pub warnings: Vec<String>,
 }
 
 impl Solid {
+    /// With as many nodes as the shape has.
+    pub fn new(shape: SolidShape, nodes: &[u32], id: u64) -> Self {
+        let mut all = [0; MOST_NODES];
+        all[..nodes.len()].copy_from_slice(nodes);
+        Self { shape, nodes: all, id }
+    }
+
     /// The nodes that count.
     pub fn nodes(&self) -> &[u32] {
-        match self.shape {
-            SolidShape::Tet4 => &self.nodes[..4],
-            SolidShape::Hex8 => &self.nodes,
-        }
+        &self.nodes[..self.shape.node_count()]
     }
 }
 

@@ -1,11 +1,12 @@
 //! A mesh as its file describes it: all of it, and before anything is selected, oriented or checked.
 
-use super::{Facet, Group, Mesh, Solid, SolidShape};
+use super::{Facet, Group, MOST_NODES, Mesh, Solid, SolidShape};
 use super::{join, message};
 use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
-/// Shapes that files hold; points and lines matter to groups alone.
+/// Shapes that files hold; points and lines matter to groups alone. Those of second order have the nodes in the middles of their
+/// edges behind the corners, as [`SolidShape::Tet10`] has them; on a triangle between 0 and 1, 1 and 2, 2 and 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum CellShape {
     Point,
@@ -14,6 +15,9 @@ pub(super) enum CellShape {
     Quad,
     Tet,
     Hex,
+    Line3,
+    Triangle6,
+    Tet10,
 }
 
 impl CellShape {
@@ -24,6 +28,9 @@ impl CellShape {
             Self::Triangle => 3,
             Self::Quad | Self::Tet => 4,
             Self::Hex => 8,
+            Self::Line3 => 3,
+            Self::Triangle6 => 6,
+            Self::Tet10 => 10,
         }
     }
 }
@@ -34,7 +41,7 @@ pub(super) struct Cell {
     pub shape: CellShape,
     pub id: u64,
     /// The first `shape.node_count()` count.
-    pub nodes: [u64; 8],
+    pub nodes: [u64; MOST_NODES],
 }
 
 /// Where a cell went.
@@ -42,7 +49,7 @@ pub(super) struct Cell {
 pub(crate) enum Slot {
     Solid(u32),
     Facet(u32),
-    /// A point or a line with its nodes (the same twice for a point).
+    /// A point or a line with its ends (the same twice for a point).
     Loose([u32; 2]),
 }
 
@@ -173,7 +180,7 @@ impl FileMesh {
         let mut missing = Vec::new();
         let mut slots = Vec::with_capacity(cells.len());
         for cell in cells {
-            let mut found = [0; 8];
+            let mut found = [0; MOST_NODES];
             for (index, &id) in found.iter_mut().zip(&cell.nodes[..cell.shape.node_count()]) {
                 match nodes.get(id) {
                     Some(node) => *index = node,
@@ -194,21 +201,42 @@ impl FileMesh {
         }
     }
 
-    fn place(&mut self, cell: &Cell, nodes: [u32; 8]) -> Slot {
+    /// The nodes of a facet, those in the middles of its edges, too.
+    pub fn nodes_of(&self, facet: u32) -> impl Iterator<Item = u32> + '_ {
+        let nodes = self.mesh.facets[facet as usize].nodes();
+        nodes.iter().copied().chain(self.mesh.middles.around(nodes))
+    }
+
+    fn place(&mut self, cell: &Cell, nodes: [u32; MOST_NODES]) -> Slot {
         let count = cell.shape.node_count();
         nodes[..count].iter().for_each(|&node| self.attached[node as usize] = true);
-        let solid = |shape| Solid { shape, nodes, id: cell.id };
         match cell.shape {
             CellShape::Point => Slot::Loose([nodes[0]; 2]),
             CellShape::Line => Slot::Loose([nodes[0], nodes[1]]),
-            CellShape::Triangle | CellShape::Quad => {
-                let [a, b, c, d, ..] = nodes;
-                self.mesh.facets.push(Facet { count: count as u8, nodes: [a, b, c, d], id: cell.id });
+            CellShape::Line3 => {
+                self.mesh.middles.add([nodes[0], nodes[1]], nodes[2]);
+                Slot::Loose([nodes[0], nodes[1]])
+            }
+            CellShape::Triangle | CellShape::Quad | CellShape::Triangle6 => {
+                let [a, b, c, mut d, e, f, ..] = nodes;
+                let quadratic = cell.shape == CellShape::Triangle6;
+                if quadratic {
+                    for (ends, middle) in [([a, b], d), ([b, c], e), ([c, a], f)] {
+                        self.mesh.middles.add(ends, middle);
+                    }
+                    d = 0;
+                }
+                let count = if quadratic { 3 } else { count as u8 };
+                self.mesh.facets.push(Facet { count, nodes: [a, b, c, d], id: cell.id });
                 Slot::Facet(self.mesh.facets.len() as u32 - 1)
             }
-            CellShape::Tet | CellShape::Hex => {
-                let shape = if count == 4 { SolidShape::Tet4 } else { SolidShape::Hex8 };
-                self.mesh.solids.push(solid(shape));
+            CellShape::Tet | CellShape::Hex | CellShape::Tet10 => {
+                let shape = match cell.shape {
+                    CellShape::Tet => SolidShape::Tet4,
+                    CellShape::Tet10 => SolidShape::Tet10,
+                    _ => SolidShape::Hex8,
+                };
+                self.mesh.solids.push(Solid { shape, nodes, id: cell.id });
                 Slot::Solid(self.mesh.solids.len() as u32 - 1)
             }
         }

@@ -2,7 +2,7 @@
 
 use super::faces::{self, FaceKey, Owner};
 use super::raw::{FileGroup, FileMesh};
-use super::{Facet, Group, Mesh, Purpose, Solid, message};
+use super::{Facet, Group, Mesh, Middles, Purpose, Solid, message};
 use crate::error::{Error, Location, Result};
 use std::collections::HashMap;
 
@@ -78,6 +78,8 @@ struct Taken {
     facet_map: Vec<Option<u32>>,
     /// Facets inside the body: they count for the nodes of their groups only.
     inside: Vec<bool>,
+    /// Of all facets and lines of the file that may have some.
+    middles: Middles,
 }
 
 /// Takes the solids out of the file.
@@ -104,8 +106,17 @@ fn take_body(file: &mut FileMesh, wish: &Wish) -> Result<Taken> {
     if solids.is_empty() {
         return Err(empty(file, wish));
     }
-    let mut taken =
-        Taken { solids, facets: Vec::new(), outward: Vec::new(), solid_map, facet_map: Vec::new(), inside: Vec::new() };
+    let lines = file.groups.values().flat_map(|found| &found.group.lines).copied();
+    let middles = Middles::in_solids(solids.iter(), mesh.facets.iter().map(Facet::nodes), lines);
+    let mut taken = Taken {
+        solids,
+        facets: Vec::new(),
+        outward: Vec::new(),
+        solid_map,
+        facet_map: Vec::new(),
+        inside: Vec::new(),
+        middles,
+    };
     // A face that the file has several times, as facet and as skin, is one facet.
     let mut known: HashMap<(u32, u8), u32> = HashMap::new();
     for (facet, owner) in mesh.facets.iter().zip(faces::owners(&taken.solids, &mesh.facets)) {
@@ -149,7 +160,17 @@ fn take_tool(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Tak
         facet_map[index as usize] = Some(new);
     }
     let inside = vec![false; mesh.facets.len()];
-    Ok(Taken { solids: Vec::new(), facets, outward, solid_map: vec![None; mesh.solids.len()], facet_map, inside })
+    let mut middles = Middles::in_solids(mesh.solids.iter(), facets.iter().map(Facet::nodes), [].into_iter());
+    middles.join(mesh.middles.clone());
+    Ok(Taken {
+        solids: Vec::new(),
+        facets,
+        outward,
+        solid_map: vec![None; mesh.solids.len()],
+        facet_map,
+        inside,
+        middles,
+    })
 }
 
 impl Taken {
@@ -159,7 +180,8 @@ impl Taken {
         mesh.solids = Vec::new();
         let mut node_map = vec![u32::MAX; mesh.points.len()];
         let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
-        solid_nodes.chain(self.facets.iter().flat_map(Facet::nodes)).for_each(|&node| node_map[node as usize] = 0);
+        let facet_nodes = self.facets.iter().flat_map(|facet| self.nodes_of(facet));
+        solid_nodes.copied().chain(facet_nodes).for_each(|node| node_map[node as usize] = 0);
         let mut result = Mesh { source: mesh.source.clone(), warnings: mesh.warnings.clone(), ..Mesh::default() };
         for (new, index) in node_map.iter_mut().filter(|new| **new == 0).zip(0..) {
             *new = index;
@@ -184,7 +206,13 @@ impl Taken {
         self.facets.iter_mut().for_each(|facet| renumber(&mut facet.nodes[..facet.count as usize]));
         result.solids = self.solids;
         result.facets = self.facets;
+        result.middles = self.middles.renumbered(|node| Some(node_map[node as usize]).filter(|new| *new != u32::MAX));
         result
+    }
+
+    /// The nodes of a facet, those in the middles of its edges, too.
+    fn nodes_of<'a>(&'a self, facet: &'a Facet) -> impl Iterator<Item = u32> + 'a {
+        facet.nodes().iter().copied().chain(self.middles.around(facet.nodes()))
     }
 
     fn restrict_group(&self, found: &FileGroup, mesh: &Mesh, node_map: &[u32]) -> Group {
@@ -197,9 +225,10 @@ impl Taken {
         };
         if !found.closed {
             group.nodes.extend(group.solids.iter().flat_map(|&solid| self.solids[solid as usize].nodes()));
-            group.nodes.extend(group.facets.iter().flat_map(|&facet| self.facets[facet as usize].nodes()));
+            group.nodes.extend(group.facets.iter().flat_map(|&facet| self.nodes_of(&self.facets[facet as usize])));
             let inside = listed.facets.iter().filter(|&&facet| self.inside[facet as usize]);
-            group.nodes.extend(inside.flat_map(|&facet| mesh.facets[facet as usize].nodes()));
+            group.nodes.extend(inside.flat_map(|&facet| self.nodes_of(&mesh.facets[facet as usize])));
+            group.nodes.extend(listed.lines.iter().filter_map(|&[a, b]| self.middles.at(a, b)));
         }
         group.nodes.iter_mut().for_each(|node| *node = node_map[*node as usize]);
         group.nodes.retain(|&node| node != u32::MAX);

@@ -46,9 +46,21 @@ fn read(body: &Body) -> Result<Meshed> {
         block.value.elements[..split].iter_mut().for_each(|n| *n = n.saturating_mul(1 << times.value));
     }
     let mut mesh = mesh::load(&source, Purpose::Body)?;
+    refuse_hanging(body, &mesh)?;
     let last = mesh.point_ids.iter().copied().max().unwrap_or(0);
     let ties = tie(body, &mut mesh)?;
     Ok(Meshed { mesh, ties, last })
+}
+
+/// Quadratic elements beside linear ones have nodes in the middle of faces' edges that these do not know of.
+fn refuse_hanging(body: &Body, mesh: &Mesh) -> Result<()> {
+    let of = |quadratic: bool| mesh.solids.iter().find(|solid| (solid.shape == SolidShape::Tet10) == quadratic);
+    let (Some(quadratic), Some(linear)) = (of(true), of(false)) else { return Ok(()) };
+    let what = format!(
+        "body `{}` has quadratic elements, such as {}, and linear ones, such as {}, which do not fit together",
+        body.name.value, quadratic.id, linear.id
+    );
+    Err(Error::input(&body.name.at, what, "mesh all of the body with the same order, or take a `group` of one kind"))
 }
 
 fn is_plane(body: &Body) -> bool {
@@ -65,6 +77,9 @@ fn tie(body: &Body, mesh: &mut Mesh) -> Result<Vec<u32>> {
 /// The curved edges of a body from a file that is to be split.
 fn curves_of(scene: &Scene, body: &Body, meshed: &Meshed) -> Result<Option<Curves>> {
     let (Some(times), MeshSource::File { .. }) = (&body.refine, &body.mesh) else { return Ok(None) };
+    if meshed.mesh.solids.iter().any(|solid| solid.shape == SolidShape::Tet10) {
+        return Ok(Some(refine::of_quadratic(&meshed.mesh)));
+    }
     let groups = body.symmetry.iter().filter_map(|set| set.value.split_once('.').map(|(_, group)| group));
     let groups: Vec<&str> = groups.collect();
     let mut curves = refine::of_body(&meshed.mesh, &groups, &scene.controls).map_err(|error| match error {

@@ -4,10 +4,11 @@ use super::Model;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::failure::Cause;
-use crate::mesh::SolidShape;
+use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, tet4,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, tet4, tet10,
+    tet10_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -18,12 +19,13 @@ use std::ops::Deref;
 pub struct Scratch {
     pub of_eight: ElementMatrices<24>,
     pub of_four: ElementMatrices<12>,
+    pub of_ten: ElementMatrices<30>,
 }
 
 /// Nodes of an element that carry it: all, but in plane strain the lower four.
 pub fn carrying<'a>(model: &Model, solid: &'a PartSolid) -> &'a [u32] {
     let four = solid.shape == SolidShape::Tet4 || model.bodies[solid.body as usize].plane_strain;
-    if four { &solid.nodes[..4] } else { &solid.nodes }
+    if four { &solid.nodes[..4] } else { solid.nodes() }
 }
 
 impl Scratch {
@@ -41,13 +43,18 @@ impl Scratch {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 tet4::evaluate(&x, &u, medium, want_tangent, &mut self.of_four)
             }
+            SolidShape::Tet10 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate = if element == Formulation::Tet10 { tet10::evaluate } else { tet10_sri::evaluate };
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_ten)
+            }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = match element {
                     Formulation::Hex8Fbar => hex8_fbar::evaluate,
                     Formulation::Hex8Sri => hex8_sri::evaluate,
                     Formulation::Hex8Eas => hex8_eas::evaluate,
-                    Formulation::Hex8 | Formulation::Tet4 => hex8::evaluate,
+                    _ => hex8::evaluate,
                 };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_eight)
             }
@@ -64,13 +71,21 @@ impl Scratch {
 
     /// Internal forces of the last element, which so many nodes carry.
     pub fn forces(&self, nodes: usize) -> &[[f64; 3]] {
-        let flat: &[f64] = if nodes == 4 { &self.of_four.residual } else { &self.of_eight.residual };
+        let flat: &[f64] = match nodes {
+            4 => &self.of_four.residual,
+            10 => &self.of_ten.residual,
+            _ => &self.of_eight.residual,
+        };
         flat.as_chunks().0
     }
 
     /// A row of its tangent.
     pub fn row(&self, nodes: usize, row: usize) -> &[f64] {
-        if nodes == 4 { &self.of_four.tangent[row] } else { &self.of_eight.tangent[row] }
+        match nodes {
+            4 => &self.of_four.tangent[row],
+            10 => &self.of_ten.tangent[row],
+            _ => &self.of_eight.tangent[row],
+        }
     }
 }
 
@@ -119,12 +134,16 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     if solid.shape == SolidShape::Tet4 {
         return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.into());
     }
+    if solid.shape == SolidShape::Tet10 {
+        let samples = if element == Formulation::Tet10 { tet10::samples } else { tet10_sri::samples };
+        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
+    }
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match element {
         Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
         Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
         Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),
-        Formulation::Hex8 | Formulation::Tet4 => hex8::samples(&x, &u),
+        _ => hex8::samples(&x, &u),
     };
     Ok(samples?.into())
 }
@@ -143,6 +162,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
     model.part.solids.iter().enumerate().any(|(e, solid)| {
         let inverted = match solid.shape {
             SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Tet10 => tet10::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
@@ -204,8 +224,8 @@ pub fn of_body(model: &Model, body: usize) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Nodal forces of a force per reference volume on an element.
-pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3; 8] {
-    let mut forces = [Vec3::zeros(); 8];
+pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3; MOST_NODES] {
+    let mut forces = [Vec3::zeros(); MOST_NODES];
     let mut set = |flat: &[f64]| {
         for (force, values) in forces.iter_mut().zip(flat.as_chunks::<3>().0) {
             *force = Vec3::from(*values);
@@ -213,32 +233,37 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
     };
     match solid.shape {
         SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
     }
     forces
 }
 
-/// Pressure load on a facet: nodal forces and d(force)/d(position), in 3x3 blocks of rows and columns of its nodes.
+/// Pressure load on a facet with these nodes: nodal forces and d(force)/d(position), in 3x3 blocks of rows and columns of them.
 pub fn facet_pressure(
     model: &Model,
-    facet: &PartFacet,
+    nodes: &[u32],
     pressure: f64,
     u: &[Vec3],
     mut each: impl FnMut(usize, &[f64; 3], &[f64]),
 ) {
     let at = |a: usize| -> [f64; 3] {
-        let n = facet.nodes[a] as usize;
+        let n = nodes[a] as usize;
         (model.part.points[n] + u[n]).into()
     };
-    if facet.count == 3 {
-        let load = load::tri3_pressure(&std::array::from_fn(at), pressure);
-        for (row, tangent) in load.tangent.iter().enumerate() {
-            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+    let mut pass = |force: &[f64], row: usize, tangent: &[f64]| each(row, &force.as_chunks::<3>().0[row / 3], tangent);
+    match nodes.len() {
+        3 => {
+            let load = load::tri3_pressure(&std::array::from_fn(at), pressure);
+            load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
         }
-    } else {
-        let load = load::quad4_pressure(&std::array::from_fn(at), pressure);
-        for (row, tangent) in load.tangent.iter().enumerate() {
-            each(row, &load.force.as_chunks::<3>().0[row / 3], tangent);
+        6 => {
+            let load = load::tri6_pressure(&std::array::from_fn(at), pressure);
+            load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
+        }
+        _ => {
+            let load = load::quad4_pressure(&std::array::from_fn(at), pressure);
+            load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
         }
     }
 }
@@ -246,24 +271,24 @@ pub fn facet_pressure(
 /// Adds to each local node its share of the areas of the facets, with nodes at reference position plus `u`.
 pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add: impl FnMut(u32, f64)) {
     for facet in facets {
-        let shares = nodal_areas(model, facet, u);
-        facet.nodes.iter().zip(shares).take(facet.count as usize).for_each(|(&n, share)| add(n, share));
+        let nodes = model.part.face_nodes(facet);
+        nodes.iter().zip(nodal_areas(model, &nodes, u)).for_each(|(&n, share)| add(n, share));
     }
 }
 
-/// The parts of the area of a facet that belong to its nodes, at reference position plus `u`.
-pub fn nodal_areas(model: &Model, facet: &PartFacet, u: &[Vec3]) -> [f64; 4] {
+/// The parts of the area of a facet with these nodes that belong to them, at reference position plus `u`.
+pub fn nodal_areas(model: &Model, nodes: &[u32], u: &[Vec3]) -> [f64; 6] {
     let at = |a: usize| -> [f64; 3] {
-        let n = facet.nodes[a] as usize;
+        let n = nodes[a] as usize;
         (model.part.points[n] + u[n]).into()
     };
-    match facet.count {
-        3 => {
-            let [a, b, c] = load::tri3_nodal_areas(&std::array::from_fn(at));
-            [a, b, c, 0.0]
-        }
-        _ => load::quad4_nodal_areas(&std::array::from_fn(at)),
+    let mut areas = [0.0; 6];
+    match nodes.len() {
+        3 => areas[..3].copy_from_slice(&load::tri3_nodal_areas(&std::array::from_fn(at))),
+        6 => areas = load::tri6_nodal_areas(&std::array::from_fn(at)),
+        _ => areas[..4].copy_from_slice(&load::quad4_nodal_areas(&std::array::from_fn(at))),
     }
+    areas
 }
 
 /// What is said of an element that has no stress in a state that has converged.

@@ -3,19 +3,19 @@
 use super::Model;
 use super::elements::{gather, mine};
 use crate::Vec3;
-use crate::mesh::SolidShape;
+use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, word_of_largest};
 use crate::partition::parcels::{bounds, grown};
-use crate::solid::element::{hex8, tet4};
+use crate::solid::element::{hex8, tet4, tet10};
 use mpi::topology::SimpleCommunicator;
 
 /// A point in an element of this rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// Local nodes of the element; the first `count` count.
-    nodes: [u32; 8],
+    nodes: [u32; MOST_NODES],
     /// Their shape functions at the point.
-    shape: [f64; 8],
+    shape: [f64; MOST_NODES],
     count: usize,
     /// The element; `None` of a node.
     pub element: Option<usize>,
@@ -24,7 +24,7 @@ pub struct Spot {
 impl Spot {
     /// The place of a local node.
     pub fn node(n: u32) -> Self {
-        Self { nodes: [n; 8], shape: [1.0; 8], count: 1, element: None }
+        Self { nodes: [n; MOST_NODES], shape: [1.0; MOST_NODES], count: 1, element: None }
     }
 
     /// The nodes with their shape functions.
@@ -98,16 +98,21 @@ pub fn nearest(comm: &SimpleCommunicator, model: &Model, x: &Vec3, body: Option<
 /// A point in element `e`, if it is there, and how far it is past the edge.
 fn spot_in(model: &Model, e: usize, x: &Vec3) -> Option<(f64, Spot)> {
     let (solid, points) = (&model.part.solids[e], &model.part.points);
-    let mut shape = [0.0; 8];
+    let mut shape = [0.0; MOST_NODES];
     let past = match solid.shape {
         SolidShape::Tet4 => {
             let found = tet4::shape(&gather(points, solid), x)?;
             shape[..4].copy_from_slice(&found);
             found.iter().fold(0.0f64, |most, value| most.max(-value))
         }
+        SolidShape::Tet10 => {
+            let at = tet10::parameters(&gather(points, solid), x)?;
+            shape = tet10::shape(&at);
+            at.iter().fold(0.0f64, |most, value| most.max(-value))
+        }
         SolidShape::Hex8 => {
             let at = hex8::parameters(&gather(points, solid), x)?;
-            shape = hex8::shape(at[0], at[1], at[2]).0;
+            shape[..8].copy_from_slice(&hex8::shape(at[0], at[1], at[2]).0);
             at.iter().fold(0.0f64, |most, value| most.max(value.abs() - 1.0))
         }
     };

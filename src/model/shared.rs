@@ -6,7 +6,7 @@
 
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::mesh::{Solid, SolidShape, message};
+use crate::mesh::{Solid, message};
 use crate::partition::GlobalMesh;
 use crate::scene::{Located, MeshSource, Scene, body_of};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -147,8 +147,7 @@ fn twins(solid: &Solid, pairs: &BTreeMap<u32, u32>) -> Option<Vec<u32>> {
 }
 
 fn faces_of(solid: &Solid) -> Vec<Vec<u32>> {
-    let count = if solid.shape == SolidShape::Tet4 { 4 } else { 6 };
-    (0..count).map(|k| sorted(solid.face(k).nodes())).collect()
+    (0..solid.shape.face_count()).map(|k| sorted(solid.face(k).nodes())).collect()
 }
 
 /// Nodes of the first body in contacts and ties with the second, on either side.

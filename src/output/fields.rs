@@ -16,6 +16,7 @@
 use super::xdmf::{self, Reference, XdmfField, XdmfGrid};
 use super::{OutputFolder, cannot_go_on, cannot_write, one_line, remove, replace, vtkhdf};
 use crate::error::{Error, Result};
+use crate::mesh::MOST_NODES;
 use crate::parallel::{agree, number};
 use hdf5::{Dataset, File, FileBuilder, H5Type, OpenMode};
 use mpi::collective::SystemOperation;
@@ -25,21 +26,22 @@ use std::path::{Path, PathBuf};
 
 const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
 
-/// Shape of a cell. Node order as in Gmsh, VTK and [`crate::mesh`].
+/// Shape of a cell. Node order as in VTK and [`crate::mesh`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellShape {
     Triangle,
     Quadrilateral,
     Tetrahedron,
     Hexahedron,
+    QuadraticTetrahedron,
 }
 
 /// A cell of a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
     pub shape: CellShape,
-    /// Numbers of its points in the whole grid; the first 3, 4, 4 or 8 count.
-    pub nodes: [u64; 8],
+    /// Numbers of its points in the whole grid; as many as the shape has count.
+    pub nodes: [u64; MOST_NODES],
 }
 
 /// This rank's part of a grid: a body, a contact surface, a tool. Any part of it, and all of it, may be empty.
@@ -353,7 +355,8 @@ fn open(path: &Path, mode: OpenMode) -> Result<File> {
 
 impl CellShape {
     /// All of them, in the order of their numbers.
-    const ALL: [Self; 4] = [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron];
+    pub(super) const ALL: [Self; 5] =
+        [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron, Self::QuadraticTetrahedron];
 
     /// Nodes of a cell.
     pub fn node_count(self) -> usize {
@@ -361,13 +364,14 @@ impl CellShape {
             Self::Triangle => 3,
             Self::Quadrilateral | Self::Tetrahedron => 4,
             Self::Hexahedron => 8,
+            Self::QuadraticTetrahedron => 10,
         }
     }
 }
 
 impl Cell {
     /// Length of [`Self::to_numbers`].
-    pub const LEN: usize = 9;
+    pub const LEN: usize = 1 + MOST_NODES;
 
     pub fn to_numbers(self) -> [u64; Self::LEN] {
         let mut numbers = [self.shape as u64; Self::LEN];
@@ -376,7 +380,7 @@ impl Cell {
     }
 
     pub fn from_numbers(numbers: &[u64; Self::LEN]) -> Self {
-        let mut nodes = [0; 8];
+        let mut nodes = [0; MOST_NODES];
         nodes.copy_from_slice(&numbers[1..]);
         Self { shape: CellShape::ALL[numbers[0] as usize], nodes }
     }
@@ -461,7 +465,8 @@ impl<T: H5Type> Rows<'_, T> {
             3 => write_table::<T, 3>(dataset, values, first),
             4 => write_table::<T, 4>(dataset, values, first),
             6 => write_table::<T, 6>(dataset, values, first),
-            _ => write_table::<T, 8>(dataset, values, first),
+            8 => write_table::<T, 8>(dataset, values, first),
+            _ => write_table::<T, 10>(dataset, values, first),
         }
     }
 }
@@ -550,15 +555,15 @@ mod tests {
 
     #[test]
     fn mixed_cells_stand_behind_their_codes() {
-        let triangle = Cell { shape: CellShape::Triangle, nodes: [0, 1, 2, 0, 0, 0, 0, 0] };
-        let quadrilateral = Cell { shape: CellShape::Quadrilateral, nodes: [1, 2, 3, 4, 0, 0, 0, 0] };
+        let triangle = Cell { shape: CellShape::Triangle, nodes: [0, 1, 2, 0, 0, 0, 0, 0, 0, 0] };
+        let quadrilateral = Cell { shape: CellShape::Quadrilateral, nodes: [1, 2, 3, 4, 0, 0, 0, 0, 0, 0] };
         assert_eq!(connectivity(&[triangle, quadrilateral], true), [4, 0, 1, 2, 5, 1, 2, 3, 4]);
         assert_eq!(connectivity(&[triangle, triangle], false), [0, 1, 2, 0, 1, 2]);
     }
 
     #[test]
     fn a_cell_without_its_points_is_refused() {
-        let cell = Cell { shape: CellShape::Tetrahedron, nodes: [0, 1, 2, 3, 99, 99, 99, 99] };
+        let cell = Cell { shape: CellShape::Tetrahedron, nodes: [0, 1, 2, 3, 99, 99, 99, 99, 99, 99] };
         let grid = Grid { name: "slab", points: &[], cells: &[cell] };
         assert!(check_nodes(&grid, 4).is_ok());
         let error = check_nodes(&grid, 3).unwrap_err().to_string();

@@ -42,6 +42,7 @@ impl CellShape {
             Self::Quadrilateral => "Quadrilateral",
             Self::Tetrahedron => "Tetrahedron",
             Self::Hexahedron => "Hexahedron",
+            Self::QuadraticTetrahedron => "Tetrahedron_10",
         }
     }
 
@@ -52,14 +53,13 @@ impl CellShape {
             Self::Quadrilateral => 9,
             Self::Tetrahedron => 10,
             Self::Hexahedron => 12,
+            Self::QuadraticTetrahedron => 24,
         }
     }
 
     /// The shape of a code in a mixed topology.
     pub(super) fn of_code(code: i64) -> Option<Self> {
-        [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron]
-            .into_iter()
-            .find(|shape| shape.xdmf_code() == code)
+        Self::ALL.into_iter().find(|shape| shape.xdmf_code() == code)
     }
 
     /// The code of the shape in a mixed topology.
@@ -69,6 +69,7 @@ impl CellShape {
             Self::Quadrilateral => 5,
             Self::Tetrahedron => 6,
             Self::Hexahedron => 9,
+            Self::QuadraticTetrahedron => 38,
         }
     }
 }

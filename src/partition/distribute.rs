@@ -7,7 +7,7 @@ use super::lists::Lists;
 use super::{Part, PartFacet, PartSet, PartSolid};
 use crate::Vec3;
 use crate::error::Result;
-use crate::mesh::{Solid, SolidShape};
+use crate::mesh::{MOST_NODES, Middles, Solid, SolidShape};
 use crate::parallel::{Parcels, agree, beginnings, serve, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -30,6 +30,8 @@ pub struct GlobalMesh {
     /// Section of each element.
     pub solid_section: Vec<u32>,
     pub sets: Vec<GlobalSet>,
+    /// Of the edges of the facets of all sets.
+    pub middles: Middles,
     /// Extra work that a node brings to its elements, for the balance: slave nodes have some.
     pub node_work: Vec<i32>,
     /// The highest number that each body's file gives to a node of it; new nodes of refined meshes follow.
@@ -144,7 +146,13 @@ impl<'a> Cut<'a> {
         let solids = Lists::new(size, mesh.solids.len(), |e, each| owners(&owner, mesh.solids[e].nodes(), each));
         let of_set = |set: &GlobalSet| {
             let nodes = Lists::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
-            let facets = Lists::new(size, set.facets.len(), |k, each| owners(&owner, set.facets[k].nodes(), each));
+            let facets = Lists::new(size, set.facets.len(), |k, each| {
+                let corners = set.facets[k].nodes();
+                match mesh.middles.of(corners) {
+                    Some(middles) => owners(&owner, &[corners, &middles].concat(), each),
+                    None => owners(&owner, corners, each),
+                }
+            });
             [nodes, facets]
         };
         let sets = mesh.sets.iter().map(of_set).collect();
@@ -237,10 +245,14 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     }
     for _ in 0..solids {
         let count = next() as usize;
-        let shape = if count == 4 { SolidShape::Tet4 } else { SolidShape::Hex8 };
+        let shape = match count {
+            4 => SolidShape::Tet4,
+            10 => SolidShape::Tet10,
+            _ => SolidShape::Hex8,
+        };
         let [body, section] = [next() as u32, next() as u32];
         let (id, number, mine) = (next(), next(), next() == 1);
-        let mut nodes = [0; 8];
+        let mut nodes = [0; MOST_NODES];
         nodes[..count].fill_with(|| next() as u32);
         part.solids.push(PartSolid { shape, nodes, body, section, id, number, mine });
     }
@@ -255,7 +267,17 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         }
         part.sets.push(set);
     }
+    part.middles = middles(&part);
     (part, wanted)
+}
+
+/// Of the facets of the sets of a part.
+fn middles(part: &Part) -> Middles {
+    let quadratic = part.solids.iter().filter(|solid| solid.shape == SolidShape::Tet10);
+    let solids: Vec<Solid> = quadratic.map(|s| Solid { shape: s.shape, nodes: s.nodes, id: s.id }).collect();
+    let facets = part.sets.iter().flat_map(|set| &set.facets);
+    let corners = facets.map(|facet| &facet.nodes[..facet.count as usize]);
+    Middles::in_solids(solids.iter(), corners, [].into_iter())
 }
 
 #[cfg(test)]
@@ -269,8 +291,8 @@ mod tests {
         let all = |n: u32| (0..n).flat_map(move |k| (0..n).flat_map(move |j| (0..n).map(move |i| (i, j, k))));
         let hex = |(i, j, k)| {
             let low = [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
-            let nodes = std::array::from_fn(|a| if a < 4 { low[a] } else { low[a - 4] + (N + 1) * (N + 1) });
-            Solid { shape: SolidShape::Hex8, nodes, id: u64::from(at(i, j, k)) }
+            let nodes: [u32; 8] = std::array::from_fn(|a| if a < 4 { low[a] } else { low[a - 4] + (N + 1) * (N + 1) });
+            Solid::new(SolidShape::Hex8, &nodes, u64::from(at(i, j, k)))
         };
         let points: Vec<Vec3> = all(N + 1).map(|(i, j, k)| Vec3::new(i.into(), j.into(), k.into())).collect();
         let count = points.len();

@@ -25,14 +25,15 @@ pub use order::Order;
 pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
-use crate::mesh::SolidShape;
+use crate::mesh::{MOST_NODES, Middles, SolidShape};
+use std::ops::Deref;
 
 /// A volume element on a rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartSolid {
     pub shape: SolidShape,
-    /// Local nodes; the first 4 or all 8 count.
-    pub nodes: [u32; 8],
+    /// Local nodes; as many as the shape has count.
+    pub nodes: [u32; MOST_NODES],
     /// Index of its body in the scene.
     pub body: u32,
     /// Index of its section in those of the scene.
@@ -48,14 +49,35 @@ pub struct PartSolid {
 impl PartSolid {
     /// The nodes that count.
     pub fn nodes(&self) -> &[u32] {
-        match self.shape {
-            SolidShape::Tet4 => &self.nodes[..4],
-            SolidShape::Hex8 => &self.nodes,
-        }
+        &self.nodes[..self.shape.node_count()]
+    }
+}
+
+/// The local nodes that carry a facet: its corners, and those in the middles of its edges.
+#[derive(Clone, Copy, Debug)]
+pub struct FaceNodes {
+    nodes: [u32; 6],
+    count: usize,
+}
+
+impl Deref for FaceNodes {
+    type Target = [u32];
+
+    fn deref(&self) -> &[u32] {
+        &self.nodes[..self.count]
     }
 }
 
 impl Part {
+    /// The nodes that carry a facet: 3 or 4, or 6 of a quadratic triangle.
+    pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
+        let [a, b, c, d] = facet.nodes;
+        match self.middles.of(&facet.nodes[..facet.count as usize]) {
+            Some([e, f, g]) => FaceNodes { nodes: [a, b, c, e, f, g], count: 6 },
+            None => FaceNodes { nodes: [a, b, c, d, 0, 0], count: facet.count as usize },
+        }
+    }
+
     /// The least and the largest distance of two nodes of an element, on the initial mesh.
     pub fn span(&self, solid: &PartSolid) -> (f64, f64) {
         let place = |n: u32| self.points[n as usize];
@@ -71,7 +93,7 @@ impl Part {
 pub struct PartFacet {
     /// 3 or 4.
     pub count: u8,
-    /// Local nodes, counter-clockwise seen from outside.
+    /// Local nodes of its corners, counter-clockwise seen from outside.
     pub nodes: [u32; 4],
     /// Its number in the set, whatever the partition.
     pub number: u64,
@@ -106,6 +128,8 @@ pub struct Part {
     /// The local node whose displacement this node shares (plane strain); mostly itself.
     pub tie: Vec<u32>,
     pub solids: Vec<PartSolid>,
+    /// Of the edges of the facets of all sets.
+    pub middles: Middles,
     /// In the order in which they were given to [`distribute`].
     pub sets: Vec<PartSet>,
     pub halo: Halo,

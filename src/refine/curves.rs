@@ -4,7 +4,7 @@ use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
 use crate::mesh::flat::Moments;
-use crate::mesh::{Facet, Group, Mesh, faces};
+use crate::mesh::{Facet, Group, Mesh, Solid, faces};
 use crate::surface::{Edge, NormalOptions, Patch, Smoothing, patches_from_mesh};
 use std::collections::{HashMap, HashSet};
 
@@ -103,6 +103,22 @@ pub fn of_body(mesh: &Mesh, symmetry: &[&str], controls: &Controls) -> Result<Cu
         }
     }
     Ok(curves)
+}
+
+/// The edges of quadratic elements as they are: with the middle m between the nodes a and b, c = 2 (a + b) - 4 m.
+pub fn of_quadratic(mesh: &Mesh) -> Curves {
+    let mut curves = Curves::default();
+    let at = |n: u32| Vec3::from(mesh.points[n as usize]);
+    for ([a, b], middle) in mesh.solids.iter().flat_map(Solid::middles) {
+        // Of differences, which keep straight edges along the axes straight.
+        let (a_from, b_from) = (at(a) - at(middle), at(b) - at(middle));
+        let limit = ROUNDING * (a_from - b_from).norm();
+        let c = (2.0 * (a_from + b_from)).map(|x| if x.abs() <= limit { 0.0 } else { x });
+        if c != Vec3::zeros() {
+            curves.of.insert([a, b], c);
+        }
+    }
+    curves
 }
 
 /// A plane of symmetry.

@@ -1,7 +1,7 @@
 //! Groups of the parts.
 
 use super::split::{Key, NONE, key};
-use crate::mesh::{Group, Mesh};
+use crate::mesh::{Group, Mesh, Middles};
 use std::collections::{HashMap, HashSet};
 
 /// What came of nodes, elements and facets.
@@ -10,6 +10,8 @@ pub(super) struct Heirs<'a> {
     /// For each new node, from `old` on, those of the edge, face or element that it lies in.
     pub origins: &'a [[u32; 8]],
     pub old: usize,
+    /// Of all edges of the parts.
+    pub middles: &'a Middles,
     /// Parts of an edge.
     pub cells: u32,
     /// Where the parts of each element and of each facet begin.
@@ -29,7 +31,10 @@ impl Heirs<'_> {
         lines.sort_unstable();
         let of_solids = solids.iter().flat_map(|&k| mesh.solids[k as usize].nodes());
         let of_facets = facets.iter().flat_map(|&k| mesh.facets[k as usize].nodes());
-        let held: HashSet<u32> = of_solids.chain(of_facets).chain(lines.iter().flatten()).copied().collect();
+        let between = facets.iter().flat_map(|&k| self.middles.around(mesh.facets[k as usize].nodes()));
+        let between = between.chain(lines.iter().filter_map(|&[a, b]| self.middles.at(a, b)));
+        let corners = of_solids.chain(of_facets).chain(lines.iter().flatten());
+        let held: HashSet<u32> = corners.copied().chain(between).collect();
         let mut nodes: Vec<u32> = held.iter().copied().collect();
         nodes.extend(self.bare(&group.nodes, &held));
         nodes.extend(group.nodes);

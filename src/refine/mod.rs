@@ -22,7 +22,7 @@ pub mod curves;
 mod groups;
 pub mod split;
 
-pub use curves::{Curves, of_body, of_surface};
+pub use curves::{Curves, of_body, of_quadratic, of_surface};
 pub use split::split;
 
 #[cfg(test)]

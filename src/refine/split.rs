@@ -3,7 +3,8 @@
 use super::{Curves, groups};
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::mesh::{Facet, Mesh, Solid, SolidShape, check};
+use crate::mesh::faces::TET_EDGES;
+use crate::mesh::{Facet, MOST_NODES, Mesh, Middles, Solid, SolidShape, check};
 use crate::scene::Located;
 use std::collections::HashMap;
 
@@ -14,7 +15,6 @@ pub(super) const NONE: u32 = u32::MAX;
 
 const HEX_EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
-const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// `mesh` with every edge split into 2^times parts, but those that are `whole`: hexahedra into as many layers along each
 /// of their directions, tetrahedra each time into four at the corners and four around the shortest diagonal of the
@@ -35,10 +35,11 @@ pub fn split(mesh: Mesh, times: &Located<u32>, curves: &Curves, whole: impl Fn(u
         let help = format!("split them fewer times: one process reads the mesh, and holds {MOST} elements at most");
         return Err(Error::input(&times.at, what, help));
     }
-    let Mesh { source, points, point_ids, solids, facets, groups, warnings } = mesh;
+    let Mesh { source, points, point_ids, solids, facets, groups, warnings, .. } = mesh;
     let last = point_ids.iter().copied().max().unwrap_or(0);
     let mut split = Split { cells, curves, whole, points, known: HashMap::new(), origins: Vec::new(), old: 0 };
     split.old = split.points.len();
+    split.know_middles(&solids);
     let (solids, of_solid) = parts_of(&solids, |solid, parts| split.solid(solid, parts));
     let (facets, of_facet) = parts_of(&facets, |facet, parts| split.facet(facet, parts));
     let Split { points, known, origins, old, .. } = split;
@@ -49,8 +50,11 @@ pub fn split(mesh: Mesh, times: &Located<u32>, curves: &Curves, whole: impl Fn(u
         Error::input(&times.at, what, "number the nodes of the mesh from 1")
     })?;
     mesh.point_ids.extend(numbers);
-    let inherit = groups::Heirs { known: &known, origins: &origins, old, cells, of_solid, of_facet };
+    let middles = Middles::in_all(&mesh.solids);
+    let inherit = groups::Heirs { middles: &middles, known: &known, origins: &origins, old, cells, of_solid, of_facet };
     mesh.groups = groups.into_iter().map(|(name, group)| (name, inherit.group(group, &mesh))).collect();
+    let lines = mesh.groups.values().flat_map(|group| &group.lines).copied();
+    mesh.middles = Middles::in_solids(mesh.solids.iter(), mesh.facets.iter().map(Facet::nodes), lines);
     check::check(&mesh).map_err(|error| match error {
         Error::Input { what, .. } => Error::input(
             &times.at,
@@ -142,7 +146,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     fn solid(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         match solid.shape {
             SolidShape::Hex8 => self.hexahedron(solid, parts),
-            SolidShape::Tet4 => self.tetrahedron(solid, parts),
+            SolidShape::Tet4 | SolidShape::Tet10 => self.tetrahedron(solid, parts),
         }
     }
 
@@ -153,13 +157,19 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         }
     }
 
+    /// The middles of edges that quadratic elements have already.
+    fn know_middles(&mut self, solids: &[Solid]) {
+        let middles = solids.iter().flat_map(Solid::middles);
+        self.known.extend(middles.filter_map(|([a, b], middle)| Some((key(&[(a, 1), (b, 1)])?, middle))));
+    }
+
     /// The places along an edge, from 0 to `cells`.
     fn places(&self, a: u32, b: u32) -> Vec<u32> {
         if (self.whole)(a, b) { vec![0, self.cells] } else { (0..=self.cells).collect() }
     }
 
     fn hexahedron(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
-        let n = &solid.nodes;
+        let n = solid.nodes();
         let along = [self.places(n[0], n[1]), self.places(n[1], n[2]), self.places(n[0], n[4])];
         let cell = Cell { nodes: n, edges: &HEX_EDGES, simplex: false, solid: true };
         let mut nodes = Vec::with_capacity(along.iter().map(Vec::len).product());
@@ -181,7 +191,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
                 for i in 0..nx - 1 {
                     let layer = |k| [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
                     let ([a, b, c, d], [e, f, g, h]) = (layer(k), layer(k + 1));
-                    parts.push(Solid { nodes: [a, b, c, d, e, f, g, h], ..*solid });
+                    parts.push(Solid::new(solid.shape, &[a, b, c, d, e, f, g, h], solid.id));
                 }
             }
         }
@@ -225,7 +235,9 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     fn tetrahedron(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         let cell = Cell { nodes: &solid.nodes[..4], edges: &TET_EDGES, simplex: true, solid: true };
         let mut inside: HashMap<[u32; 4], u32> = HashMap::new();
-        let corner = |k: usize| std::array::from_fn(|j| if j == k { self.cells } else { 0 });
+        // Of a quadratic element the weights are even at corners of parts, odd at some in the middles of their edges.
+        let unit = if solid.shape == SolidShape::Tet10 { 2 } else { 1 };
+        let corner = |k: usize| std::array::from_fn(|j| if j == k { unit * self.cells } else { 0 });
         let mut tets: Vec<[[u32; 4]; 4]> = vec![std::array::from_fn(corner)];
         let mut cells = self.cells;
         while cells > 1 {
@@ -237,8 +249,9 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
             cells /= 2;
         }
         for tet in tets {
-            let mut nodes = [0; 8];
-            for (node, at) in nodes.iter_mut().zip(tet) {
+            let mut nodes = [0; MOST_NODES];
+            let middles = TET_EDGES.map(|[a, b]| middle(tet[a], tet[b]));
+            for (node, at) in nodes.iter_mut().zip(tet.into_iter().chain(middles)).take(solid.nodes().len()) {
                 *node = *inside.entry(at).or_insert_with(|| self.node(&cell, &at));
             }
             parts.push(Solid { nodes, ..*solid });
@@ -249,7 +262,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
 /// The eight parts of a tetrahedron by its corners' weights: four at the corners, and four around the shortest of the three
 /// diagonals of the octahedron between them, which makes the best shapes.
 fn eight([a, b, c, d]: [[u32; 4]; 4], place: &mut impl FnMut([u32; 4]) -> Vec3) -> [[[u32; 4]; 4]; 8] {
-    let mid = |p: [u32; 4], q: [u32; 4]| -> [u32; 4] { std::array::from_fn(|k| (p[k] + q[k]) / 2) };
+    let mid = middle;
     // Turns of b, c and d keep the orientation and take one diagonal, from ab to cd, to the next.
     let turns = [[b, c, d], [c, d, b], [d, b, c]];
     let length = |[b, c, d]: &[[u32; 4]; 3], place: &mut dyn FnMut([u32; 4]) -> Vec3| {
@@ -270,6 +283,10 @@ fn eight([a, b, c, d]: [[u32; 4]; 4], place: &mut impl FnMut([u32; 4]) -> Vec3) 
         [ab, cd, ad, bd],
         [ab, cd, ac, ad],
     ]
+}
+
+fn middle(p: [u32; 4], q: [u32; 4]) -> [u32; 4] {
+    std::array::from_fn(|k| (p[k] + q[k]) / 2)
 }
 
 /// The key of a point by the nodes that hold it; none inside a hexahedron.

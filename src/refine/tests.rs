@@ -2,9 +2,9 @@ use super::*;
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Location;
-use crate::mesh::{Facet, Group, Mesh, Solid, SolidShape, block, check, faces};
+use crate::mesh::{Facet, Group, Mesh, Middles, Solid, SolidShape, block, check, faces};
 use crate::scene::{Block, BlockShape, Located};
-use crate::solid::element::{hex8, tet4};
+use crate::solid::element::{hex8, tet4, tet10};
 use crate::surface::NormalOptions;
 use crate::surface::test_meshes::{cubed_sphere, mesh_of};
 
@@ -26,7 +26,7 @@ fn tetrahedra(mut mesh: Mesh) -> Mesh {
     let ways = [[1, 2], [2, 3], [3, 7], [7, 4], [4, 5], [5, 1]];
     let tet = |solid: &Solid, [a, b]: [usize; 2]| {
         let n = solid.nodes;
-        Solid { shape: SolidShape::Tet4, nodes: [n[0], n[a], n[b], n[6], 0, 0, 0, 0], id: solid.id }
+        Solid::new(SolidShape::Tet4, &[n[0], n[a], n[b], n[6]], solid.id)
     };
     mesh.solids = mesh.solids.iter().flat_map(|solid| ways.map(|way| tet(solid, way))).collect();
     let boundary = faces::boundary(&mesh.solids);
@@ -43,6 +43,7 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
     let volume = |solid: &Solid| match solid.shape {
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet4 => tet4::volume(&std::array::from_fn(|k| at(solid, k))),
+        SolidShape::Tet10 => tet10::volume(&std::array::from_fn(|k| at(solid, k))),
     };
     mesh.solids.iter().map(volume).collect()
 }
@@ -207,6 +208,62 @@ fn facets_are_split_on_their_patches() {
         let turned = of_surface(&ball, &NormalOptions::default(), true).unwrap();
         assert_eq!(turned.edges, curves.edges);
         assert!(curves.of.iter().all(|(edge, c)| (turned.of[edge] - c).norm() < 1e-15));
+    }
+}
+
+/// The same with a node in the middle of each edge, which `place` carries with the others.
+fn quadratic(mut mesh: Mesh, place: impl Fn(Vec3) -> Vec3) -> Mesh {
+    let mut known = std::collections::HashMap::new();
+    for solid in &mut mesh.solids {
+        let mut nodes = solid.nodes;
+        for ([i, j], middle) in faces::TET_EDGES.iter().zip(4..) {
+            let ends = [nodes[*i].min(nodes[*j]), nodes[*i].max(nodes[*j])];
+            nodes[middle] = *known.entry(ends).or_insert_with(|| {
+                let [a, b] = ends.map(|n| Vec3::from(mesh.points[n as usize]));
+                mesh.points.push((0.5 * (a + b)).into());
+                mesh.point_ids.push(mesh.points.len() as u64);
+                mesh.points.len() as u32 - 1
+            });
+        }
+        *solid = Solid::new(SolidShape::Tet10, &nodes, solid.id);
+    }
+    mesh.points.iter_mut().for_each(|x| *x = place(Vec3::from(*x)).into());
+    mesh.middles = Middles::in_solids(mesh.solids.iter(), mesh.facets.iter().map(Facet::nodes), [].into_iter());
+    for group in mesh.groups.values_mut() {
+        group.nodes.extend(group.facets.iter().flat_map(|&k| mesh.middles.around(mesh.facets[k as usize].nodes())));
+        group.nodes.sort_unstable();
+        group.nodes.dedup();
+    }
+    mesh
+}
+
+/// A block with curved edges, all of them parabolas: its parts are the same in all ways of splitting, and their nodes are where
+/// the map that bends the block puts them.
+#[test]
+fn quadratic_tetrahedra_are_split_on_their_own_edges() {
+    let bend = |x: Vec3| Vec3::new(x.x, x.y, x.z + 0.2 * x.x * x.x - 0.1 * x.x * x.y);
+    let back = |x: Vec3| Vec3::new(x.x, x.y, x.z - 0.2 * x.x * x.x + 0.1 * x.x * x.y);
+    let mesh = quadratic(tetrahedra(bricks([1, 2, 1], |x| x)), bend);
+    check::check(&mesh).unwrap();
+    let split = |count| split(mesh.clone(), &times(count), &of_quadratic(&mesh), |_, _| false).unwrap();
+    let [once, twice] = [split(1), split(2)];
+    assert_eq!([&once, &twice].map(|m| m.solids.len() / mesh.solids.len()), [8, 64]);
+    for (fine, cells) in [(&once, 4.0), (&twice, 8.0)] {
+        assert!(fine.solids.iter().all(|solid| solid.shape == SolidShape::Tet10));
+        assert_eq!(fine.points.len() as f64, (cells + 1.0) * (2.0 * cells + 1.0) * (cells + 1.0));
+        for solid in &fine.solids {
+            for ([a, b], middle) in solid.middles() {
+                let [a, b, middle] = [a, b, middle].map(|n| back(Vec3::from(fine.points[n as usize])));
+                assert!((middle - 0.5 * (a + b)).norm() < 1e-14, "{middle} {a} {b}");
+            }
+        }
+        let top = &fine.groups["zmax"];
+        assert_eq!(top.nodes.len() as f64, (cells + 1.0) * (2.0 * cells + 1.0));
+        let corners = top.facets.iter().map(|&k| fine.facets[k as usize].nodes());
+        assert!(corners.clone().all(|corners| fine.middles.of(corners).is_some()));
+        assert!(top.nodes.iter().all(|&n| (back(Vec3::from(fine.points[n as usize])).z - 1.0).abs() < 1e-14));
+        let volume: f64 = volumes(fine).iter().sum();
+        assert!((volume - 1.0).abs() < 1e-13, "{volume}");
     }
 }
 

@@ -3,6 +3,7 @@
 use super::reader::{Item, Table};
 use super::{Body, Formulation, Hardening, Hill, Isochoric, Located, Material, MaterialModel, Orthotropy, Scene};
 use crate::error::{Faults, Result};
+use crate::mesh::SolidShape;
 use crate::{Mat3, Vec3};
 
 #[derive(Clone, Copy, PartialEq)]
@@ -170,13 +171,18 @@ impl Scene {
         self.materials.iter().find(|card| card.name.value == name).map(|card| &card.model)
     }
 
-    /// The element of hexahedra of a material that are asked for none: one that does not lock. Flow keeps the volume, too,
-    /// and wants the balance of energy that `hex8-sri` has; its tangent is symmetric besides.
-    pub fn default_element(&self, material: &str) -> Formulation {
-        match self.material(material) {
-            Some(MaterialModel::Plastic { .. }) => Formulation::Hex8Sri,
-            Some(model) if model.keeps_volume().is_some() => Formulation::Hex8Fbar,
-            _ => Formulation::Hex8,
+    /// The element of a material that is asked for none: one that does not lock, if there is one of the shape. Flow keeps the
+    /// volume, too, and wants the balance of energy that `hex8-sri` has; its tangent is symmetric besides.
+    pub fn default_element(&self, material: &str, shape: SolidShape) -> Formulation {
+        let model = self.material(material);
+        let keeps_volume = model.is_some_and(|model| model.keeps_volume().is_some());
+        match (shape, model) {
+            (SolidShape::Tet4, _) => Formulation::Tet4,
+            (SolidShape::Tet10, _) if keeps_volume => Formulation::Tet10Sri,
+            (SolidShape::Tet10, _) => Formulation::Tet10,
+            (SolidShape::Hex8, Some(MaterialModel::Plastic { .. })) => Formulation::Hex8Sri,
+            (SolidShape::Hex8, _) if keeps_volume => Formulation::Hex8Fbar,
+            (SolidShape::Hex8, _) => Formulation::Hex8,
         }
     }
 }

@@ -11,6 +11,7 @@ use crate::Vec3;
 use crate::controls::Controls;
 use crate::encoding;
 use crate::error::{Error, Faults, Result};
+use crate::mesh::SolidShape;
 use std::path::Path;
 
 /// The tables and keys of a scene.
@@ -205,7 +206,7 @@ fn materials(table: &Table, mesh: &MeshSource, names: &Names) -> Result<Vec<(Loc
 fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
-    if let Some(element) = body.element.as_ref().filter(|element| element.value == Formulation::Tet4) {
+    if let Some(element) = body.element.as_ref().filter(|element| element.value.shape() != SolidShape::Hex8) {
         let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
     }

@@ -34,6 +34,32 @@ struct FacePoint<const N: usize> {
 const TRI3: [FacePoint<3>; 1] =
     [FacePoint { weight: 0.5, values: [1.0 / 3.0; 3], gradients: [[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]] }];
 
+/// The points 1/6, 1/6, 2/3 are exact for quadratic polynomials; forces of straight faces need no more, those of curved ones four
+/// degrees: six points (Dunavant, IJNME 21, 1985).
+const TRI6: [FacePoint<6>; 6] = {
+    const NEAR: [f64; 2] = [0.108_103_018_168_070_23, 0.091_576_213_509_770_74];
+    const WEIGHTS: [f64; 2] = [0.223_381_589_678_011_47, 0.109_951_743_655_321_87];
+    let [a, b] = [0.445_948_490_915_965, NEAR[1]];
+    [
+        tri6([NEAR[0], a, a], 0.5 * WEIGHTS[0]),
+        tri6([a, NEAR[0], a], 0.5 * WEIGHTS[0]),
+        tri6([a, a, NEAR[0]], 0.5 * WEIGHTS[0]),
+        tri6([1.0 - 2.0 * b, b, b], 0.5 * WEIGHTS[1]),
+        tri6([b, 1.0 - 2.0 * b, b], 0.5 * WEIGHTS[1]),
+        tri6([b, b, 1.0 - 2.0 * b], 0.5 * WEIGHTS[1]),
+    ]
+};
+
+/// At barycentric coordinates, of which s and t are the last two; corners, then the middles of 0-1, 1-2, 2-0.
+const fn tri6([r, s, t]: [f64; 3], weight: f64) -> FacePoint<6> {
+    let (dr, ds, dt) = (4.0 * r - 1.0, 4.0 * s - 1.0, 4.0 * t - 1.0);
+    FacePoint {
+        weight,
+        values: [r * (2.0 * r - 1.0), s * (2.0 * s - 1.0), t * (2.0 * t - 1.0), 4.0 * r * s, 4.0 * s * t, 4.0 * t * r],
+        gradients: [[-dr, ds, 0.0, 4.0 * (r - s), 4.0 * t, -4.0 * t], [-dr, 0.0, dt, -4.0 * s, 4.0 * s, 4.0 * (r - t)]],
+    }
+}
+
 const QUAD4: [FacePoint<4>; 4] =
     [quad4(-GAUSS, -GAUSS), quad4(GAUSS, -GAUSS), quad4(GAUSS, GAUSS), quad4(-GAUSS, GAUSS)];
 
@@ -51,6 +77,11 @@ pub fn tri3_pressure(x: &[[f64; 3]; 3], pressure: f64) -> FaceLoad<9> {
     follower_pressure(&TRI3, x, pressure)
 }
 
+/// Pressure on a quadratic triangle with current nodes `x`: corners, then the middles of 0-1, 1-2, 2-0.
+pub fn tri6_pressure(x: &[[f64; 3]; 6], pressure: f64) -> FaceLoad<18> {
+    follower_pressure(&TRI6, x, pressure)
+}
+
 /// Pressure on a quadrilateral with current nodes `x`.
 pub fn quad4_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
     follower_pressure(&QUAD4, x, pressure)
@@ -59,6 +90,12 @@ pub fn quad4_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
 /// The areas int N_a da that belong to the nodes of a triangle; their sum is its area.
 pub fn tri3_nodal_areas(x: &[[f64; 3]; 3]) -> [f64; 3] {
     nodal_areas(&TRI3, x)
+}
+
+/// The areas int N_a da that belong to the nodes of a quadratic triangle, none to the corners of a straight one; their sum is its
+/// area.
+pub fn tri6_nodal_areas(x: &[[f64; 3]; 6]) -> [f64; 6] {
+    nodal_areas(&TRI6, x)
 }
 
 /// The areas int N_a da that belong to the nodes of a quadrilateral; their sum is its area.
@@ -125,6 +162,9 @@ mod tests {
 
     const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 2.0], [3.0, 0.0, 2.0], [3.0, 1.0, 2.0], [0.0, 1.0, 2.0]];
 
+    /// A triangle on [`SQUARE`] with the middles of its edges.
+    const SIX: [[f64; 3]; 6] = [SQUARE[0], SQUARE[1], SQUARE[3], [1.5, 0.0, 2.0], [1.5, 0.5, 2.0], [0.0, 0.5, 2.0]];
+
     /// The tangent against differences of the force.
     fn check_tangent<const N: usize, const D: usize>(x: [[f64; 3]; N], load: impl Fn(&[[f64; 3]; N]) -> FaceLoad<D>) {
         let exact = load(&x).tangent;
@@ -147,6 +187,7 @@ mod tests {
             let triangle = add(&[SQUARE[0], SQUARE[1], SQUARE[3]], &random.points(0.4));
             check_tangent(triangle, |x| tri3_pressure(x, 1.7));
             check_tangent(add(&SQUARE, &random.points(0.4)), |x| quad4_pressure(x, -0.8));
+            check_tangent(add(&SIX, &random.points(0.3)), |x| tri6_pressure(x, 1.3));
         }
     }
 
@@ -201,5 +242,9 @@ mod tests {
         let triangle = [turned[0], turned[1], turned[3]];
         assert!((tri3_area(&triangle) - 3.0).abs() < 1e-14);
         assert!(tri3_nodal_areas(&triangle).iter().all(|a| (a - 1.0).abs() < 1e-14));
+        // A straight quadratic triangle bears uniform pressure on the middles of its edges.
+        for (area, exact) in tri6_nodal_areas(&SIX).iter().zip([0.0, 0.0, 0.0, 0.5, 0.5, 0.5]) {
+            assert!((area - exact).abs() < 1e-15, "{area} is not {exact}");
+        }
     }
 }

@@ -75,6 +75,7 @@ pub fn add_tangent(model: &mut Model, pattern: &Pattern, u: &[Vec3], values: &mu
 fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32], scratch: &Scratch) {
     match nodes.len() {
         4 => pattern.add_element(values, nodes, element, &scratch.of_four.tangent),
+        10 => pattern.add_element(values, nodes, element, &scratch.of_ten.tangent),
         _ => pattern.add_element(values, nodes, element, &scratch.of_eight.tangent),
     }
 }
@@ -82,8 +83,9 @@ fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32],
 /// Subtracts the load of a follower pressure on a set from `forces` (all local nodes).
 pub fn subtract_pressure(model: &Model, set: &str, pressure: f64, u: &[Vec3], forces: &mut [Vec3]) {
     for facet in &model.set(set).facets {
-        facet_pressure(model, facet, pressure, u, |row, force, _| {
-            forces[facet.nodes[row / 3] as usize][row % 3] -= force[row % 3];
+        let nodes = model.part.face_nodes(facet);
+        facet_pressure(model, &nodes, pressure, u, |row, force, _| {
+            forces[nodes[row / 3] as usize][row % 3] -= force[row % 3];
         });
     }
 }
@@ -97,11 +99,12 @@ pub fn subtract_pressure_tangent(
     values: &mut [f64],
 ) {
     for facet in &model.set(set).facets {
-        facet_pressure(model, facet, pressure, u, |row, _, tangent| {
-            for (equation, share) in dofs.shares(facet.nodes[row / 3], row % 3) {
+        let nodes = model.part.face_nodes(facet);
+        facet_pressure(model, &nodes, pressure, u, |row, _, tangent| {
+            for (equation, share) in dofs.shares(nodes[row / 3], row % 3) {
                 let Some(local) = dofs.local(equation) else { continue };
                 for (column, value) in tangent.iter().enumerate() {
-                    for (equation, part) in dofs.shares(facet.nodes[column / 3], column % 3) {
+                    for (equation, part) in dofs.shares(nodes[column / 3], column % 3) {
                         pattern.add(values, local, equation, -value * share * part);
                     }
                 }

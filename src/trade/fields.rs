@@ -4,7 +4,7 @@ use super::history::History;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::output::quantity::Quantity;
-use crate::solid::element::{hex8, tet4};
+use crate::solid::element::{hex8, tet4, tet10};
 use crate::solid::measure::Measure;
 use hdf5::{File, Group};
 use rstar::RTree;
@@ -104,16 +104,17 @@ fn at_rest(file: &File, body: &str) -> hdf5::Result<BodyState> {
     let mut state = BodyState::default();
     let mut add = |nodes: &[i64]| {
         let x: Vec<[f64; 3]> = nodes.iter().map(|&node| points[node as usize].into()).collect();
-        state.volumes.push(match x.as_array() {
-            Some(hexahedron) => hex8::volume(hexahedron),
-            None => x.as_array().map_or(0.0, tet4::volume),
+        state.volumes.push(match x.len() {
+            4 => x.as_array().map_or(0.0, tet4::volume),
+            10 => x.as_array().map_or(0.0, tet10::volume),
+            _ => x.as_array().map_or(0.0, hex8::volume),
         });
         state.centroids.push([0, 1, 2].map(|c| x.iter().map(|x| x[c]).sum::<f64>() / x.len() as f64));
     };
     match shape.get(1) {
         Some(&width) => nodes.chunks(width).for_each(&mut add),
         None => {
-            // Mixed: each behind the code of its shape.
+            // Mixed, of linear elements: each behind the code of its shape.
             let mut rest = nodes.as_slice();
             while let [code, nodes @ ..] = rest {
                 let (cell, others) = nodes.split_at(if *code == TETRAHEDRON { 4 } else { 8 });

@@ -1,6 +1,7 @@
 //! The settings of a scene that trade speed for accuracy, and the reference that it suggests: only what applies to it.
 
 use super::plan::Variant;
+use crate::mesh::SolidShape;
 use crate::scene::{
     Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, Located, MeshSource, Scene,
     Smoothing, Tangent, Tool,
@@ -274,9 +275,9 @@ fn element(scene: &Scene) -> Setting {
     for element in [Formulation::Hex8Fbar, Formulation::Hex8Sri, Formulation::Hex8Eas, Formulation::Hex8] {
         let others = scene.bodies.iter().filter(|body| {
             let given = body.element.as_ref().map(|element| element.value);
-            let now = given.unwrap_or_else(|| scene.default_element(&body.material.value));
+            let now = given.unwrap_or_else(|| scene.default_element(&body.material.value, SolidShape::Hex8));
             let is_block = matches!(body.mesh, MeshSource::Block(_));
-            let hexahedra = is_block || given.is_some_and(|given| given != Formulation::Tet4);
+            let hexahedra = is_block || given.is_some_and(|given| given.shape() == SolidShape::Hex8);
             let locks = scene.material(&body.material.value).is_some_and(|model| model.keeps_volume().is_some());
             hexahedra && now != element && (element != Formulation::Hex8 || !locks)
         });

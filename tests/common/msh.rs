@@ -99,6 +99,38 @@ pub fn renumbered(mesh: &str) -> String {
     text
 }
 
+/// The same mesh of triangles and tetrahedra with a node in the middle of each edge.
+pub fn second_order(mesh: &str) -> String {
+    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
+    let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
+    let place = |line: &str| -> Vec<f64> { line.split(' ').skip(1).map(|x| x.parse().unwrap()).collect() };
+    let mut points: Vec<Vec<f64>> = nodes.lines().skip(1).map(place).collect();
+    let mut middles = std::collections::HashMap::new();
+    let mut text = String::new();
+    for line in elements.lines() {
+        let mut words: Vec<String> = line.split(' ').map(String::from).collect();
+        if words.len() > 5 {
+            let corners: Vec<usize> = words[5..].iter().map(|node| node.parse().unwrap()).collect();
+            let edges: &[[usize; 2]] = match corners.len() {
+                3 => &[[0, 1], [1, 2], [2, 0]],
+                _ => &[[0, 1], [1, 2], [2, 0], [0, 3], [2, 3], [1, 3]],
+            };
+            words[1] = if corners.len() == 3 { "9" } else { "11" }.into();
+            for ends in edges.iter().map(|ends| ends.map(|k| corners[k])) {
+                let middle = middles.entry([ends[0].min(ends[1]), ends[0].max(ends[1])]).or_insert_with(|| {
+                    let [a, b] = ends.map(|n| points[n - 1].clone());
+                    points.push(a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect());
+                    points.len()
+                });
+                words.push(middle.to_string());
+            }
+        }
+        let _ = writeln!(text, "{}", words.join(" "));
+    }
+    let nodes = points.iter().enumerate().map(|(k, x)| format!("{} {:?} {:?} {:?}\n", k + 1, x[0], x[1], x[2]));
+    format!("{head}$Nodes\n{}\n{}$EndNodes\n$Elements\n{text}", points.len(), nodes.collect::<String>())
+}
+
 /// Elements are (Gmsh type, number of the group, nodes from 1).
 fn render(names: &[(usize, &str)], points: &[[f64; 3]], elements: &[(usize, usize, Vec<usize>)]) -> String {
     let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());

@@ -54,9 +54,14 @@ impl<'s> Inclined<'s> {
     /// Adds them to the conditions along the coordinate axes of nodes that are displaced by `u`.
     ///
     /// # Errors
-    /// Conditions that contradict each other, or nearly do.
+    /// Conditions that contradict each other, or nearly do; in a model with ties.
     pub fn add_to(&self, conditions: &mut Conditions, model: &Model, u: &[Vec3]) -> Result<()> {
         for (&n, of_node) in &self.0 {
+            if let Some(tie) = model.joints.first() {
+                let what = format!("an inclined condition, beside tie `{}`: ties know the coordinate axes alone", tie.name);
+                let help = "turn the model so that the condition is along an axis, or mesh the bodies as one";
+                return Err(Error::input(&of_node[0].set.at, what, help));
+            }
             let n = n as usize;
             let slots = 3 * n..3 * n + 3;
             let mut frame = Frame::new(&conditions.prescribed[slots.clone()]);

@@ -26,8 +26,8 @@ const FACTORED: [(bool, [usize; 3]); 4] =
 const SMALL: [usize; 3] = [18, 18, 1];
 /// The block that multigrid solves.
 const COARSENED: [usize; 3] = [24, 24, 12];
-/// A tetrahedron over a hexahedron with eight integration points.
-const TETRAHEDRON: f64 = 0.2;
+/// A linear and a quadratic tetrahedron over a hexahedron with eight integration points.
+const TETRAHEDRA: [f64; 2] = [0.2, 0.9];
 
 /// The rates of this machine on these ranks; each kernel runs `repeats` times, and the fastest counts. Collective.
 ///
@@ -102,7 +102,9 @@ impl Bench<'_> {
     fn element(&self, shape: Shape, material: &str) -> Result<f64> {
         let ranks = self.comm.size() as usize;
         let (element, plane, elements) = match shape {
-            Shape::Solid("tet4") => return Ok(TETRAHEDRON * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("tet4") => return Ok(TETRAHEDRA[0] * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("tet10") => return Ok(TETRAHEDRA[1] * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("tet10-sri") => return Ok(TETRAHEDRA[1] * self.element(Shape::Solid("hex8-sri"), material)?),
             Shape::Solid(element) => (element, false, [SIDE, SIDE, SIDE * ranks]),
             Shape::Plane(element) => (element, true, [3 * SIDE, 3 * SIDE * ranks, 1]),
         };

@@ -71,20 +71,25 @@ impl Size {
         let works: Vec<Option<Work>> = model.sections.iter().zip(scene.sections()).map(work).collect();
         let all = Work::all();
         let mut counts = vec![0.0; all.len()];
-        let mut hexahedra = 0.0;
+        let [mut hexahedra, mut quadratic] = [0.0; 2];
         for solid in &model.part.solids {
             hexahedra += f64::from(solid.shape == SolidShape::Hex8 && solid.mine);
+            quadratic += f64::from(solid.shape == SolidShape::Tet10 && solid.mine);
             let work = works[solid.section as usize];
             counts.iter_mut().zip(&all).filter(|(_, kind)| Some(**kind) == work).for_each(|(count, _)| *count += 1.0);
         }
         let slaves = model.pairs.iter().map(|pair| pair.slaves.len()).sum::<usize>() as f64;
-        let (mut sums, mut most) = ([hexahedra, resident_mb()], [slaves, seconds]);
+        let (mut sums, mut most) = ([hexahedra, quadratic, resident_mb()], [slaves, seconds]);
         sum(comm, &mut sums);
         max(comm, &mut most);
         max(comm, &mut counts);
-        let [hexahedra, megabytes] = sums;
+        let [hexahedra, quadratic, megabytes] = sums;
         let (nodes, solids) = (model.part.total_nodes as f64, model.part.total_solids as f64);
-        let of_a_node = if hexahedra > 0.5 * solids { THIN_HEXAHEDRA } else { THIN_TETRAHEDRA };
+        let of_a_node = match () {
+            _ if hexahedra > 0.5 * solids => THIN_HEXAHEDRA,
+            _ if quadratic > 0.5 * solids => THIN_QUADRATIC,
+            _ => THIN_TETRAHEDRA,
+        };
         let some = |is: &dyn Fn(&Pair) -> bool| model.pairs.iter().any(is);
         Self {
             ranks: f64::from(comm.size()),
@@ -105,6 +110,8 @@ impl Size {
 /// Elements a node below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three 3/4.
 const THIN_HEXAHEDRA: f64 = 0.75;
 const THIN_TETRAHEDRA: f64 = 3.5;
+/// Of quadratic tetrahedra there are 0.75 a node in large bodies.
+const THIN_QUADRATIC: f64 = 0.5;
 
 impl Systems {
     /// Of a step with these equations, not analysed. Collective.

@@ -1,5 +1,6 @@
 //! Kinds of work, and what each takes on a machine.
 
+use crate::mesh::SolidShape;
 use crate::scene::{Formulation, Isochoric, MaterialModel};
 use std::collections::BTreeMap;
 
@@ -60,7 +61,7 @@ impl Work {
     /// All of them.
     pub fn all() -> Vec<Self> {
         let in_space = Formulation::ALL.iter().map(|element| Shape::Solid(element.key()));
-        let bricks = Formulation::ALL.iter().filter(|element| **element != Formulation::Tet4);
+        let bricks = Formulation::ALL.iter().filter(|element| element.shape() == SolidShape::Hex8);
         let shapes = in_space.chain(bricks.map(|element| Shape::Plane(element.key())));
         let elements = shapes.flat_map(|shape| MATERIALS.map(|material| Self::Element(shape, material)));
         elements.chain(Self::OTHERS).collect()
@@ -108,6 +109,7 @@ impl Work {
                 };
                 let of_shape = match (k, plane) {
                     ("tet4", _) => 600.0,
+                    ("tet10" | "tet10-sri", _) => 3000.0,
                     ("hex8-fbar", false) => 5000.0,
                     ("hex8-eas", false) => 16_000.0,
                     (_, false) => 3300.0,

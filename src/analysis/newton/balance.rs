@@ -347,7 +347,7 @@ impl Newton<'_> {
         let part = &self.system.model.part;
         let mut most = [0.0f64];
         for solid in part.solids.iter().filter(|solid| solid.section as usize == section) {
-            for (k, &a) in solid.nodes.iter().enumerate() {
+            for (k, &a) in solid.nodes().iter().enumerate() {
                 for &b in &solid.nodes[..k] {
                     let (a, b) = (a as usize, b as usize);
                     let (line, by) = (part.points[b] - part.points[a], self.found.u[b] - self.found.u[a]);

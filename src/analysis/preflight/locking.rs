@@ -17,10 +17,11 @@ const AUXETIC: f64 = -0.9;
 /// # Errors
 /// A body whose elements have no stable solution.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<()> {
-    let mut has = vec![0.0; 2 * model.sections.len()];
-    model.part.solids.iter().for_each(|s| has[2 * s.section as usize + usize::from(s.shape == SolidShape::Tet4)] = 1.0);
+    let mut has = vec![0.0; model.sections.len()];
+    let linear = model.part.solids.iter().filter(|solid| solid.shape == SolidShape::Tet4);
+    linear.for_each(|solid| has[solid.section as usize] = 1.0);
     max(comm, &mut has);
-    for ((section, (b, material)), has) in model.sections.iter().zip(scene.sections()).zip(has.chunks_exact(2)) {
+    for ((section, (b, material)), has_tets) in model.sections.iter().zip(scene.sections()).zip(has) {
         let (body, card) = (&scene.bodies[b], scene.material(&material.value));
         let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
         let poisson = elastic.map_or(0.0, MaterialModel::poisson);
@@ -34,19 +35,22 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             return Err(Error::input(&asked.at, what, "leave `element` out: such materials do not lock"));
         }
         let Some(reason) = card.and_then(MaterialModel::keeps_volume) else { continue };
-        if has[1] > 0.0 {
+        let name = &body.name.value;
+        if has_tets > 0.0 {
             model.warnings.push(format!(
-                "body `{}`: tetrahedra are too stiff for a material {reason}, and have no cure: mesh with hexahedra",
-                body.name.value
+                "body `{name}`: linear tetrahedra are too stiff for a material {reason}, and have no cure: mesh with \
+                 tetrahedra of second order, or with hexahedra"
             ));
         }
-        if has[0] > 0.0 && section.element == Formulation::Hex8 {
-            model.warnings.push(format!(
-                "body `{}`: `hex8` is too stiff for a material {reason}: leave `element` out, or take \"hex8-fbar\", \
-                 \"hex8-sri\" or \"hex8-eas\"",
-                body.name.value
-            ));
-        }
+        let cures = match section.element {
+            Formulation::Hex8 => "\"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"",
+            Formulation::Tet10 => "\"tet10-sri\"",
+            _ => continue,
+        };
+        model.warnings.push(format!(
+            "body `{name}`: `{}` is too stiff for a material {reason}: leave `element` out, or take {cures}",
+            section.element.key()
+        ));
     }
     Ok(())
 }

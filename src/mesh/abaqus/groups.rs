@@ -1,7 +1,7 @@
 //! Turns the sets and surfaces of a deck into groups.
 
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
-use super::super::{Facet, Group, faces, message};
+use super::super::{Group, Middles, faces, message};
 use super::{Deck, Kind, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -105,8 +105,7 @@ impl<'a> Placed<'a> {
                 self.faces(scope, surface, file, surfaces, &mut group.group.facets)?;
             }
             if !surface.nodes && !group.group.solids.is_empty() && !nodes_of.contains_key(&key) {
-                let facets = group.group.facets.iter().map(|&facet| &file.mesh.facets[facet as usize]);
-                nodes_of.insert(key, facets.flat_map(Facet::nodes).copied().collect());
+                nodes_of.insert(key, group.group.facets.iter().flat_map(|&facet| file.nodes_of(facet)).collect());
             }
         }
         for (key, nodes) in nodes_of {
@@ -292,7 +291,10 @@ impl Surfaces {
 
     fn face(&mut self, file: &mut FileMesh, solid: u32, face: u8) -> u32 {
         *self.of_solid.entry((solid, face)).or_insert_with(|| {
-            file.mesh.facets.push(file.mesh.solids[solid as usize].face(face as usize));
+            let of = file.mesh.solids[solid as usize];
+            let facet = of.face(face as usize);
+            file.mesh.middles.join(Middles::in_solids([&of].into_iter(), [facet.nodes()].into_iter(), [].into_iter()));
+            file.mesh.facets.push(facet);
             file.mesh.facets.len() as u32 - 1
         })
     }

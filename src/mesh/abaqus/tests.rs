@@ -83,7 +83,7 @@ fn a_deck_gives_its_mesh_and_groups() {
     assert_eq!(file.mesh.points.len(), 13);
     assert_eq!(file.mesh.points[4], [1.0, 1.0, 0.0]);
     assert_eq!(file.mesh.solids.iter().map(|solid| solid.id).collect::<Vec<_>>(), [101, 102]);
-    assert_eq!(file.mesh.solids[0].nodes, [0, 1, 4, 3, 6, 7, 10, 9]);
+    assert_eq!(file.mesh.solids[0].nodes(), [0, 1, 4, 3, 6, 7, 10, 9]);
     assert!(file.attached.iter().all(|&attached| attached));
 
     let names = [
@@ -254,8 +254,8 @@ fn errors_name_the_line() {
 
 #[test]
 fn elements_of_other_types_are_left_to_who_takes_them() {
-    let file = parse(&DECK.replacen("type=C3D8R", "type=C3D10", 1)).unwrap();
-    let wanted = "deck.inp:22:1: element 101 has type C3D10, which is not read";
+    let file = parse(&DECK.replacen("type=C3D8R", "type=C3D20", 1)).unwrap();
+    let wanted = "deck.inp:22:1: element 101 has type C3D20, which is not read";
     let told = |error: &Option<crate::error::Error>| error.as_ref().is_some_and(|e| e.to_string().starts_with(wanted));
     assert!(told(&file.unread));
     for (group, takes) in [("Left", true), ("cubes", true), ("front", true), ("right", false)] {

@@ -292,9 +292,9 @@ fn complete(file: &mut FileMesh) {
     for (name, found) in std::mem::take(&mut file.groups) {
         let mut group = found.group;
         if !found.closed {
-            let mesh = &file.mesh;
-            group.nodes.extend(group.solids.iter().flat_map(|&solid| mesh.solids[solid as usize].nodes()));
-            group.nodes.extend(group.facets.iter().flat_map(|&facet| mesh.facets[facet as usize].nodes()));
+            group.nodes.extend(group.solids.iter().flat_map(|&solid| file.mesh.solids[solid as usize].nodes()));
+            group.nodes.extend(group.facets.iter().flat_map(|&facet| file.nodes_of(facet)));
+            group.nodes.extend(group.lines.iter().filter_map(|&[a, b]| file.mesh.middles.at(a, b)));
         }
         for indices in [&mut group.nodes, &mut group.facets, &mut group.solids] {
             indices.sort_unstable();

@@ -7,8 +7,8 @@ mod bytes;
 #[cfg(test)]
 mod tests;
 
-use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
+use super::{MOST_NODES, message};
 use crate::error::Result;
 use bytes::{Bytes, Encoding};
 use std::collections::HashMap;
@@ -236,10 +236,11 @@ impl Gmsh<'_> {
 
     fn read_cell_2(&mut self, kind: i64, id: u64, physical: i64) -> Result<()> {
         let shape = self.shape(kind, id)?;
-        let mut cell = Cell { shape, id, nodes: [0; 8] };
+        let mut cell = Cell { shape, id, nodes: [0; MOST_NODES] };
         for node in &mut cell.nodes[..shape.node_count()] {
             *node = self.id("a node number")?;
         }
+        order(&mut cell);
         self.listed.cells.push(cell);
         self.listed.physical.push(physical);
         Ok(())
@@ -259,14 +260,15 @@ impl Gmsh<'_> {
             for _ in 0..count {
                 let id = self.input.size("an element number")?;
                 let shape = self.shape(kind, id)?;
-                let mut nodes = [0; 8];
-                for node in &mut nodes[..shape.node_count()] {
+                let mut cell = Cell { shape, id, nodes: [0; MOST_NODES] };
+                for node in &mut cell.nodes[..shape.node_count()] {
                     *node = self.input.size("a node number")?;
                 }
-                if matches!(shape, CellShape::Triangle | CellShape::Quad) && physical.first().is_some_and(|&p| p < 0) {
-                    nodes[1..shape.node_count()].reverse();
+                order(&mut cell);
+                if physical.first().is_some_and(|&p| p < 0) {
+                    turn_over(&mut cell);
                 }
-                self.listed.cells.push(Cell { shape, id, nodes });
+                self.listed.cells.push(cell);
             }
             for number in physical {
                 let cells = self.listed.groups.entry((entity.0, number.abs())).or_default();
@@ -288,13 +290,13 @@ impl Gmsh<'_> {
             3 => return Ok(CellShape::Quad),
             4 => return Ok(CellShape::Tet),
             5 => return Ok(CellShape::Hex),
+            8 => return Ok(CellShape::Line3),
+            9 => return Ok(CellShape::Triangle6),
+            11 => return Ok(CellShape::Tet10),
             15 => return Ok(CellShape::Point),
             6 => ("6-node wedges", LINEAR),
             7 => ("5-node pyramids", LINEAR),
-            8 => ("second-order lines", ORDER),
-            9 => ("second-order triangles", ORDER),
             10 | 16 => ("second-order quadrilaterals", ORDER),
-            11 => ("second-order tetrahedra", ORDER),
             12 | 17 => ("second-order hexahedra", ORDER),
             13 | 18 => ("second-order wedges", ORDER),
             14 | 19 => ("second-order pyramids", ORDER),
@@ -373,14 +375,33 @@ impl Listed {
 }
 
 const VERSIONS: &str = "save it as version 4.1 or 2.2";
-const ORDER: &str = "mesh with order 1";
-const LINEAR: &str = "use linear tetrahedra or hexahedra, and triangles or quadrilaterals on surfaces";
+const ORDER: &str = "of second order are read lines, triangles and tetrahedra alone: mesh with these, or with order 1";
+const LINEAR: &str = "use linear hexahedra, or tetrahedra, and triangles or quadrilaterals on surfaces";
+
+/// From the order of Gmsh to that of [`CellShape`].
+fn order(cell: &mut Cell) {
+    if cell.shape == CellShape::Tet10 {
+        cell.nodes.swap(8, 9);
+    }
+}
+
+/// A facet seen from the other side.
+fn turn_over(cell: &mut Cell) {
+    match cell.shape {
+        CellShape::Triangle | CellShape::Quad => cell.nodes[1..cell.shape.node_count()].reverse(),
+        CellShape::Triangle6 => {
+            cell.nodes.swap(1, 2);
+            cell.nodes.swap(3, 5);
+        }
+        _ => {}
+    }
+}
 
 fn dimension(shape: CellShape) -> i64 {
     match shape {
         CellShape::Point => 0,
-        CellShape::Line => 1,
-        CellShape::Triangle | CellShape::Quad => 2,
-        CellShape::Tet | CellShape::Hex => 3,
+        CellShape::Line | CellShape::Line3 => 1,
+        CellShape::Triangle | CellShape::Quad | CellShape::Triangle6 => 2,
+        CellShape::Tet | CellShape::Hex | CellShape::Tet10 => 3,
     }
 }

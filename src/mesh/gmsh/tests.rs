@@ -202,7 +202,7 @@ fn all_versions_and_encodings_read_alike() {
         assert_eq!((&file.mesh.point_ids, &file.mesh.points), (&ids, &points));
         assert!(file.attached.iter().all(|&attached| attached));
         assert_eq!(file.mesh.solids.len(), 2);
-        assert_eq!(file.mesh.solids[1].nodes, [1, 2, 5, 4, 7, 8, 11, 10]);
+        assert_eq!(file.mesh.solids[1].nodes(), [1, 2, 5, 4, 7, 8, 11, 10]);
         assert_eq!(file.mesh.facets.iter().map(|facet| facet.id).collect::<Vec<_>>(), [3, 4, 5, 6]);
         assert_eq!(file.mesh.facets[3].nodes(), [6, 7, 10]);
 
@@ -287,9 +287,9 @@ fn types_that_are_not_read_are_named_with_their_element() {
     for (kind, name, help) in [
         (6, "6-node wedges", "use linear"),
         (7, "5-node pyramids", "use linear"),
-        (11, "second-order tetrahedra", "mesh with order 1"),
-        (17, "second-order hexahedra", "mesh with order 1"),
-        (92, "such elements", "mesh with order 1"),
+        (13, "second-order wedges", "or with order 1"),
+        (17, "second-order hexahedra", "or with order 1"),
+        (92, "such elements", "or with order 1"),
         (0, "such elements", "use linear"),
     ] {
         for style in STYLES {

@@ -1,5 +1,7 @@
 //! The element formulations by name.
 
+use crate::mesh::SolidShape;
+
 /// How an element is formulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formulation {
@@ -13,11 +15,25 @@ pub enum Formulation {
     Hex8Eas,
     /// 4-node tetrahedron.
     Tet4,
+    /// 10-node tetrahedron, four integration points.
+    Tet10,
+    /// 10-node tetrahedron with the mean change of volume.
+    Tet10Sri,
 }
 
 impl Formulation {
     /// All of them.
-    pub const ALL: [Self; 5] = [Self::Hex8, Self::Hex8Fbar, Self::Hex8Sri, Self::Hex8Eas, Self::Tet4];
+    pub const ALL: [Self; 7] =
+        [Self::Hex8, Self::Hex8Fbar, Self::Hex8Sri, Self::Hex8Eas, Self::Tet4, Self::Tet10, Self::Tet10Sri];
+
+    /// The elements that it is for.
+    pub fn shape(self) -> SolidShape {
+        match self {
+            Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas => SolidShape::Hex8,
+            Self::Tet4 => SolidShape::Tet4,
+            Self::Tet10 | Self::Tet10Sri => SolidShape::Tet10,
+        }
+    }
 
     /// What the user calls it.
     pub fn key(self) -> &'static str {
@@ -27,6 +43,8 @@ impl Formulation {
             Self::Hex8Sri => "hex8-sri",
             Self::Hex8Eas => "hex8-eas",
             Self::Tet4 => "tet4",
+            Self::Tet10 => "tet10",
+            Self::Tet10Sri => "tet10-sri",
         }
     }
 }

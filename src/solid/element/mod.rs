@@ -14,7 +14,7 @@
 //! for Plasticity.)
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
-//! reference state; [`hex8::min_jacobian`] and [`tet4::volume`] tell.
+//! reference state; [`hex8::min_jacobian`], [`tet10::min_jacobian`] and [`tet4::volume`] tell.
 //!
 //! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
 //! makes the new ones when an increment is accepted. Each element gives its integration points as [`Sample`]s, over which
@@ -27,6 +27,8 @@ pub mod hex8_eas;
 pub mod hex8_fbar;
 pub mod hex8_sri;
 pub mod plane4;
+pub mod tet10;
+pub mod tet10_sri;
 pub mod tet4;
 
 use super::material::{Material, State};

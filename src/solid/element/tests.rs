@@ -70,6 +70,25 @@ fn tet_case(random: &mut Random) -> (Nodes<4>, Nodes<4>) {
     (add(&CORNER, &random.points(0.1)), random.points(0.15))
 }
 
+type Tet = fn(&Nodes<10>, &Nodes<10>, Medium, bool, &mut ElementMatrices<30>) -> Result<(), Inverted>;
+type TetSamples = fn(&Nodes<10>, &Nodes<10>) -> Result<[Sample; 4], Inverted>;
+/// The quadratic tetrahedra, with their integration points.
+const TETS: [(Tet, TetSamples); 2] = [(tet10::evaluate, tet10::samples), (tet10_sri::evaluate, tet10_sri::samples)];
+
+/// The corners with the middles of straight edges.
+fn quadratic(corners: &Nodes<4>) -> Nodes<10> {
+    let edge = |a: usize| crate::mesh::faces::TET_EDGES[a - 4];
+    std::array::from_fn(|a| match a {
+        0..4 => corners[a],
+        _ => std::array::from_fn(|i| 0.5 * (corners[edge(a)[0]][i] + corners[edge(a)[1]][i])),
+    })
+}
+
+/// One with curved edges, and random displacements.
+fn tet10_case(random: &mut Random) -> (Nodes<10>, Nodes<10>) {
+    (add(&quadratic(&CORNER), &random.points(0.06)), random.points(0.06))
+}
+
 fn matrices<const N: usize, const D: usize>(
     element: impl Fn(&Nodes<N>, &Nodes<N>, Medium, bool, &mut ElementMatrices<D>) -> Result<(), Inverted>,
     x0: &Nodes<N>,
@@ -111,7 +130,7 @@ fn tangent_error<const N: usize, const D: usize>(
 
 #[test]
 fn tangents_are_the_derivative_of_the_residual() {
-    let mut random = Random::new(21);
+    let (mut random, mut of_tets) = (Random::new(21), Random::new(30));
     // Amplitudes are found to 1e-8, of which the tangent is.
     let tolerances = [1e-11, 1e-11, 1e-11, 1e-9];
     let errors = |x0: &_, u: &_, material: &_| -> [f64; 4] {
@@ -126,6 +145,11 @@ fn tangents_are_the_derivative_of_the_residual() {
             let (x0, u) = tet_case(&mut random);
             let error = tangent_error(tet4::evaluate, &x0, &u, material, 1e-3);
             assert!(error < 1e-11, "{material:?} {error}");
+            let (x0, u) = tet10_case(&mut of_tets);
+            for (tet, _) in TETS {
+                let error = tangent_error(tet, &x0, &u, material, 3e-4);
+                assert!(error < 1e-10, "{material:?} {error}");
+            }
         }
         // The undeformed state has three equal stretches everywhere.
         let error = errors(&CUBE, &[[0.0; 3]; 8], material);
@@ -159,6 +183,20 @@ fn tangents_in_plastic_flow_are_the_derivative_of_the_residual() {
                 let error = tangent_error(element, &x0, &u, &material, 5e-5);
                 assert!(error < 1e-7, "{k} {error}");
             }
+            let (x0, before) = tet10_case(&mut random);
+            let u = add(&before, &random.points(0.04));
+            for (tet, samples) in TETS {
+                let mut states = [State::VIRGIN; 4];
+                advance(&samples(&x0, &before).unwrap(), &material, &mut states).unwrap();
+                let mut after = states;
+                advance(&samples(&x0, &u).unwrap(), &material, &mut after).unwrap();
+                assert!((0..4).all(|q| after[q].equivalent > states[q].equivalent + 1e-3), "{states:?} {after:?}");
+                let element = |x0: &_, u: &_, medium: Medium, want, out: &mut _| {
+                    tet(x0, u, Medium { states: &states, ..medium }, want, out)
+                };
+                let error = tangent_error(element, &x0, &u, &material, 2e-5);
+                assert!(error < 1e-7, "{error}");
+            }
         }
     }
 }
@@ -183,6 +221,14 @@ fn residuals_are_the_derivative_of_the_energy() {
         let differences: [f64; 12] = std::array::from_fn(|dof| derivative(1e-3, |t| [energy(&moved(&u, dof, t))])[0]);
         let error = relative_error(&matrices(tet4::evaluate, &x0, &u, material).residual, &differences);
         assert!(error < 1e-11, "{error}");
+        let (x0, u) = tet10_case(&mut random);
+        for (tet, samples) in TETS {
+            let energy = |u: &Nodes<10>| stored_energy(&samples(&x0, u).unwrap(), medium).unwrap();
+            let differences: [f64; 30] =
+                std::array::from_fn(|dof| derivative(3e-4, |t| [energy(&moved(&u, dof, t))])[0]);
+            let error = relative_error(&matrices(tet, &x0, &u, material).residual, &differences);
+            assert!(error < 1e-10, "{error}");
+        }
     }
 }
 
@@ -199,6 +245,11 @@ fn tangents_with_an_energy_are_symmetric() {
         let (x0, u) = tet_case(&mut random);
         let k = matrices(tet4::evaluate, &x0, &u, material).tangent;
         (0..12).for_each(|i| (0..i).for_each(|j| assert_eq!(k[i][j], k[j][i])));
+        let (x0, u) = tet10_case(&mut random);
+        for (tet, _) in TETS {
+            let k = matrices(tet, &x0, &u, material).tangent;
+            (0..30).for_each(|i| (0..i).for_each(|j| assert_eq!(k[i][j], k[j][i])));
+        }
     }
 }
 
@@ -271,6 +322,55 @@ fn patch_test() {
     }
 }
 
+/// Twelve quadratic tetrahedra around a point in the unit cube; affine displacement of all nodes. With straight edges forces on
+/// nodes inside are rounding; with curved ones, whose integrals are of third order, they are a small share of the others.
+#[test]
+fn quadratic_tetrahedra_pass_the_patch_test() {
+    let mut random = Random::new(31);
+    let mut points: Vec<[f64; 3]> = CUBE.to_vec();
+    points.push([0.5 + random.number(0.1), 0.5 + random.number(0.1), 0.5 + random.number(0.1)]);
+    let triangles = crate::mesh::faces::HEX_FACES.map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]]);
+    // Faces of the cube look outward, so that the last node is on the side from which they are clockwise.
+    let tets = triangles.as_flattened().iter().map(|[a, b, c]| [*a as usize, *c as usize, *b as usize, 8]);
+    let mut middles = std::collections::BTreeMap::new();
+    let mut elements: Vec<[usize; 10]> = Vec::new();
+    for corners in tets {
+        let edges =
+            crate::mesh::faces::TET_EDGES.map(|[i, j]| [corners[i].min(corners[j]), corners[i].max(corners[j])]);
+        let mut number = |[i, j]: [usize; 2]| {
+            *middles.entry([i, j]).or_insert_with(|| {
+                points.push(std::array::from_fn(|d| 0.5 * (points[i][d] + points[j][d])));
+                points.len() - 1
+            })
+        };
+        let between = edges.map(&mut number);
+        elements.push(std::array::from_fn(|a| if a < 4 { corners[a] } else { between[a - 4] }));
+    }
+    let inside = |x: &[f64; 3]| x.iter().all(|c| *c > 0.0 && *c < 1.0);
+    let curved: Vec<[f64; 3]> = points
+        .iter()
+        .enumerate()
+        .map(|(n, x)| if n > 8 && inside(x) { x.map(|c| c + random.number(0.02)) } else { *x })
+        .collect();
+    let f = Mat3::identity() + random.matrix(0.2);
+    for (points, most) in [(&points, 1e-13), (&curved, 2e-3)] {
+        for (material, (tet, _)) in materials().iter().flat_map(|m| TETS.map(move |tet| (m, tet))) {
+            let (mut forces, mut size) = (vec![Vec3::zeros(); points.len()], 0f64);
+            for nodes in &elements {
+                let x0 = nodes.map(|n| points[n]);
+                assert!(tet10::min_jacobian(&x0) > 0.0);
+                let residual = matrices(tet, &x0, &affine(&x0, &f, Vec3::zeros()), material).residual;
+                for (a, n) in nodes.iter().enumerate() {
+                    forces[*n] += Vec3::from_column_slice(&residual[3 * a..3 * a + 3]);
+                }
+                size = residual.iter().fold(size, |m, f| m.max(f.abs()));
+            }
+            let rest = points.iter().zip(&forces).filter(|(x, _)| inside(x)).map(|(_, f)| f.norm()).fold(0.0, f64::max);
+            assert!(rest < most * size, "{rest} of {size}");
+        }
+    }
+}
+
 #[test]
 fn homogeneous_deformation_gives_the_materials_stress_in_every_element() {
     let mut random = Random::new(27);
@@ -284,6 +384,7 @@ fn homogeneous_deformation_gives_the_materials_stress_in_every_element() {
             assert!(relative_error(&matrices(hex, &x0, &u, material).residual, &full.residual) < 1e-13);
         }
         let corners: Nodes<4> = [x0[0], x0[1], x0[3], x0[4]];
+        let ten = add(&quadratic(&corners), &random.points(0.02));
         let stresses = [
             average_stress(&hex8::samples(&x0, &u).unwrap(), Medium::virgin(material)).unwrap(),
             average_stress(&hex8_fbar::samples(&x0, &u).unwrap(), Medium::virgin(material)).unwrap(),
@@ -292,6 +393,13 @@ fn homogeneous_deformation_gives_the_materials_stress_in_every_element() {
                 .unwrap(),
             average_stress(&tet4::samples(&corners, &[u[0], u[1], u[3], u[4]]).unwrap(), Medium::virgin(material))
                 .unwrap(),
+            average_stress(&tet10::samples(&ten, &affine(&ten, &f, Vec3::zeros())).unwrap(), Medium::virgin(material))
+                .unwrap(),
+            average_stress(
+                &tet10_sri::samples(&ten, &affine(&ten, &f, Vec3::zeros())).unwrap(),
+                Medium::virgin(material),
+            )
+            .unwrap(),
         ];
         for stress in stresses {
             assert!((to_matrix(&stress) - exact).norm() < 1e-12 * material.initial_moduli().0);
@@ -333,6 +441,25 @@ fn volumes_and_body_forces() {
     assert!((hex8::volume(&CUBE) - 1.0).abs() < 1e-15);
     assert!((hex8::min_jacobian(&CUBE) - 1.0).abs() < 1e-15);
     assert!((tet4::volume(&CORNER) - 1.0 / 6.0).abs() < 1e-16);
+    let ten = quadratic(&CORNER);
+    assert!((tet10::volume(&ten) - 1.0 / 6.0).abs() < 1e-16 && (tet10::min_jacobian(&ten) - 1.0).abs() < 1e-15);
+    // int N_a dV is -V / 20 at corners, V / 5 between them.
+    for (a, force) in tet10::body_force(&ten, Vec3::new(0.0, 0.0, 6.0)).as_chunks::<3>().0.iter().enumerate() {
+        let exact = [0.0, 0.0, if a < 4 { -0.05 } else { 0.2 }];
+        assert!((0..3).all(|i| (force[i] - exact[i]).abs() < 1e-15), "{a} {force:?}");
+    }
+    // The parameters of a point of a curved element, and what the values of linear fields at points give at nodes.
+    let x = add(&ten, &random.points(0.04));
+    let at = [0.2, 0.3, 0.1, 0.4];
+    let place: Vec3 = tet10::shape(&at).iter().zip(&x).map(|(n, x)| *n * Vec3::from(*x)).sum();
+    let found = tet10::parameters(&x, &place).unwrap();
+    assert!((0..4).all(|k| (found[k] - at[k]).abs() < 1e-12), "{found:?}");
+    let field = |x: &Vec3| 1.0 + 2.0 * x.x - 3.0 * x.y + 0.5 * x.z;
+    let values = tet10::VALUES.map(|n| field(&n.iter().zip(&ten).map(|(n, x)| *n * Vec3::from(*x)).sum()));
+    for (weights, x) in tet10::AT_NODES.iter().zip(&ten) {
+        let there: f64 = weights.iter().zip(values).map(|(w, v)| w * v).sum();
+        assert!((there - field(&Vec3::from(*x))).abs() < 1e-14);
+    }
     let b = random.vector(1.0);
     let x0 = add(&CUBE, &random.points(0.15));
     let load = hex8::body_force(&x0, b);

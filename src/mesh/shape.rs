@@ -1,0 +1,24 @@
+//! The shapes of volume elements.
+
+/// Shape of a volume element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SolidShape {
+    /// 4 nodes.
+    Tet4,
+    /// 10 nodes: those of [`Self::Tet4`], then the middles of the edges [`super::faces::TET_EDGES`]; the order of Abaqus and VTK. Gmsh
+    /// has the last two the other way round.
+    Tet10,
+    /// 8 nodes; Gmsh and Abaqus order: bottom face counter-clockwise seen from inside the element, then the top face.
+    Hex8,
+}
+
+impl SolidShape {
+    /// The number of nodes.
+    pub fn node_count(self) -> usize {
+        match self {
+            SolidShape::Tet4 => 4,
+            SolidShape::Hex8 => 8,
+            SolidShape::Tet10 => 10,
+        }
+    }
+}
