@@ -39,7 +39,7 @@ fn main() {
     }
 }
 
-const CLANG: &str = "libclang1-14 libclang-common-14-dev";
+const CLANG: &str = "libclang1-14 libclang-common-14-dev, on Ubuntu 24.04 those of 18";
 
 /// Finds a library by pkg-config, which also tells cargo how to link it.
 fn library(name: &str, package: &str) -> pkg_config::Library {

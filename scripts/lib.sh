@@ -7,6 +7,8 @@
     target=$(cd "$root" && realpath -m "${CARGO_TARGET_DIR:-target}")
     nagata=$target/release/nagata
     ruff_folder=$target/ruff
+    [ -e "$root/Cargo.toml" ] || nagata=/usr/bin/nagata # the scripts of an installed package
+    system=$(. /etc/os-release 2>/dev/null || ID=unknown; echo "$ID ${VERSION_ID:-}") # such as "debian 12"
 }
 
 say() {
@@ -21,7 +23,7 @@ usage() { awk 'NR > 1 && !/^#/ { exit } NR > 1 { sub(/^# ?/, ""); print }' "$0";
 # install_packages PACKAGE...: installs those that are missing; silent when none is.
 install_packages() {
     if ! command -v dpkg-query >/dev/null; then
-        say "this system has no apt. Install what corresponds to these Debian 12 packages: $*"
+        say "this system has no apt. Install what corresponds to these packages of Debian 12: $*"
         exit 2
     fi
     local installed missing=() package as_root=() log
@@ -44,7 +46,7 @@ install_packages() {
     if ! { "${as_root[@]}" update && "${as_root[@]}" install --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
         tail -n 20 "$log" >&2
         rm -f "$log"
-        say "apt-get failed (above). The package names are those of Debian 12 (bookworm)."
+        say "apt-get failed (above). The package names are those of Debian 12 and Ubuntu 24.04."
         exit 2
     fi
     rm -f "$log"

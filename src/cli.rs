@@ -18,6 +18,7 @@ use crate::scene::{self, Scene};
 use crate::surface::EXTENSION;
 use crate::trade;
 use crate::trade::plan::Wishes;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, ColorChoice, Parser, Subcommand, value_parser};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -348,6 +349,38 @@ impl SurfaceArguments {
     }
 }
 
+/// The command line; what new users get wrong is told with what would be right.
+fn parse() -> std::result::Result<Cli, clap::Error> {
+    Cli::try_parse().map_err(|mut error| {
+        if let Some(tip) = tip(&error) {
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+        }
+        error
+    })
+}
+
+/// What was meant by a scene without a command, and by an override in two words.
+fn tip(error: &clap::Error) -> Option<String> {
+    let word = |kind| match error.get(kind) {
+        Some(ContextValue::String(word)) => Some(word.clone()),
+        _ => None,
+    };
+    match error.kind() {
+        ErrorKind::InvalidSubcommand => {
+            let scene = word(ContextKind::InvalidSubcommand).filter(|word| word.ends_with(".toml"))?;
+            Some(format!("to run a scene: nagata run {scene}"))
+        }
+        ErrorKind::UnknownArgument => {
+            let value = word(ContextKind::InvalidArg)?;
+            let given: Vec<String> = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+            let three = given.windows(3).find(|three| three[0] == "--set" && three[2] == value)?;
+            let key = &three[1];
+            (!key.contains('=')).then(|| format!("an override is one word: --set {key}={value}"))
+        }
+        _ => None,
+    }
+}
+
 /// A number above 0.
 fn positive(text: &str) -> std::result::Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite() && *number > 0.0);
@@ -401,7 +434,7 @@ pub fn run() -> i32 {
     abort_on_panic();
     interrupt::outlive_file_limit();
     let root = world.rank() == 0;
-    let cli = match Cli::try_parse() {
+    let cli = match parse() {
         Ok(cli) => cli,
         Err(error) => {
             if root {
@@ -424,7 +457,7 @@ pub fn run() -> i32 {
 /// Runs a command that needs no MPI, or that starts others, to which MPI would hand its state down in the environment.
 fn run_alone() -> i32 {
     let rank = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok());
-    let outcome = match (&rank, Cli::try_parse()) {
+    let outcome = match (&rank, parse()) {
         (Some(_), Ok(Cli { command: Command::Convert { .. } })) => {
             Err(Error::input_anywhere("`convert` runs in one process, not under mpirun", "start it without"))
         }

@@ -88,6 +88,7 @@ fn curves(area: &Area, panel: &Panel) -> Result<()> {
     let (bottom, top) = range(all.iter().map(|p| p.1), 0.06);
     let mut chart = ChartBuilder::on(area)
         .margin(6 * FINENESS)
+        .margin_top(10 * FINENESS) // half of a number stands above its line
         .margin_right(16 * FINENESS)
         .x_label_area_size(36 * FINENESS)
         .y_label_area_size(60 * FINENESS)

@@ -103,7 +103,7 @@ impl Names {
 
     /// `body.group`: faces.
     pub fn faces(&self, item: &Item) -> Result<Located<String>> {
-        let set = self.set(item, "a tool has no nodes or faces in the system")?;
+        let set = self.set(item, "a tool has no nodes or faces in the system: it can be the master of a contact")?;
         match set.value.contains('.') {
             true => Ok(set),
             false => Err(item.error("must be faces, `body.group`", format!("for example `{}.top`", set.value))),

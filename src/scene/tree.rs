@@ -70,9 +70,16 @@ pub(super) fn parse_document(file: &str, text: &str) -> Result<Node> {
         Ok(table) => Ok(Node { value: table_of(table.get_ref(), &place)?, at }),
         Err(error) => {
             let at = error.span().map_or(at, |span| place(span.start));
-            Err(Error::input(&at, format!("this is not TOML: {}", error.message()), ""))
+            let help = if is_decimal_comma(&at) { "numbers have a decimal point, as in 6.0" } else { "" };
+            Err(Error::input(&at, format!("this is not TOML: {}", error.message()), help))
         }
     }
+}
+
+/// Whether a comma between digits stands there.
+fn is_decimal_comma(at: &Location) -> bool {
+    let around: Vec<char> = at.text.chars().skip(at.column.saturating_sub(2)).take(3).collect();
+    matches!(around[..], [before, ',', after] if before.is_ascii_digit() && after.is_ascii_digit())
 }
 
 /// Parses one value, all of it at the same place; what is not TOML is a bare string.
