@@ -265,7 +265,18 @@ impl<'a> Simulation<'a> {
                 Way::Jump => self.jump(frame, (snes, x), end, observer)?,
             };
             self.summary.linear = running.before.and(&snes.linear_statistics());
+            // Of the last factorization.
+            let redundant = snes.linear_statistics().null_pivots;
             match outcome {
+                // Whatever the factorization has left out would bear nothing, and friction go on from that.
+                Attempt::Converged(_) if redundant > 0 && self.shared().contains(&true) => {
+                    let reason = format!("{redundant} conditions say what others say (null pivots)");
+                    let size = (end - done) * duration;
+                    let retried = Retried { step: frame.name(), size, reason: &reason, remedy: Remedy::Hold };
+                    observer(&Event::Retried(retried))?;
+                    self.hold(running)?;
+                    return self.seek(running, observer);
+                }
                 Attempt::Converged(converged) => {
                     let increment = self.accept(frame, *converged, x)?;
                     observer(&Event::Increment(&increment))?;
