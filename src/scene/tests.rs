@@ -440,7 +440,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
     assert_eq!(
         message("[material.steel]", "[materials.steel]"),
         "in/test.toml:12:2: unknown key `materials` in the scene\n  | [materials.steel]\n  \
-         help: did you mean `material`? (known: title, body, material, tool, contact, step, output, solver, controls, trade)"
+         help: did you mean `material`? (known: title, body, material, tool, contact, tie, step, output, solver, controls, trade)"
     );
     assert_eq!(
         message("{ set = \"slab.bottom\" }", "{ group = \"slab.bottom\" }"),
