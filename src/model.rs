@@ -588,7 +588,8 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
     }
     let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
     let of_ties = scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]);
-    let of_faces = of_contacts.chain(of_ties).chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
+    let of_faces =
+        of_contacts.chain(of_ties).chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
     Faults::all(of_faces.map(|name| {
         let is_bare = names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty());
         let what = format!("`{}` has no faces", name.value);

@@ -94,6 +94,8 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("material.NAME", "material.h", &[MOONEY]),
     ("material.NAME", "material.h", &["material.h={ model = \"yeoh\", c10 = 1, bulk = 9 }"]),
     ("material.NAME", "material.h", &["material.h={ model = \"ogden\", terms = [[1, 2]], bulk = 9 }"]),
+    ("material.NAME", "material.h", &[WOOD]),
+    ("material.NAME.orthotropic", "material.h.orthotropic", &[WOOD]),
     ("material.NAME.hardening", "material.h.hardening", &["material.h.hardening={}"]),
     (
         "material.NAME.hardening",
@@ -168,6 +170,8 @@ const PLACES: &[(&str, &str, &[&str])] = &[
 ];
 
 const MOONEY: &str = "material.h={ model = \"mooney-rivlin\", c10 = 1, c01 = 1, bulk = 9 }";
+const WOOD: &str = "material.h={ model = \"orthotropic\", orthotropic = { e1 = 1, e2 = 1, e3 = 1, nu12 = 0, nu13 = 0, \
+                    nu23 = 0, g12 = 1, g13 = 1, g23 = 1 } }";
 const SECTOR: &str = "body.b.block={ sector = { radii = [1, 2], angles = [0, 90], length = 1 }, elements = [1, 1, 1] }";
 const SWIFT: &str = "material.h.hardening={ swift = { k = 1, n = 1 } }";
 const VOCE: &str = "material.h.hardening={ voce = { saturation = 2, rate = 1 } }";
@@ -305,6 +309,11 @@ fn the_scene_document_marks_what_must_be_given() {
             "material.h",
             "model = 'hill', young = 1, poisson = 0.3, yield_stress = 1, hill = { f = 1, g = 1, h = 1, n = 1 }",
         ),
+        (
+            "material.NAME.orthotropic",
+            "material.h.orthotropic",
+            "e1 = 1, e2 = 1, e3 = 1, nu12 = 0, nu13 = 0, nu23 = 0, g12 = 1, g13 = 1, g23 = 1",
+        ),
         ("material.NAME.hardening.swift", "material.h.hardening.swift", "k = 1, n = 1"),
         ("material.NAME.hardening.voce", "material.h.hardening.voce", "saturation = 2, rate = 1"),
         ("material.NAME.hill", "material.h.hill", "f = 1, g = 1, h = 1, n = 1"),
@@ -331,7 +340,8 @@ fn the_scene_document_marks_what_must_be_given() {
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
     ];
     // Keys in the place of others.
-    let instead = BTreeMap::from([("block", "mesh"), ("sector", "box"), ("increment", "increments")]);
+    let instead =
+        BTreeMap::from([("block", "mesh"), ("sector", "box"), ("increment", "increments"), ("orthotropic", "hill")]);
     for (table, keys) in described() {
         let marked: BTreeSet<&str> = keys.iter().filter(|(_, row)| row.must).map(|(key, _)| key.as_str()).collect();
         let Some((_, place, entries)) = RIGHT.iter().find(|(name, ..)| *name == table) else {

@@ -60,8 +60,8 @@ pub(super) fn planes(
                 }
             }
             let &[(normal, at, is_inside)] = flat.as_slice() else {
-                let planes = if flat.is_empty() { "no plane" } else { "more than one plane" };
-                let what = format!("`{}` lies in {planes}", set.value);
+                let lies = if flat.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
+                let what = format!("`{}` {lies}", set.value);
                 return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
             };
             if is_inside {

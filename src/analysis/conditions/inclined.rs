@@ -58,7 +58,8 @@ impl<'s> Inclined<'s> {
     pub fn add_to(&self, conditions: &mut Conditions, model: &Model, u: &[Vec3]) -> Result<()> {
         for (&n, of_node) in &self.0 {
             if let Some(tie) = model.joints.first() {
-                let what = format!("an inclined condition, beside tie `{}`: ties know the coordinate axes alone", tie.name);
+                let what =
+                    format!("an inclined condition, beside tie `{}`: ties know the coordinate axes alone", tie.name);
                 let help = "turn the model so that the condition is along an axis, or mesh the bodies as one";
                 return Err(Error::input(&of_node[0].set.at, what, help));
             }

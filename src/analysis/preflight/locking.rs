@@ -34,6 +34,14 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
             );
             return Err(Error::input(&asked.at, what, "leave `element` out: such materials do not lock"));
         }
+        let directed = matches!(card, Some(MaterialModel::Orthotropic(_)));
+        if let Some(asked) = body.element.as_ref().filter(|_| section.element == Formulation::Hex8Eas && directed) {
+            let what = format!(
+                "body `{}`: enhanced strain may have no solution in a material that is much stiffer along one axis",
+                body.name.value
+            );
+            return Err(Error::input(&asked.at, what, "take \"hex8\", \"hex8-sri\" or \"hex8-fbar\""));
+        }
         let Some(reason) = card.and_then(MaterialModel::keeps_volume) else { continue };
         let name = &body.name.value;
         if has_tets > 0.0 {
