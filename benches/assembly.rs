@@ -6,7 +6,7 @@ use mpi::traits::*;
 use nagata::model::Model;
 use nagata::output::phases::Phases;
 use nagata::system::dofs::Motion;
-use nagata::system::{DofMap, Pattern, assembly};
+use nagata::system::{Axes, DofMap, Pattern, assembly};
 use nagata::{Vec3, scene};
 use std::hint::black_box;
 use std::path::Path;
@@ -31,7 +31,7 @@ fn assemble(criterion: &mut Criterion) {
     let model = parsed.and_then(|s| Model::new(&world, &s, &Phases::default()));
     let mut model = model.unwrap_or_else(|e| panic!("{e}"));
     let held: Vec<_> = model.part.points.iter().flat_map(|x| [(x.z == 0.0).then_some(Motion::still(0.0)); 3]).collect();
-    let dofs = DofMap::new(&world, &model, &held, &[], Vec::new());
+    let dofs = DofMap::new(&world, &model, (&held, &Axes::default()), &[], Vec::new());
     let points = model.part.points.clone();
     let place = |n: u32| points[n as usize];
     let pattern = Pattern::new(&world, &model, &dofs, place).unwrap();

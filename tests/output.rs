@@ -8,9 +8,10 @@ use common::mpirun_of;
 use mpi::traits::*;
 use nagata::error::{Error, Location, Result};
 use nagata::failure::Cause;
+use nagata::mesh::MOST_NODES;
 use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::HistoryFile;
-use nagata::output::log::{Increment, Iterate, Log};
+use nagata::output::log::{Increment, Iteration, Log};
 use nagata::output::phases::{Phase, Phases};
 use nagata::output::summary::Summary;
 use nagata::output::{OutputFolder, RUN};
@@ -87,15 +88,19 @@ fn add_grids(comm: &impl Communicator, folder: &OutputFolder) -> Result<Scene> {
     let (points, cells) = (own_rows(comm, 4 * (ELEMENTS + 1)), own_rows(comm, ELEMENTS));
     assert_eq!(number(comm, points.end - points.start), (points.start, 4 * (ELEMENTS + 1)));
     let slab_points: Vec<_> = points.clone().map(slab_point).collect();
-    let hexahedron = |index| Cell { shape: CellShape::Hexahedron, nodes: slab_cell(index) };
+    let cell = |shape: CellShape, of: &[u64]| {
+        let mut nodes = [0; MOST_NODES];
+        nodes[..of.len()].copy_from_slice(of);
+        Cell { shape, nodes }
+    };
+    let hexahedron = |index| cell(CellShape::Hexahedron, &slab_cell(index));
     let slab_cells: Vec<_> = cells.clone().map(hexahedron).collect();
     let slab = fields.add_grid(comm, &Grid { name: "slab", points: &slab_points, cells: &slab_cells })?;
 
     let corners =
         [[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [1.0, 1.0, 2.0], [0.0, 1.0, 2.0], [2.0, 0.0, 2.0], [2.0, 1.0, 2.0]];
-    let quadrilateral = Cell { shape: CellShape::Quadrilateral, nodes: [0, 1, 2, 3, 0, 0, 0, 0] };
-    let triangles =
-        [[1, 4, 2], [4, 5, 2]].map(|[a, b, c]| Cell { shape: CellShape::Triangle, nodes: [a, b, c, 0, 0, 0, 0, 0] });
+    let quadrilateral = cell(CellShape::Quadrilateral, &[0, 1, 2, 3]);
+    let triangles = [[1, 4, 2], [4, 5, 2]].map(|nodes| cell(CellShape::Triangle, &nodes));
     let (first, last) = (comm.rank() == 0, comm.rank() == comm.size() - 1);
     let tool_points = if first { &corners[..4] } else { &[] };
     let tool_cells = if first { &[quadrilateral][..] } else { &[] };
@@ -165,7 +170,7 @@ fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()>
     let folder = OutputFolder::create(path, &RUN, &[], comm)?;
     let mut log = Log::create(&folder, comm, true)?;
     for (number, residual, changes) in [(0, 1.0, 3), (1, 2e-4, 0)] {
-        log.iteration(&Iterate { step: "press", increment: 1, number, residual, changes, touching: 5 });
+        log.iteration(&Iteration { step: "press", increment: 1, number, residual, changes, touching: 5 });
     }
     let mut scene = add_grids(comm, &folder)?;
     write_increment(comm, &mut scene, 0.25)?;
