@@ -586,10 +586,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
             global.node_work[n as usize] = 1;
         }
     }
-    let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
-    let of_ties = scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]);
-    let of_faces =
-        of_contacts.chain(of_ties).chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
+    let of_faces = sides(scene).chain(scene.steps.iter().flat_map(|s| s.pressures.iter().map(|p| &p.set)));
     Faults::all(of_faces.map(|name| {
         let is_bare = names.iter().zip(&global.sets).any(|(n, set)| n.value == name.value && set.facets.is_empty());
         let what = format!("`{}` has no faces", name.value);
@@ -599,15 +596,19 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
     Ok(global)
 }
 
+/// The sets of faces that meet or are tied.
+fn sides(scene: &Scene) -> impl Iterator<Item = &Located<String>> {
+    let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
+    of_contacts.chain(scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]))
+}
+
 /// On the faces of quadratic elements uniform pressure has no force at the corners, which contact in nodes does not know of.
 fn refuse_quadratic_contacts(scene: &Scene, global: &GlobalMesh) -> Result<()> {
     let quadratic: BTreeSet<&str> = (global.solids.iter().zip(&global.solid_body))
         .filter(|(solid, _)| solid.shape == SolidShape::Tet10)
         .map(|(_, body)| scene.bodies[*body as usize].name.value.as_str())
         .collect();
-    let of_contacts = scene.contacts.iter().flat_map(|c| std::iter::once(&c.slave).chain(c.surface.map(|_| &c.master)));
-    let mut sides = of_contacts.chain(scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]));
-    let Some(side) = sides.find(|side| quadratic.contains(body_of(&side.value))) else { return Ok(()) };
+    let Some(side) = sides(scene).find(|side| quadratic.contains(body_of(&side.value))) else { return Ok(()) };
     let what = format!("`{}` has quadratic faces, which contacts and ties do not take", side.value);
     Err(Error::input(&side.at, what, "mesh such bodies with hexahedra, or with tetrahedra of first order"))
 }

@@ -166,6 +166,22 @@ fn a_block_is_drawn_over_a_plate() {
     assert_eq!(history.last(&format!("{contact}.slip")), 16.0);
 }
 
+/// The same block tied to the plate, whose faces are others, and drawn by a hundredth of that: CalculiX 2.20, which ties the
+/// slave's nodes to faces of the master, has 263.63 N with the same enhanced strain.
+#[test]
+fn a_tied_block_is_drawn() {
+    let (head, tail) = FRICTION.split_once("*CONTACT PAIR").unwrap();
+    let (_, tail) = tail.split_once("0.2, 500000").unwrap();
+    let tie = "*TIE, NAME=Bond, POSITION TOLERANCE=0.1\nDEPConstraintContact,INDConstraintContact";
+    let deck = format!("{head}{tie}{tail}").replace("Displacement,1,1,6.0", "Displacement,1,1,0.06");
+    let (bench, _) = converted(&deck.replace("TYPE=C3D8,", "TYPE=C3D8I,"));
+    assert!(scene(&bench).contains("[tie.Bond]"), "{}", scene(&bench));
+    let history = bench.solve(1, &[]).history();
+    let plate = |component: &str| history.last(&format!("M0S0.ConstraintFixed.{component}"));
+    assert_close("support", plate("fz"), 900.0, 1e-9);
+    assert_close("tie", plate("fx"), -263.63, 2e-2);
+}
+
 /// Parts, internal sets, a table of yield stresses, and an amplitude that bends: the scene written by hand for a block.
 #[test]
 fn a_plastic_bar_is_pulled_and_pressed() {
@@ -257,7 +273,8 @@ fn a_rigid_body_is_a_tool() {
 #[test]
 fn what_cannot_be_converted_is_refused() {
     let cases = [
-        (FRICTION, "*CONTACT PAIR", "*TIE, NAME=T\n*CONTACT PAIR", "*TIE cannot be converted"),
+        (FRICTION, "*CONTACT PAIR", "*TIE, NAME=T, CYCLIC SYMMETRY\n*CONTACT PAIR", "parameter CYCLIC SYMMETRY"),
+        (CLIP, "*STEP", "*TIE, NAME=T\nTOP, CAMFACE\n*STEP", "the tied surface 'CAMFACE' is on a rigid body"),
         (FRICTION, "*ELASTIC", "*ELASTIC, TYPE=ORTHO", "TYPE=ORTHO cannot be converted"),
         (FRICTION, "600, 0.4", "600, 0.4\n500, 0.4, 80", "2 lines of data"),
         (FRICTION, "*ELASTIC\n600, 0.4", "*HYPERELASTIC, ARRUDA-BOYCE\n1,2,3", "parameter ARRUDA-BOYCE"),

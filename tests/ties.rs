@@ -111,6 +111,32 @@ fn a_curved_seam_is_closed() {
     assert!(off[1] < 0.35 * off[0] && off[2] < 0.3 * off[1], "{off:?}");
 }
 
+/// The means of a coarse slave would draw its nodes out of the planes of symmetry at the ends of the seam.
+#[test]
+fn ends_of_a_seam_stay_in_planes_of_symmetry() {
+    let ring = |name: &str, radii: [f64; 2], elements: [usize; 3]| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nsymmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
+             block = {{ sector = {{ radii = {radii:?}, angles = [0, 90], length = 0.5 }}, elements = {elements:?} }}\n"
+        )
+    };
+    let rest = |inside: &str, history: &str| {
+        format!(
+            "[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nincrements = 2\npressure = [{{ set = \"{inside}.rmin\", value = 1.0 }}]\n\
+             [output]\nhistory = [{history}]\n"
+        )
+    };
+    let tie = "[tie.seam]\nslave = \"b.rmin\"\nmaster = \"a.rmax\"\n";
+    let rings = ring("a", [1.0, 2.0], [3, 12, 1]) + &ring("b", [2.0, 3.0], [3, 8, 1]) + tie;
+    let ends = r#""a.amin", "a.amax", "b.amin", "b.amax""#;
+    let tied = Bench::new(&(rings + &rest("a", ends))).solve(2, &[]).history();
+    let one = Bench::new(&(ring("a", [1.0, 3.0], [6, 12, 1]) + &rest("a", r#""a.amin""#))).solve(1, &[]).history();
+    let at = |end: &str| ["a", "b"].map(|body| tied.last(&format!("{body}.{end}"))).iter().sum::<f64>();
+    assert_small("both ends alike", at("amin.fy") - at("amax.fx"), 1e-12);
+    assert_close("one ring", at("amin.fy"), one.last("a.amin.fy"), 1e-3);
+}
+
 /// Two bodies with a gap between their faces, the lower on an edge along x and turned about it by another one, by 90 degrees.
 #[test]
 fn what_is_tied_turns_without_a_strain() {

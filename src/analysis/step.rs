@@ -268,8 +268,11 @@ impl<'a> Simulation<'a> {
             // Of the last factorization.
             let redundant = snes.linear_statistics().null_pivots;
             match outcome {
-                // Whatever the factorization has left out would bear nothing, and friction go on from that.
-                Attempt::Converged(_) if redundant > 0 && self.shared().contains(&true) => {
+                // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
+                // too far to begin anew.
+                Attempt::Converged(_)
+                    if redundant > 0 && frame.progress.ladder.way() != Way::Jump && self.shared().contains(&true) =>
+                {
                     let reason = format!("{redundant} conditions say what others say (null pivots)");
                     let size = (end - done) * duration;
                     let retried = Retried { step: frame.name(), size, reason: &reason, remedy: Remedy::Hold };
@@ -369,8 +372,8 @@ impl<'a> Simulation<'a> {
         let progress = Progress { past: Vec::new(), ..running.frame.progress.clone() };
         self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))?;
         if let Some(new) = self.running.take() {
-            let before = std::mem::replace(running, new);
-            (running.told, running.frame.plain) = (before.told, before.frame.plain);
+            // A failure from before has its equation by its old number.
+            running.told = std::mem::replace(running, new).told;
         }
         Ok(())
     }

@@ -23,8 +23,7 @@ const NUMERICS: &str = "it is for the solver of the deck";
 const HEAT: &str = "nagata has no temperatures";
 const STATICS: &str = "it does nothing in statics";
 const ONLY_STATIC: &str = "nagata computes static steps";
-const NO_JOINT: &str =
-    "nagata ties no bodies or nodes to each other; mesh what is bonded as one part, with common nodes";
+const NO_JOINT: &str = "nagata joins faces alone, by *TIE; else mesh what is bonded as one part, with common nodes";
 const NO_ELEMENT: &str = "nagata has solids alone, and springs to the ground";
 const NO_MODEL: &str =
     "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
@@ -97,8 +96,8 @@ fn fate(name: &str) -> Fate {
         | "CFD"
         | "SENSITIVITY"
         | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
-        "TIE"
-        | "EQUATION"
+        "TIE" => Fate::Read(&["NAME", "POSITION TOLERANCE", "ADJUST"]),
+        "EQUATION"
         | "MPC"
         | "COUPLING"
         | "KINEMATIC"
@@ -147,7 +146,7 @@ fn fate(name: &str) -> Fate {
             Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
         }
         "CLEARANCE" => Fate::Refused("surfaces meet where the mesh has them: move the nodes, or take it out"),
-        "TRANSFORM" => Fate::Refused("conditions of a scene are along x, y and z"),
+        "TRANSFORM" => Fate::Refused("write such conditions by hand, with `normal`, and take it out"),
         "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
         "MODEL CHANGE"
         | "CONTACT INTERFERENCE"

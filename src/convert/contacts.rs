@@ -1,4 +1,4 @@
-//! *CONTACT PAIR with its *SURFACE INTERACTION, and the tools that rigid masters are.
+//! *CONTACT PAIR with its *SURFACE INTERACTION, the tools that rigid masters are, and *TIE.
 
 use super::bodies::{Bodies, Owner};
 use super::cards::Notes;
@@ -56,6 +56,12 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
         interaction.is_used = true;
         tell_of_pair(card, notes);
         card.rows.iter().try_for_each(|row| pairs.convert(row, interaction.friction))?;
+    }
+    for card in cards.iter().filter(|card| card.keyword.name == "TIE") {
+        if card.keyword.get("ADJUST").is_some_and(|adjust| adjust.eq_ignore_ascii_case("NO")) {
+            notes.at(&card.at, "ADJUST=NO is passed over: slave nodes are moved until both sides meet in the mean");
+        }
+        card.rows.iter().try_for_each(|row| pairs.tie(card, row))?;
     }
     for interaction in interactions.iter().filter(|interaction| !interaction.is_used) {
         let what = format!("the interaction '{}' is of no *CONTACT PAIR: it is passed over", interaction.name);
@@ -145,6 +151,33 @@ impl Pairs<'_, '_> {
         Ok(())
     }
 
+    /// The tie of a line.
+    fn tie(&mut self, card: &Card, row: &Row) -> Result<()> {
+        let names: [&str; 2] = row.fields();
+        let mut sides = Vec::new();
+        for name in names {
+            match &self.parts(row, name)?[..] {
+                [Part::Body(body, faces)] => sides.push(self.face_name(*body, faces, name)?),
+                [Part::Tool(_)] => {
+                    let what = format!("the tied surface '{name}' is on a rigid body");
+                    return Err(row.error(what, "take the nodes of its surface into the *RIGID BODY"));
+                }
+                _ => {
+                    return Err(
+                        row.error(format!("the tied surface '{name}' is on several bodies"), "write a *TIE for each")
+                    );
+                }
+            }
+        }
+        let name = self.namer.name(card.keyword.get("NAME").unwrap_or(names[0]), "tie");
+        let [slave, master] = [&sides[0], &sides[1]].map(|side| quoted(side));
+        self.made.text += &format!("\n[tie.{name}]\nslave = {slave}\nmaster = {master}\n");
+        if let Some(tolerance) = card.keyword.get("POSITION TOLERANCE") {
+            self.made.text += &format!("tolerance = {:?}\n", row.number(tolerance, 0.0)?);
+        }
+        Ok(())
+    }
+
     /// `BODY.GROUP` of faces.
     fn face_name(&mut self, body: usize, faces: &[Face], hint: &str) -> Result<String> {
         let group = self.groups.faces(faces, self.bodies.is_inside(body), hint)?;
@@ -196,7 +229,9 @@ fn interactions(cards: &[Card], notes: &mut Notes) -> Result<Vec<Interaction>> {
             "SURFACE BEHAVIOR" => {
                 let law = card.keyword.get("PRESSURE-OVERCLOSURE").unwrap_or("HARD").to_uppercase();
                 if law == "TIED" {
-                    return Err(card.error("tied contact cannot be converted", "mesh what is bonded as one part"));
+                    return Err(
+                        card.error("tied contact cannot be converted", "write a *TIE of the two surfaces in its place")
+                    );
                 }
                 if let Some(what) = softness(card, &law)? {
                     let hard = "becomes hard contact, without penetration or pressure at a distance";

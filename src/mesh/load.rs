@@ -11,8 +11,7 @@ use std::path::{Path, PathBuf};
 /// Reads or generates a mesh, takes what `purpose` needs of it, orients its facets outward and checks it.
 ///
 /// A body has solids, and facets that are boundary faces of them; a tool has facets alone, where quadratic ones have become four
-/// linear ones each. Errors are wrong input at
-/// the path, the group, or a place in the mesh file.
+/// linear ones each. Errors are wrong input at the path, the group, or a place in the mesh file.
 pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
     let mut is_closed = false;
     let Selected { mut mesh, mut outward } = match source {
@@ -66,8 +65,11 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
     let data = std::fs::read(&path.value).map_err(|error| {
         Error::input(&path.at, format!("cannot read the mesh '{name}': {error}"), neighbours(&path.value))
     })?;
-    let data = encoding::unmarked(&path.value, data)
-        .map_err(|(what, help)| Error::input(&path.at, format!("the mesh '{name}' {what}"), help))?;
+    let data = match stl::is_binary(&data) {
+        true => data,
+        false => encoding::unmarked(&path.value, data)
+            .map_err(|(what, help)| Error::input(&path.at, format!("the mesh '{name}' {what}"), help))?,
+    };
     let extension = path.value.extension().unwrap_or_default().to_string_lossy().to_lowercase();
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
         (_, "stl") => stl::read(&name, data)?,

@@ -17,7 +17,8 @@ const COINCIDENT: f64 = 1e-9;
 /// Warns of faces of two bodies at one place that neither contact nor tie is between.
 ///
 /// # Errors
-/// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that neither contact nor tie is between.
+/// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that
+/// neither contact nor tie is between.
 pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Vec<String>> {
     let mut warnings = Vec::new();
     for ((a, b), pairs) in partners(global) {
@@ -77,7 +78,8 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
             if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
         );
         if shared {
-            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact or a `tie` between the faces";
+            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact or a `tie` \
+                        between the faces";
             return Err(Error::input(&other.name.at, what, help));
         }
         warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");

@@ -5,6 +5,9 @@
 //! Meth. Engng 59, 2004), again and again while this changes P. From then on P stands still, and as the equation holds of
 //! positions, it holds of any that are rotated and displaced: rigid motions, finite ones too, strain nothing.
 //!
+//! Where nodes lie in a plane of symmetry along an axis, or some step prescribes them along one, they are not moved along it: the
+//! mean of a coarse slave's nodes would draw them out of the plane, and no step ties them along it.
+//!
 //! In a layer of plane strain both nodes of an upright edge are one, with the sum of what the interpolation has for both.
 
 use crate::Vec3;
@@ -161,17 +164,18 @@ fn one(
         tied.warnings
             .push(format!("tie `{name}`: {share:.2} % of the area of `{slave}` lies beyond `{master}`, and is free"));
     }
+    let kept = kept(scene, names, global);
     let before: BTreeMap<u32, Vec3> = nodes(&slaves).iter().map(|&n| (n, global.points[n as usize])).collect();
     let mut means = folded(&found, global);
     let far = before.values().map(|x| x.amax()).fold(0.0, f64::max);
     for _ in 0..MOVES {
-        if go(&means, &before, scene, global) <= STILL * size + ROUNDING * far {
+        if go(&means, (&before, &kept), scene, global) <= STILL * size + ROUNDING * far {
             break;
         }
         found = look(global);
         means = folded(&found, global);
     }
-    go(&means, &before, scene, global);
+    go(&means, (&before, &kept), scene, global);
     let touched = global.solids.iter().filter(|solid| solid.nodes().iter().any(|n| before.contains_key(n)));
     let spoiled = spoiled(touched, |n| global.points[n as usize]);
     if !spoiled.is_empty() {
@@ -238,15 +242,49 @@ fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
     sums.into_iter().map(mean).collect()
 }
 
-/// Moves all nodes `before` to their means, in plane strain within the plane. Returns the longest way.
-fn go(means: &[Mean], before: &BTreeMap<u32, Vec3>, scene: &Scene, global: &mut GlobalMesh) -> f64 {
+/// The axes along which nodes must stay: those of planes of symmetry that they lie in, and those along which some step
+/// prescribes them.
+fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeMap<u32, [bool; 3]> {
+    /// Over the extent of a group, what is flat.
+    const FLAT: f64 = 1e-6;
+    let nodes = |set: &str| names.iter().position(|name| name.value == set).map_or(&[][..], |k| &global.sets[k].nodes);
+    let mut kept: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
+    let mut keep = |set: &str, axes: [bool; 3]| {
+        for &n in nodes(set) {
+            let of_node = kept.entry(n).or_default();
+            (0..3).for_each(|d| of_node[d] |= axes[d]);
+        }
+    };
+    for set in scene.bodies.iter().flat_map(|body| &body.symmetry) {
+        let at = |d: usize| nodes(&set.value).iter().map(move |&n| global.points[n as usize][d]);
+        let extents = [0, 1, 2].map(|d| at(d).fold(f64::NEG_INFINITY, f64::max) - at(d).fold(f64::INFINITY, f64::min));
+        let longest = extents.into_iter().fold(0.0, f64::max);
+        keep(&set.value, extents.map(|extent| extent <= FLAT * longest));
+    }
+    for step in &scene.steps {
+        step.fix.iter().for_each(|fix| keep(&fix.set.value, fix.directions));
+        step.moves.iter().for_each(|motion| keep(&motion.target.value, motion.directions));
+    }
+    kept
+}
+
+/// Moves all nodes `before` to their means, in plane strain within the plane, and but for the axes `kept`. Returns the longest
+/// way.
+fn go(
+    means: &[Mean],
+    (before, kept): (&BTreeMap<u32, Vec3>, &BTreeMap<u32, [bool; 3]>),
+    scene: &Scene,
+    global: &mut GlobalMesh,
+) -> f64 {
     let to: BTreeMap<u32, Vec3> = (means.iter())
         .map(|(node, weights)| (*node, weights.iter().map(|(n, weight)| global.points[*n as usize] * *weight).sum()))
         .collect();
     let mut farthest = 0.0f64;
     for &n in before.keys() {
+        let stays = kept.get(&n).copied().unwrap_or_default();
         let n = n as usize;
         let Some(mut x) = to.get(&global.tie[n]).copied() else { continue };
+        (0..3).filter(|&d| stays[d]).for_each(|d| x[d] = global.points[n][d]);
         if is_plane(scene, global.body[n] as usize) {
             x.z = global.points[n].z;
         }

@@ -1,9 +1,9 @@
 //! Equation numbers.
 //!
-//! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column exists. A node's displacements are
-//! numbered together, along the coordinate axes or, where conditions are inclined, along directions of its own
-//! ([`Axes`]); its multipliers follow, with friction along the same directions. The free motions of tools come last on rank
-//! 0. Numbers are contiguous by rank.
+//! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column
+//! exists. A node's displacements are numbered together, along the coordinate axes or, where conditions are inclined, along
+//! directions of its own ([`Axes`]); its multipliers follow, with friction along the same directions. The free motions of tools
+//! come last on rank 0. Numbers are contiguous by rank.
 
 use super::axes::Axes;
 use super::near::Near;

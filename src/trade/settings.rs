@@ -3,8 +3,8 @@
 use super::plan::Variant;
 use crate::mesh::SolidShape;
 use crate::scene::{
-    Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, Located, MeshSource, Scene,
-    Smoothing, Tangent, Tool,
+    Accuracy, Body, Description, Discretization, Enforcement, Formulation, Linear, Located, MaterialModel, MeshSource,
+    Scene, Smoothing, Tangent, Tool,
 };
 
 /// A setting with the ways that it can be, one of which the scene has: label, overrides, and wall time over that of the scene
@@ -279,7 +279,13 @@ fn element(scene: &Scene) -> Setting {
             let is_block = matches!(body.mesh, MeshSource::Block(_));
             let hexahedra = is_block || given.is_some_and(|given| given.shape() == SolidShape::Hex8);
             let locks = scene.material(&body.material.value).is_some_and(|model| model.keeps_volume().is_some());
-            hexahedra && now != element && (element != Formulation::Hex8 || !locks)
+            let directed = matches!(scene.material(&body.material.value), Some(MaterialModel::Orthotropic(_)));
+            let suits = match element {
+                Formulation::Hex8 => !locks,
+                Formulation::Hex8Eas => !directed,
+                _ => true,
+            };
+            hexahedra && now != element && suits
         });
         let others = others.map(|body| format!("body.{}.element={}", body.name.value, element.key())).collect();
         setting.add(&format!("elements: {}", element.key()), others, 1.0);

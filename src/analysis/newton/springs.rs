@@ -22,7 +22,7 @@ impl Newton<'_> {
     pub(super) fn add_spring_tangent(&mut self) {
         let System { dofs, pattern, conditions, .. } = &self.system;
         for (&n, stiffness) in &conditions.springs {
-            for d in (0..3).filter(|&d| stiffness[d] > 0.0) {
+            for d in (0..3).filter(|&d| stiffness[d] != 0.0) {
                 for (row, share) in dofs.shares(n, d) {
                     let Some(local) = dofs.local(row) else { continue };
                     for (column, part) in dofs.shares(n, d) {

@@ -6,6 +6,7 @@
 
 use super::super::conditions::Conditions;
 use super::worst;
+use crate::contact::moves::alike;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scene::Scene;
@@ -18,14 +19,15 @@ const BESIDE: f64 = 1e-6;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model, steps: &[Conditions]) -> Result<()> {
     for (step, conditions) in scene.steps.iter().zip(steps) {
         // Not a number where it is free.
-        let by = |n: u32, d: usize| conditions.prescribed[3 * n as usize + d].map_or(f64::NAN, |motion| motion.by);
+        let by = |n: u32, d: usize| conditions.prescribed[3 * n as usize + d].map_or(f64::NAN, |motion| motion.way());
         for (joint, tie) in model.joints.iter().zip(&scene.ties) {
             let moves = joint.masters.fetch(comm, 3, by);
             let mut lost: Vec<(u32, f64)> = Vec::new();
             for slave in &joint.slaves {
                 for (d, by) in (0..3).map(|d| (d, by(slave.node, d))).filter(|(_, by)| !by.is_nan()) {
-                    let alike = |(k, weight): &(u32, f64)| weight.abs() > BESIDE && moves[3 * *k as usize + d] == by;
-                    if !slave.weights.iter().any(alike) {
+                    let beside =
+                        |(k, weight): &(u32, f64)| weight.abs() > BESIDE && alike(moves[3 * *k as usize + d], by);
+                    if !slave.weights.iter().any(beside) {
                         lost.push((slave.node, 0.0));
                     }
                 }
