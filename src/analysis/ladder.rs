@@ -7,7 +7,7 @@
 //!    Uzawa's method, and no unknowns: penalties share out what a node gets of each. A block that is pushed into a corner of
 //!    three planes with friction takes some 15 iterations an increment then; with constraints that give way it is cut without
 //!    end, or comes out unlike in directions that are alike. So it is, too, where Newton's method fails, and where it has
-//!    converged with null pivots, which give all to one of the contacts.
+//!    converged with null pivots, which give all to one of the contacts, or by multigrid, which does not see them.
 //!
 //!    Elsewhere constraints give way until they are tightened. Once that has helped, it is the way of the step. In
 //!    self-contact, where they give way always, by more, and wherever an increment has failed: nodes that almost meet send

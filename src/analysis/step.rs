@@ -44,6 +44,8 @@ pub(super) struct Running<'a> {
     snes: Snes<'a>,
     x: Vector<'a>,
     systems: Systems,
+    /// Systems are solved by multigrid, which does not tell what conditions say what others say.
+    is_blind: bool,
     /// What was done for linear systems before it.
     before: LinearStatistics,
     told: Told,
@@ -206,7 +208,8 @@ impl<'a> Simulation<'a> {
         self.summary.count(dofs.total, dofs.total_multipliers, systems.entries as u64);
         // Whatever is near now: the same in all steps.
         let most = dofs.total + dofs.spared;
-        match cost::solver(linear, most, self.model.is_plane()) {
+        let solver = cost::solver(linear, most, self.model.is_plane());
+        match solver {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
                 snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, most))?;
@@ -219,7 +222,8 @@ impl<'a> Simulation<'a> {
         let x = Vector::zeros(self.petsc, dofs.count)?;
         let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
         frame.hangs = self.hangs(&frame);
-        self.running = Some(Running { frame, snes, x, systems, before: self.summary.linear, told: Told::default() });
+        let (is_blind, before) = (solver == Linear::Iterative, self.summary.linear);
+        self.running = Some(Running { frame, snes, x, systems, is_blind, before, told: Told::default() });
         Ok(())
     }
 
@@ -271,11 +275,13 @@ impl<'a> Simulation<'a> {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
                 // too far to begin anew.
                 Attempt::Converged(_)
-                    if redundant > 0 && frame.progress.ladder.way() != Way::Jump && self.shared().contains(&true) =>
+                    if (redundant > 0 || running.is_blind)
+                        && frame.progress.ladder.way() != Way::Jump
+                        && self.shared().contains(&true) =>
                 {
-                    let reason = format!("{redundant} conditions say what others say (null pivots)");
+                    let reason = "nodes bear several contacts, whose conditions may say what others say";
                     let size = (end - done) * duration;
-                    let retried = Retried { step: frame.name(), size, reason: &reason, remedy: Remedy::Hold };
+                    let retried = Retried { step: frame.name(), size, reason, remedy: Remedy::Hold };
                     observer(&Event::Retried(retried))?;
                     self.hold(running)?;
                     return self.seek(running, observer);

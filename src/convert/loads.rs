@@ -192,8 +192,8 @@ pub(super) fn carried(
     match next.constant(amplitude) {
         Some(factor) if factor == last.factor(amplitude, 1.0) => Ok(None),
         _ => {
-            let what = "the amplitude of this condition is over the time of its step, but it acts in the next one, too";
-            let help = "write the condition again in that step, with its amplitude or without, or take TIME=TOTAL TIME";
+            let what = "the amplitude of this condition is over the time of its step, and another step follows";
+            let help = "write the amplitude over the time of all steps, with TIME=TOTAL TIME";
             Err(Error::input(at, what, help))
         }
     }

@@ -185,6 +185,9 @@ fn into_a_corner() -> Vec<Case> {
             }
             cases.push(case.quick_if(method == "augmented-lagrangian"));
         }
+        let case = Case::text(format!("{name}, multigrid"), scene("augmented-lagrangian"));
+        let case = case.set("solver.linear=iterative").oracle(same("wx.fz@push", uzawa, 1e-5, "uzawa"));
+        cases.push(case.must_run().quick_if(name == "askew"));
     }
     cases
 }
