@@ -109,15 +109,13 @@ fn history(bench: &Bench, run: &str) -> History {
 /// Largest difference of the forces of roller and support, over the largest force of the second, row by row.
 fn forces_apart(a: &History, b: &History) -> f64 {
     let (mut off, mut scale) = (0.0f64, 0.0f64);
-    for source in ["roller", "pad.bottom"] {
-        let vectors = |history: &History, row: usize| {
-            ["fx", "fy", "fz"].map(|component| history.column(&format!("{source}.{component}"))[row])
-        };
-        for row in 0..b.len() {
-            let (a, b) = (vectors(a, row), vectors(b, row));
-            off = off.max((0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt());
-            scale = scale.max(b.iter().map(|f| f * f).sum::<f64>().sqrt());
-        }
+    let vectors = |history: &History, row: usize| {
+        ["fx", "fy", "fz"].map(|component| history.column(&format!("roller.{component}"))[row])
+    };
+    for row in 0..b.len() {
+        let (a, b) = (vectors(a, row), vectors(b, row));
+        off = off.max((0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt());
+        scale = scale.max(b.iter().map(|f| f * f).sum::<f64>().sqrt());
     }
     off / scale
 }

@@ -40,7 +40,10 @@ pub fn first_word(comm: &impl Communicator, word: Option<String>) -> Option<Stri
     let mut length = text.len() as u64;
     speaker.broadcast_into(&mut length);
     text.resize(length as usize, 0);
-    speaker.broadcast_into(&mut text[..]);
+    // Where an empty vector is, MPI takes for MPI_IN_PLACE.
+    if length > 0 {
+        speaker.broadcast_into(&mut text[..]);
+    }
     Some(String::from_utf8_lossy(&text).into_owned())
 }
 
