@@ -331,10 +331,10 @@ fn a_signal_ends_the_run_and_keeps_the_others() {
 #[test]
 fn a_run_that_takes_too_long_is_stopped_and_shown() {
     let bench = Bench::new(SCENE);
-    let arguments = ["--reference", "solver.tolerance=1e-11", "--vary", "solver.pace=0.001", "--limit", "2"];
+    let arguments = ["--reference", "solver.tolerance=1e-11", "--vary", "solver.pace=0.001", "--limit", "5"];
     succeeds(&bench, &arguments);
     let row = &rows(&bench)["solver.pace=0.001"];
-    assert!(row["reason"].starts_with("stopped after 2 s"), "{row:?}");
+    assert!(row["reason"].starts_with("stopped after 5 s"), "{row:?}");
     assert_eq!(row["code"], "");
 }
 
