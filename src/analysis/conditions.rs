@@ -24,7 +24,7 @@ use crate::partition::PartSolid;
 use crate::scene::{Amplitude, Formulation, Located, Rotation, Step};
 use crate::system::Axes;
 use crate::system::dofs::{Motion, Prescribed, ToolFreedom};
-use crate::{Mat3, Vec3};
+use crate::{AXIS_NAMES, Mat3, Vec3};
 use inclined::Inclined;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -378,7 +378,7 @@ impl Conditions {
                 let motion = Motion { from: u[one][d], by: by[d], course };
                 let slot = &mut self.prescribed[3 * one + d];
                 if slot.is_some_and(|other| !alike(other.way(), motion.way())) {
-                    let axis = ["x", "y", "z"][d];
+                    let axis = AXIS_NAMES[d];
                     let node = model.part.id[n as usize];
                     let what = format!(
                         "node {node} of `{set}` is already moved otherwise along {axis} by another condition of this step"

@@ -9,6 +9,7 @@
 //! - `increments`: how long the next increment is
 //! - `ladder`, `jump`: what is tried when it does not converge
 //! - `hold`: what holds bodies and tools
+//! - `shared_nodes`: nodes that bear several contacts with friction
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted
 //! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
@@ -50,6 +51,7 @@ mod restart;
 mod results;
 mod run;
 mod runaway;
+mod shared_nodes;
 mod simulation;
 mod state;
 mod step;

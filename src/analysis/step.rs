@@ -18,13 +18,12 @@ use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
 use crate::model::{Model, states};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, max, sum, word_of_largest};
+use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
@@ -48,12 +47,12 @@ pub(super) struct Running<'a> {
     is_blind: bool,
     /// What was done for linear systems before it.
     before: LinearStatistics,
-    told: Told,
+    pub(super) told: Told,
 }
 
 /// What of the linear solver has been told of in a step.
 #[derive(Default)]
-struct Told {
+pub(super) struct Told {
     null_pivots: bool,
     unsolved: bool,
     impatience: bool,
@@ -277,13 +276,13 @@ impl<'a> Simulation<'a> {
                 Attempt::Converged(_)
                     if (redundant > 0 || running.is_blind)
                         && frame.progress.ladder.way() != Way::Jump
-                        && self.shared().contains(&true) =>
+                        && self.shares_nodes() =>
                 {
                     let reason = "nodes bear several contacts, whose conditions may say what others say";
                     let size = (end - done) * duration;
                     let retried = Retried { step: frame.name(), size, reason, remedy: Remedy::Hold };
                     observer(&Event::Retried(retried))?;
-                    self.hold(running)?;
+                    self.hold_multipliers(running)?;
                     return self.seek(running, observer);
                 }
                 Attempt::Converged(converged) => {
@@ -311,7 +310,7 @@ impl<'a> Simulation<'a> {
                 }
                 Attempt::Failed(failed) => {
                     if self.retry(frame, failed, duration, observer)? == Remedy::Hold {
-                        self.hold(running)?;
+                        self.hold_multipliers(running)?;
                         return self.seek(running, observer);
                     }
                 }
@@ -328,7 +327,7 @@ impl<'a> Simulation<'a> {
         if let Some(told) = self.runaway(frame, end) {
             return Err(Error::Diverged(Box::new(told)));
         }
-        let (can_yield, can_hold) = (self.yields(), self.shared().contains(&true));
+        let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
         let Progress { increments, ladder, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
         (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
@@ -346,42 +345,6 @@ impl<'a> Simulation<'a> {
             frame.plain = Some(failed);
         }
         Ok(remedy)
-    }
-
-    /// The pairs with multipliers as unknowns of which a slave node touches another master, too, as the iterate is, one of them
-    /// with friction. Collective.
-    fn shared(&self) -> Vec<bool> {
-        let pairs = &self.model.pairs;
-        let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
-            let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
-            touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
-        }
-        let mut shared = vec![0.0; pairs.len()];
-        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
-            at.iter().for_each(|&p| shared[p] = 1.0);
-        }
-        max(self.comm, &mut shared);
-        shared.iter().map(|shared| *shared > 0.0).collect()
-    }
-
-    /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's
-    /// equations anew. Collective.
-    fn hold(&mut self, running: &mut Running<'a>) -> Result<()> {
-        let shared = self.shared();
-        let Model { part, masters, pairs, .. } = &mut self.model;
-        masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
-        masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
-        for (pair, _) in pairs.iter_mut().zip(shared).filter(|(_, shared)| *shared) {
-            pair.hold(&masters.of(pair.master));
-        }
-        let progress = Progress { past: Vec::new(), ..running.frame.progress.clone() };
-        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))?;
-        if let Some(new) = self.running.take() {
-            // A failure from before has its equation by its old number.
-            running.told = std::mem::replace(running, new).told;
-        }
-        Ok(())
     }
 
     /// When constraints may give way, or more than they do anyway. Collective.

@@ -13,6 +13,7 @@ use super::planes::Still;
 use super::scene::{self, Lists};
 use super::springs::Springs;
 use super::tables;
+use crate::AXIS_NAMES;
 use crate::error::{Error, Result};
 use crate::mesh::abaqus::Card;
 use std::collections::BTreeMap;
@@ -312,7 +313,7 @@ impl Writer<'_, '_> {
             };
             let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
             if let Some(dof) = (3..6).find(|&dof| hold(dof).is_none()) {
-                let what = format!("the rigid body is free to turn about {}", scene::letter(dof - 3));
+                let what = format!("the rigid body is free to turn about {}", AXIS_NAMES[dof - 3]);
                 return refuse(what, "nagata's tools turn only as prescribed: hold 4 to 6 of the reference node");
             }
             let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();

@@ -49,9 +49,7 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     let friction = |item: &Item| {
         item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
     };
-    let automatic = |item: &Item| {
-        if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
-    };
+    let automatic = Item::positive_or_auto;
     let tangents = [("exact", Tangent::Exact), ("fixed-frame", Tangent::FixedFrame)];
     let slave = table.require("slave", "\"BODY.GROUP\"").and_then(|item| names.faces(&item));
     let master = table.require("master", "\"TOOL\"").and_then(|item| names.master(&item));

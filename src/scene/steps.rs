@@ -5,8 +5,8 @@ use super::keep::keep;
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
 use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
-use crate::Vec3;
 use crate::error::{Error, Faults, Location, Result};
+use crate::{AXIS_NAMES, Vec3};
 
 const SHARE: &str = "it is a share of the slave nodes";
 /// Share of a motion across a direction that counts as rounding.
@@ -181,7 +181,7 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
     if let (Some(axis), Some(item)) =
         ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis] && normal.is_none()), table.get("by"))
     {
-        let what = format!("moves in {}, which `directions` leaves free", letter(axis));
+        let what = format!("moves in {}, which `directions` leaves free", AXIS_NAMES[axis]);
         return Err(item.error(what, "make it 0, or add the direction"));
     }
     if let (Some(normal), Some(item)) = (normal, table.get("by"))
@@ -222,7 +222,7 @@ fn force(item: &Item, names: &Names, duration: f64) -> Result<Force> {
         }
     };
     if let Some(axis) = (0..3).find(|&axis| total[axis] != 0.0 && !directions[axis]) {
-        let what = format!("acts in {}, in which `directions` does not free the tool", letter(axis));
+        let what = format!("acts in {}, in which `directions` does not free the tool", AXIS_NAMES[axis]);
         return Err(total_item.error(what, "make it 0, or add the direction"));
     }
     let table = table.optional("table", |item| amplitude::read(item, duration))?;
@@ -275,7 +275,7 @@ fn check_fixed_moves(step: &Step) -> Result<()> {
     for movement in &step.moves {
         for fix in step.fix.iter().filter(|fix| fix.set.value == movement.target.value) {
             if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && fix.directions[axis]) {
-                let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, letter(axis));
+                let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, AXIS_NAMES[axis]);
                 return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
             }
         }
@@ -287,7 +287,7 @@ fn check_fixed_moves(step: &Step) -> Result<()> {
 fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
     for movement in step.moves.iter().filter(|movement| movement.target.value == force.target.value) {
         if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && force.directions[axis]) {
-            let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, letter(axis));
+            let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, AXIS_NAMES[axis]);
             return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
         }
     }
@@ -296,8 +296,4 @@ fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
 
 fn conflict(step: &Step, at: &Location, what: &str, help: &str) -> Error {
     Error::input(at, format!("step `{}` {what}", step.name.value), help)
-}
-
-fn letter(axis: usize) -> &'static str {
-    ["x", "y", "z"][axis]
 }

@@ -34,7 +34,6 @@ fn tie(name: Located<String>, item: &Item, names: &Names) -> Result<Tie> {
         let what = format!("ties `{}` to itself", slave.value);
         return Err(Error::input(&master.at, what, "name the faces that it is to be tied to"));
     }
-    let length =
-        |item: &Item| if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) };
-    Ok(Tie { name, slave, master, tolerance: table.optional("tolerance", length)?.flatten() })
+    let tolerance = table.optional("tolerance", Item::positive_or_auto)?.flatten();
+    Ok(Tie { name, slave, master, tolerance })
 }

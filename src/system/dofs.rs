@@ -7,13 +7,13 @@
 
 use super::axes::Axes;
 use super::near::Near;
-use crate::Vec3;
 use crate::contact::Movement;
 use crate::contact::moves::{alike, way};
 use crate::failure::Place;
 use crate::model::Model;
 use crate::model::ties::Joint;
 use crate::parallel::{any, number, starts};
+use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::{Multipliers, Node, Unknowns};
@@ -314,11 +314,7 @@ impl DofMap {
         let wanted = self.first + equation as i64;
         let find = |(t, equations): (usize, &[i64; 3])| Some((t, equations.iter().position(|&e| e == wanted)?));
         let (t, d) = self.tool.iter().enumerate().find_map(find)?;
-        Some(format!(
-            "the motion along {} of the force-driven tool `{}`",
-            ["x", "y", "z"][d],
-            model.masters.tools[t].name
-        ))
+        Some(format!("the motion along {} of the force-driven tool `{}`", AXIS_NAMES[d], model.masters.tools[t].name))
     }
 
     /// The node and component, or else the slave or tool, of a local equation, for messages.
@@ -328,7 +324,7 @@ impl DofMap {
         };
         let along = |d: usize| match self.axes.of(node as usize) {
             Some(axes) => format!("({:.3}, {:.3}, {:.3}) of", axes[(0, d)], axes[(1, d)], axes[(2, d)]),
-            None => format!("{} of", ["x", "y", "z"][d]),
+            None => format!("{} of", AXIS_NAMES[d]),
         };
         let what = direction.map_or("the force of a contact or tie at".into(), along);
         format!("{what} node {}{}", node_name(model, node), contact_status(model, node))

@@ -10,11 +10,11 @@
 //! points, motions are free where x·K x < TILT² x·M x. M has a little of the unit matrix besides, for what moves no point;
 //! rotations are scaled by the half diagonal of the body.
 
-use crate::Vec3;
 use crate::contact::Pair;
 use crate::model::Model;
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, hull};
+use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -320,7 +320,7 @@ fn turn(axis: &Vec3, point: &Vec3) -> String {
 /// x, y or z, or the vector.
 fn name(v: &Vec3) -> String {
     match (0..3).find(|&d| v[d].abs() > 1.0 - TILT) {
-        Some(d) => ["x", "y", "z"][d].into(),
+        Some(d) => AXIS_NAMES[d].into(),
         None => format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z),
     }
 }
