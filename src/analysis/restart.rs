@@ -419,13 +419,18 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// How far forces on nodes and tools are from those of the last increment, over those of their body or tool.
+/// How far forces on nodes and tools are from those of the last increment, over those of their body, or of the contacts of the
+/// tool: only one that a force drives has a scale of its own.
 fn apart(newton: &Newton, state: &State) -> f64 {
     let (model, balance) = (&newton.system.model, &newton.found.balance);
-    let first = model.sections.len() + model.pairs.len();
-    let over = |off: Vec3, group: usize| off.amax() / balance.scale(group);
-    let node = |n: usize| over(newton.found.forces[n] - state.reactions[n], model.part.section[n] as usize);
-    let tool = |t: usize| over(newton.found.tool_forces[t] - state.tool_forces[t], first + t);
+    let (pairs, tools) = (model.sections.len(), model.sections.len() + model.pairs.len());
+    let node =
+        |n: usize| (newton.found.forces[n] - state.reactions[n]).amax() / balance.scale(model.part.section[n] as usize);
+    let tool = |t: usize| {
+        let of_tool = model.pairs.iter().enumerate().filter(|(_, pair)| pair.master.tool() == Some(t));
+        let scale = of_tool.map(|(p, _)| balance.scale(pairs + p)).fold(balance.scale(tools + t), f64::max);
+        (newton.found.tool_forces[t] - state.tool_forces[t]).amax() / scale
+    };
     let all = (0..model.part.owned).map(node).chain((0..state.tool_forces.len()).map(tool));
     all.fold(0.0, |most, off| if off.is_nan() { f64::INFINITY } else { most.max(off) })
 }
