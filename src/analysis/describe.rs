@@ -39,6 +39,7 @@ pub fn tool(tool: &Tool) -> String {
 /// What a deformable master is made of.
 pub fn master(surface: &BodySurface) -> String {
     let kind = match surface.given.smoothing {
+        _ if surface.is_quadratic => "quadratic facets",
         Smoothing::Facet => "flat facets",
         Smoothing::Nagata => "Nagata patches",
     };

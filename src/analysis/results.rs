@@ -7,7 +7,8 @@ use crate::Vec3;
 use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
-use crate::model::{Body, Model, elements, states};
+use crate::model::tractions::tractions;
+use crate::model::{Body, Model, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::HistoryFile;
@@ -73,7 +74,8 @@ impl Grids {
         let mut contacts = Vec::new();
         for pair in &model.pairs {
             let set = &model.part.sets[pair.set];
-            let cells: Vec<NumberedCell> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
+            let pieces = model.part.pieces(&set.facets);
+            let cells: Vec<NumberedCell> = pieces.iter().filter(|f| f.mine).map(facet_cell).collect();
             contacts.push(show(comm, fields, model, &format!("contact.{}", pair.name), set.nodes.clone(), &cells)?);
         }
         let tools = add_tools(comm, fields, model)?;
@@ -261,7 +263,7 @@ impl Results {
             let mut most = [0.0f64; 2];
             let mut force = [0.0; 3];
             for pass in std::iter::once(pair).chain(pair.other.map(|other| &model.pairs[other])) {
-                let areas = slave_areas(model, pass.set, &state.u);
+                let tractions = tractions(comm, model, pass, &state.u);
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
                 let sign = if pass.is_second { 1.0 } else { -1.0 };
                 for slave in &pass.slaves {
@@ -274,7 +276,7 @@ impl Results {
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);
                     most[0] = most[0].max(slave.sight.depth);
                     if let Some(p) = &slave.accepted.projection {
-                        most[1] = most[1].max(slave.accepted.on_node().dot(&p.normal) / areas[slave.node as usize]);
+                        most[1] = most[1].max(tractions[slave.node as usize].dot(&p.normal));
                     }
                 }
             }
@@ -316,7 +318,7 @@ impl Results {
             grids.push(Columns { grid: &shown.grid, node: of_bodies.at_nodes(&shown.nodes), cell });
         }
         for (p, shown) in self.grids.contacts.iter().enumerate() {
-            grids.push(contact_columns(model, p, shown, u, &self.wanted));
+            grids.push(contact_columns(comm, model, p, (shown, u, &self.wanted)));
         }
         let poses: Vec<Pose> = model.masters.tools.iter().map(|tool| tool.committed).collect();
         grids.extend(self.grids.surfaces(comm, model, (&poses, u)));
@@ -392,20 +394,16 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
     columns
 }
 
-/// Current area that belongs to each owned node of a slave surface; tied nodes count for the node they follow.
-fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
-    let mut areas = vec![0.0; model.part.points.len()];
-    elements::add_nodal_areas(model, &model.part.sets[set].facets, u, |n, area| {
-        areas[model.part.tie[n as usize] as usize] += area;
-    });
-    areas.truncate(model.part.owned);
-    areas
-}
-
 /// What is wanted of status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
-fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3], wanted: &[Quantity]) -> Columns<'g> {
+/// Collective.
+fn contact_columns<'g>(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    pair: usize,
+    (shown, u, wanted): (&'g Shown, &[Vec3], &[Quantity]),
+) -> Columns<'g> {
     let pair = &model.pairs[pair];
-    let areas = slave_areas(model, pair.set, u);
+    let tractions = tractions(comm, model, pair, u);
     let mut of_node = vec![None; model.part.owned];
     for slave in &pair.slaves {
         of_node[slave.node as usize] = Some(&slave.accepted);
@@ -417,7 +415,7 @@ fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3],
     let tie = |n: u32| model.part.tie[n as usize] as usize;
     let projections = || trials.iter().map(|t| t.and_then(|t| t.projection));
     let force = |k: usize| trials[k].map_or(Vec3::zeros(), |t| t.on_node());
-    let traction = |k: usize| force(k) / areas[tie(shown.nodes[k])];
+    let traction = |k: usize| tractions[tie(shown.nodes[k])];
     let all = 0..shown.nodes.len();
     let normals = || projections().map(|p| p.map_or(Vec3::zeros(), |p| p.normal));
     let values = |quantity: &Quantity| {

@@ -399,13 +399,18 @@ impl<'a> Ground<'a> {
         SlipOrigin::Carried(id, xi)
     }
 
-    /// The shares of the corners of a patch in the point `at`, with which of its nodes they are; a tool has but one.
+    /// The shares of a patch's own nodes in the point `at`, with which of its nodes they are; a tool has but one.
     pub fn bearing(&self, at: &Projection) -> impl Iterator<Item = (u32, f64)> + Clone + 'a {
         let [e, z] = at.xi;
+        let [b0, b1, b2] = [1.0 - e, e - z, z];
+        let quadratic =
+            [2.0 * b0 * b0 - b0, 2.0 * b1 * b1 - b1, 2.0 * b2 * b2 - b2, 4.0 * b0 * b1, 4.0 * b1 * b2, 4.0 * b2 * b0];
+        let bilinear = [b0 * (1.0 - z), e * (1.0 - z), e * z, b0 * z, 0.0, 0.0];
         let (nodes, weights) = match self.patch(at.patch) {
-            None => (&[0][..], [1.0, 0.0, 0.0, 0.0]),
-            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [1.0 - e, e - z, z, 0.0]),
-            Some((_, stencil)) => (&stencil[..4], [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z]),
+            None => (&[0][..], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            Some((patch, stencil)) if patch.is_quadratic => (&stencil[..6], quadratic),
+            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [b0, b1, b2, 0.0, 0.0, 0.0]),
+            Some((_, stencil)) => (&stencil[..4], bilinear),
         };
         nodes.iter().copied().zip(weights)
     }
@@ -427,7 +432,9 @@ impl<'a> Ground<'a> {
             Self::Surface(surface, Meets::Faces | Meets::Own) => {
                 let given = &surface.given;
                 tangent == Tangent::Exact
-                    && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet)
+                    && (surface.is_quadratic
+                        || given.transfer == Transfer::Variational
+                        || given.smoothing == Smoothing::Facet)
             }
         }
     }
