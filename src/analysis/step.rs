@@ -501,7 +501,7 @@ impl<'a> Simulation<'a> {
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        Ok(match self.watched(attempt?) {
+        Ok(match self.watched(attempt?, frame.conditions()) {
             Attempt::Converged(converged) if drag == 0.0 => self.still_held(frame, converged),
             attempt => attempt,
         })
