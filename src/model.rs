@@ -534,6 +534,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
         step.forces.iter().for_each(|c| add(&c.target));
         step.pressures.iter().for_each(|c| add(&c.set));
         step.springs.iter().for_each(|c| add(&c.set));
+        step.dashpots.iter().for_each(|c| add(&c.set));
     }
     scene.output.history.iter().for_each(&mut add);
     let probed = scene.output.probes.iter().filter_map(|probe| match &probe.place {

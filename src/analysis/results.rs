@@ -2,7 +2,7 @@
 
 use super::body_fields::{BodyFields, Known};
 use super::probes::{self, Lengths, Probes};
-use super::{Increment, SetReading, Simulation, State, Way};
+use super::{Increment, SetReading, Simulation, State, ToolReading, Way};
 use crate::Vec3;
 use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
@@ -51,6 +51,8 @@ pub struct Results {
     history: HistoryFile,
     fields: Fields,
     grids: Grids,
+    /// Tools with a torque in some step, and sets, in the history.
+    turned: Vec<String>,
     watched: Vec<String>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
@@ -164,7 +166,7 @@ impl Results {
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
-        let history = HistoryFile::create(folder, comm, &columns(model, &watched(scene)))?;
+        let history = HistoryFile::create(folder, comm, &columns(model, scene))?;
         let probes = Probes::create(comm, folder, scene, model)?;
         Self::new(comm, (history, Fields::create(folder, "fields", comm)?, probes), scene, model)
     }
@@ -182,7 +184,7 @@ impl Results {
         (history, written, probes): (u64, Option<usize>, &Lengths),
     ) -> Result<Self> {
         probes::check_same(scene, probes)?;
-        let history = HistoryFile::go_on(folder, comm, &columns(model, &watched(scene)), history)?;
+        let history = HistoryFile::go_on(folder, comm, &columns(model, scene), history)?;
         let probes = Probes::go_on(comm, folder, scene, model, probes)?;
         Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)
     }
@@ -197,6 +199,7 @@ impl Results {
             history,
             grids: Grids::new(comm, &mut fields, model)?,
             fields,
+            turned: turned(scene),
             watched: watched(scene),
             wanted: scene.output.fields.clone(),
             vtkhdf: scene.output.vtkhdf,
@@ -248,6 +251,9 @@ impl Results {
             row.extend(tool.displacement().iter());
             row.extend((-force).iter());
         }
+        for ToolReading { turned, moment, .. } in self.turned.iter().filter_map(|tool| simulation.tool(tool)) {
+            row.extend([turned, moment]);
+        }
         for set in &self.watched {
             if let Some(SetReading { displacement, reaction }) = simulation.set(set) {
                 row.extend(displacement.iter().chain(reaction.iter()));
@@ -287,6 +293,11 @@ impl Results {
                 sum(comm, &mut force);
                 row.extend(force);
             }
+        }
+        for joint in &model.joints {
+            let mut force = joint.slaves.iter().map(|slave| -slave.force).sum::<Vec3>();
+            sum(comm, force.as_mut_slice());
+            row.extend(&force);
         }
         let how = match increment.way {
             Way::Newton { settle: false } => 0.0,
@@ -357,6 +368,12 @@ impl<'g> Columns<'g> {
     }
 }
 
+/// The tools that a torque drives in some step.
+fn turned(scene: &Scene) -> Vec<String> {
+    let is_turned = |tool: &str| scene.steps.iter().flat_map(|step| &step.torques).any(|own| own.tool.value == tool);
+    scene.tools.iter().map(|tool| tool.name.value.clone()).filter(|tool| is_turned(tool)).collect()
+}
+
 /// The sets in the history.
 fn watched(scene: &Scene) -> Vec<String> {
     scene.output.history.iter().map(|set| set.value.clone()).collect()
@@ -376,10 +393,11 @@ fn plastic_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
 }
 
 /// Columns of the history after `step,increment,time,iterations`.
-fn columns(model: &Model, watched: &[String]) -> Vec<String> {
-    let names = model.masters.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
-    let mut columns: Vec<String> =
-        names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
+fn columns(model: &Model, scene: &Scene) -> Vec<String> {
+    let of = |name: &str| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{name}.{c}"));
+    let mut columns: Vec<String> = model.masters.tools.iter().flat_map(|tool| of(&tool.name)).collect();
+    columns.extend(turned(scene).iter().flat_map(|tool| ["angle", "moment"].map(|c| format!("{tool}.{c}"))));
+    columns.extend(watched(scene).iter().flat_map(|set| of(set)));
     for (_, body) in plastic_bodies(model) {
         columns.extend(["elastic_energy", "plastic_work"].map(|c| format!("{}.{c}", body.name)));
     }
@@ -390,6 +408,7 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
             columns.extend(["fx", "fy", "fz"].map(|c| format!("{}.{c}", pair.name)));
         }
     }
+    columns.extend(model.joints.iter().flat_map(|joint| ["fx", "fy", "fz"].map(|c| format!("{}.{c}", joint.name))));
     columns.extend(["residual", "limit", "failures", "found"].map(String::from));
     columns
 }

@@ -1,6 +1,6 @@
 //! Masters: what slave surfaces meet, of whatever kind, behind one type.
 //!
-//! A rigid tool is a master of one node, its translation; its pose is given. The faces of a body move with the nodes of
+//! A rigid tool is a master of two nodes, its translation and, in the first component, its rotation by a torque. The faces of a body move with the nodes of
 //! the mesh. Both say where a slave node meets them, from where its slip counts, what they remember of an accepted
 //! increment, how far they have moved, and who gets the forces. Another kind of master is a variant more, here.
 
@@ -172,8 +172,8 @@ impl Masters {
         self.surfaces.iter_mut().for_each(|surface| surface.remember(comm, &before));
     }
 
-    /// Three values for each node of a master that this rank sees: those of the tool, or those that the owners of nodes give.
-    /// Collective.
+    /// Three values for each node of a master that this rank sees: those of the tool, from those of the translations and then
+    /// of the rotations of all tools, or those that the owners of nodes give. Collective.
     pub fn gather<T>(
         &self,
         comm: &SimpleCommunicator,
@@ -185,7 +185,7 @@ impl Masters {
         T: mpi::datatype::Equivalence + Copy + Default,
     {
         match master {
-            Master::Tool(t) => vec![of_tools[t]],
+            Master::Tool(t) => vec![of_tools[t], of_tools[self.tools.len() + t]],
             Master::Surface(k, _) => self.surfaces[k].gather(comm, of_node),
         }
     }
@@ -243,7 +243,7 @@ impl Masters {
         mut add: impl FnMut(Receiver, Vec3),
     ) {
         match master {
-            Master::Tool(t) => forces.iter().for_each(|force| add(Receiver::Tool(t), *force)),
+            Master::Tool(t) => forces.iter().take(1).for_each(|force| add(Receiver::Tool(t), *force)),
             Master::Surface(k, _) => {
                 self.surfaces[k].add_forces(comm, forces, |n, force| add(Receiver::Node(n), force));
             }
@@ -299,7 +299,7 @@ impl<'a> Ground<'a> {
     /// Number of its nodes that this rank sees.
     pub fn count(&self) -> usize {
         match self {
-            Self::Tool(_) => 1,
+            Self::Tool(_) => 2,
             Self::Surface(surface, _) => surface.positions().len(),
         }
     }
@@ -315,7 +315,7 @@ impl<'a> Ground<'a> {
     /// Where its nodes are now, those that this rank sees.
     pub fn position(&self, node: u32) -> Vec3 {
         match self {
-            Self::Tool(tool) => tool.trial.translation,
+            Self::Tool(tool) => tool.place(node),
             Self::Surface(surface, _) => surface.positions()[node as usize],
         }
     }
@@ -323,7 +323,7 @@ impl<'a> Ground<'a> {
     /// The name of a node that stays the same, whatever this rank sees.
     pub fn number(&self, node: u32) -> u64 {
         match self {
-            Self::Tool(_) => 0,
+            Self::Tool(_) => u64::from(node),
             Self::Surface(surface, _) => surface.number(node),
         }
     }
@@ -331,7 +331,7 @@ impl<'a> Ground<'a> {
     /// Where a node with such a name is, if this rank sees it.
     pub fn position_of(&self, number: u64) -> Option<Vec3> {
         match self {
-            Self::Tool(tool) => Some(tool.trial.translation),
+            Self::Tool(tool) => Some(tool.place(number as u32)),
             Self::Surface(surface, _) => surface.position(number),
         }
     }

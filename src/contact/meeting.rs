@@ -113,7 +113,7 @@ impl Workspace {
         let Self { element, positions, origin } = self;
         let contact = meeting.contact.as_ref().and_then(|(projection, from)| {
             let opposite = match ground {
-                Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation),
+                Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation, tool.trial.axle_in_space()),
                 _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
             };
             let origin = match *from {

@@ -65,12 +65,13 @@ pub(super) fn convert(
         let mut setting =
             Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes, notes };
         if number > 0 {
-            conditions.begin(&clock, &next, model.amplitudes)?;
+            conditions.begin(&clock, &next, model.amplitudes);
         } else {
             before.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
         }
         clock = next;
         step.cards.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
+        conditions.check()?;
         still.meet(&conditions.supports);
         tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
         tell_of_step(step, notes);

@@ -33,6 +33,13 @@ pub struct Projection {
     pub xi: [f64; 2],
 }
 
+impl Projection {
+    /// x.
+    pub fn slave(&self) -> Vec3 {
+        self.point + self.normal * self.gap
+    }
+}
+
 crate::words!(Projection { gap, point, normal, normal_gradient, patch, xi });
 
 /// Where the distance to one piece is least.
