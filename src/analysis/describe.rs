@@ -240,6 +240,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Cut => "in a shorter one",
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") where nodes bear several contacts",
+        Remedy::Soften => "with other penalties",
         Remedy::Settle => "with contacts that stick until they settle",
         Remedy::Jump => "as a jump",
     };

@@ -42,6 +42,8 @@ pub enum Remedy {
     Yield,
     /// Multipliers of contacts that make the same conditions are held.
     Hold,
+    /// Contacts have lower penalties, or those again that they had.
+    Soften,
     /// What touches sticks until it settles.
     Settle,
     /// A jump.

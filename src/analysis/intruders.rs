@@ -46,19 +46,19 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
     let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
         let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
         let mut held = held(comm, model, body, &points.concat(), place).into_iter();
-        let mut all = |points: &Vec<Vec3>| held.by_ref().take(points.len()).fold(true, |all, held| all && held);
+        let mut all = |points: &Vec<Vec3>| held.by_ref().take(points.len()).filter(|held| !held).count() == 0;
         suspects.into_iter().zip(&points).filter_map(|(suspect, points)| all(points).then_some(suspect)).collect()
     };
     let inside: Vec<Suspect> = keep(suspects, &|suspect| vec![now(node(suspect))], &now);
     let margin = bulge(comm, model, body);
-    let around = |(p, s): Suspect| {
+    let around = |(p, s): Suspect, place: &dyn Fn(u32) -> Vec3| {
         let pair = &model.pairs[p];
         let n = pair.slaves[s].node;
-        around(&now(n), &free_axes(pair, n, conditions), margin + pair.controls.watch_deep * pair.facet_size)
+        around(&place(n), &free_axes(pair, n, conditions), margin + pair.controls.watch_deep * pair.facet_size)
     };
-    let inside = keep(inside, &around, &now);
+    let inside = keep(inside, &|suspect| around(suspect, &now), &now);
     let initial = |n: u32| part.points[n as usize];
-    let began: Vec<Suspect> = keep(inside.clone(), &|suspect| vec![initial(node(suspect))], &initial);
+    let began: Vec<Suspect> = keep(inside.clone(), &|suspect| around(suspect, &initial), &initial);
     inside.into_iter().filter(|suspect| !began.contains(suspect)).collect()
 }
 

@@ -17,10 +17,15 @@
 //!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
 //!    leaves the body without stiffness and behind; so there every increment settles first, and one that does not is what is
 //!    tried by turns.
+//!    Before an increment is cut for the first time it is tried with *soft* contacts, whose penalties are lower, from then on by
+//!    turns; what has helped is kept. Penalties come from the stiffness around a node, and a slender body, a sheet or a hook, is
+//!    far softer in bending: there an iteration leaves gaps that outweigh the force, the node lets go, and comes back. Where
+//!    contacts slide with friction lower penalties are slower. The solution does not depend on them.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
-//! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run.
+//! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run; so do jumps that the watch
+//! refuses again and again.
 
 use super::event::Remedy;
 use super::increments::Increments;
@@ -72,12 +77,14 @@ pub struct Tries {
     can_yield: Yields,
     yields: Option<bool>,
     way: Way,
+    soft: bool,
+    turned: bool,
     failures: usize,
     jumps: usize,
     jumped: usize,
 }
 
-crate::words!(Tries { can_yield, yields, way, failures, jumps, jumped });
+crate::words!(Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped });
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
 impl Words for Way {
@@ -100,6 +107,8 @@ impl Words for Way {
 /// The state of the tries at an increment.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder {
+    /// There are contacts.
+    pub can_soften: bool,
     /// Some contact has friction, or a penalty that is not the automatic one.
     can_settle: bool,
     /// When constraints of multipliers give way more than they do anyway.
@@ -114,10 +123,15 @@ pub struct Ladder {
     /// round.
     pub settles: bool,
     way: Way,
+    /// Penalties are lower.
+    soft: bool,
+    /// Both kinds of penalties were tried in this increment, or in an earlier one, where the lower ones did not help.
+    turned: bool,
     /// Failures in succession.
     failures: usize,
-    /// Jumps that have failed.
+    /// Jumps that have failed, and those that the watch has refused.
     jumps: usize,
+    refused: usize,
     /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
     jumped: usize,
     controls: Controls,
@@ -129,6 +143,7 @@ impl Ladder {
         let most_jumps = if has_memory { controls.jump_tries } else { usize::MAX };
         let way = Way::Newton { settle: false };
         Self {
+            can_soften: false,
             can_settle,
             can_yield: Yields::Never,
             yields: Some(false),
@@ -136,8 +151,11 @@ impl Ladder {
             most_jumps,
             settles: false,
             way,
+            soft: false,
+            turned: false,
             failures: 0,
             jumps: 0,
+            refused: 0,
             jumped: 0,
             controls: *controls,
         }
@@ -150,13 +168,13 @@ impl Ladder {
 
     /// How far it is.
     pub fn tries(&self) -> Tries {
-        let Self { can_yield, yields, way, failures, jumps, jumped, .. } = *self;
-        Tries { can_yield, yields, way, failures, jumps, jumped }
+        let Self { can_yield, yields, way, soft, turned, failures, jumps, jumped, .. } = *self;
+        Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped }
     }
 
     /// Goes on from there.
-    pub fn go_on(&mut self, Tries { can_yield, yields, way, failures, jumps, jumped }: Tries) {
-        *self = Self { can_yield, yields, way, failures, jumps, jumped, ..*self };
+    pub fn go_on(&mut self, Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped }: Tries) {
+        *self = Self { can_yield, yields, way, soft, turned, failures, jumps, jumped, ..*self };
     }
 
     /// How to seek the increment now.
@@ -170,6 +188,11 @@ impl Ladder {
     /// Whether it is sought in the other way because it has failed: then with automatic penalties, too.
     pub fn is_remedy(&self) -> bool {
         self.way == Way::Newton { settle: true }
+    }
+
+    /// Whether penalties are lower than they are given, or come of themselves.
+    pub fn is_soft(&self) -> bool {
+        self.soft
     }
 
     /// Whether the increment has failed already.
@@ -195,16 +218,18 @@ impl Ladder {
         self.jumped =
             if self.way == Way::Jump { self.jumped + self.controls.jump_weight } else { self.jumped.saturating_sub(1) };
         (self.way, self.failures) = (Way::Newton { settle: false }, 0);
+        (self.turned, self.refused) = (self.turned && !self.soft, 0);
         found
     }
 
     /// The increment to `end` has failed: what to do. `None` when nothing is left.
     pub fn fail(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
         if cause == Cause::Watch {
+            self.refused += usize::from(self.way == Way::Jump);
             self.way = Way::Newton { settle: false };
-            let shortest = increments.is_shortest(end);
+            let last = increments.is_shortest(end) || self.refused > self.controls.jump_tries;
             increments.cut(end, false);
-            return (!shortest).then_some(Remedy::Cut);
+            return (!last).then_some(Remedy::Cut);
         }
         let singular = matches!(cause, Cause::Singular | Cause::Rounding);
         if self.can_hold {
@@ -224,6 +249,10 @@ impl Ladder {
             self.jumps += 1;
             return (self.jumps < self.most_jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         };
+        if self.can_soften && cause.is_of_iteration() && !std::mem::replace(&mut self.turned, true) {
+            self.soft = !self.soft;
+            return Some(Remedy::Soften);
+        }
         self.failures += 1;
         let again = self.can_settle && !self.is_remedy();
         let short = increments.is_short(end);
@@ -239,6 +268,7 @@ impl Ladder {
             return (self.jumped < self.controls.jump_weight * self.controls.jump_run).then_some(Remedy::Jump);
         }
         self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(self.controls.remedy_period) };
+        self.soft = self.can_soften && !self.soft;
         increments.cut(end, self.failures > 1);
         Some(Remedy::Cut)
     }
@@ -273,6 +303,41 @@ mod tests {
             assert!((1..=6).contains(&jumps) && ways[ways.len() - jumps..].iter().all(|way| *way == Way::Jump));
             assert_eq!(ways.contains(&Way::Newton { settle: true }), frictional);
         }
+    }
+
+    /// An increment that fails is tried with the other penalties before it is cut; those that helped stay.
+    #[test]
+    fn contacts_are_softened_before_increments_are_cut() {
+        let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = Ladder { can_soften: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut fail = |ladder: &mut Ladder| {
+            let end = increments.next().unwrap();
+            (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_soft(), end)
+        };
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), true, 0.5));
+        ladder.succeed();
+        assert!(ladder.is_soft());
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false, 0.5));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), true, 0.5));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, 0.25));
+    }
+
+    /// The watch refuses what jumps come to, and Newton's method finds nothing: that ends, too.
+    #[test]
+    fn jumps_that_are_refused_end() {
+        let bounds = Increment { initial: 0.5, min: 1e-6, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = Ladder { can_soften: true, ..Ladder::new(false, false, &Controls::default()) };
+        let mut jumps = 0;
+        let ended = (0..200).any(|_| {
+            let end = increments.next().unwrap();
+            // The second of a row of jumps converges.
+            jumps = if ladder.way() == Way::Jump { jumps + 1 } else { 0 };
+            let cause = if jumps == 2 { Cause::Watch } else { Cause::Iteration };
+            ladder.fail(&mut increments, end, cause).is_none()
+        });
+        assert!(ended);
     }
 
     #[test]

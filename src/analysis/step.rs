@@ -182,7 +182,8 @@ impl<'a> Simulation<'a> {
         let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
         let contacts = &self.scene.contacts;
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
-        let ladder = Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls);
+        let mut ladder = Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls);
+        ladder.can_soften = !self.model.pairs.is_empty();
         self.begun += 1;
         Progress {
             serial: self.begun,
@@ -429,6 +430,7 @@ impl<'a> Simulation<'a> {
             settles: frame.progress.ladder.way() == Way::Newton { settle: true },
             ahead: extrapolated,
             automatic: frame.progress.ladder.is_remedy() || frame.progress.ladder.yields(),
+            soft: frame.progress.ladder.is_soft(),
             yields: frame.progress.ladder.yields(),
             again: frame.progress.ladder.has_failed(),
         };

@@ -9,7 +9,7 @@ use super::intruders::intruders;
 use super::step::{Attempt, Converged};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
-use crate::contact::{Pair, Sight};
+use crate::contact::{Movement, Pair, Sight, Status};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -94,8 +94,25 @@ impl Simulation<'_> {
             let far = self.model.pairs[p].slaves[s].sighted.gap.abs();
             told = told.or(Some((p, s, Finding::Within(far))));
         }
+        told = told.or_else(|| self.undetermined(conditions));
         let told = told.map(|told| (told, told.2.size()));
         word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding)).map(|(word, _)| word)
+    }
+
+    /// A slave node that is prescribed along the normal of a tool that a torque turns: neither can give way.
+    fn undetermined(&self, conditions: &Conditions) -> Option<(usize, usize, Finding)> {
+        const ACROSS: f64 = 1e-6;
+        let tools = &self.model.masters.tools;
+        let turned = |pair: &Pair| pair.master.tool().is_some_and(|t| tools[t].trial.axle.is_some());
+        let pairs = self.model.pairs.iter().enumerate().filter(|(_, pair)| turned(pair));
+        let mut touching =
+            pairs.flat_map(|(p, pair)| pair.slaves.iter().enumerate().map(move |(s, slave)| (p, s, slave)));
+        touching.find_map(|(p, s, slave)| {
+            let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
+            let Movement { axes, ways } = conditions.movement(slave.node);
+            let gives_way = (0..3).any(|d| ways[d].is_nan() && axes.column(d).dot(&at.normal).abs() > ACROSS);
+            (!gives_way).then(|| (p, s, Finding::Undetermined(slave.trial.force.norm())))
+        })
     }
 
     fn word(&self, p: usize, s: usize, finding: Finding) -> String {
@@ -105,6 +122,9 @@ impl Simulation<'_> {
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
+            Finding::Undetermined(_) => {
+                format!("cannot give way to {master}, which a torque turns, so that what it bears is undetermined")
+            }
             Finding::Within(_) => {
                 let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
                 format!("is inside body `{body}`, which it entered where no contact names a face, beside {master}")

@@ -80,7 +80,7 @@ impl Meeting {
 fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Projection) -> bool {
     let slave = &pair.slaves[s];
     let gap = |x: &Vec3| ground.project(pair, s, x, (None, false)).map(|p| p.gap);
-    slave.is_beside(|| ground.start(slave, at), position, at, pair.facet_size, gap)
+    slave.is_beside(|| ground.start(slave, at), position, at, (pair.facet_size, &pair.controls), gap)
 }
 
 /// In which directions a slave node with a prescribed motion cannot give way on the master: where the nodes that bear the

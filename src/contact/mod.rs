@@ -46,6 +46,7 @@ use crate::controls::Controls;
 use crate::partition::Gather;
 use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
+use std::collections::BTreeMap;
 
 /// A contact pair on this rank: the owned nodes of a slave surface against a master.
 #[derive(Clone, Debug)]
@@ -174,6 +175,26 @@ pub fn touching(projection: Projection, below: f64) -> Projection {
     Projection { gap: 0.0, normal_gradient: if turns { Mat3::zeros() } else { normal_gradient }, ..projection }
 }
 
+/// Notes for each slave node what other master it touched at the last converged increment.
+pub fn note_bearers(pairs: &mut [Pair]) {
+    if pairs.len() < 2 {
+        return;
+    }
+    let mut of_node: BTreeMap<u32, Vec<(usize, Vec3)>> = BTreeMap::new();
+    for (p, pair) in pairs.iter().enumerate() {
+        for slave in pair.slaves.iter().filter(|slave| slave.committed.status != Status::Gap) {
+            let at = slave.accepted.projection.map(|at| (p, at.normal));
+            of_node.entry(slave.node).or_default().extend(at);
+        }
+    }
+    for (p, pair) in pairs.iter_mut().enumerate() {
+        for slave in &mut pair.slaves {
+            let others = of_node.get(&slave.node).map_or(&[][..], |all| all);
+            slave.borne = others.iter().find(|(other, _)| *other != p).map(|(_, normal)| *normal);
+        }
+    }
+}
+
 /// In which way an increment is sought.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Manner {
@@ -183,6 +204,8 @@ pub struct Manner {
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
     pub automatic: bool,
+    /// With penalties that are lower by `soft_augmentation` of the [`Controls`].
+    pub soft: bool,
     /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
     pub again: bool,
     /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
@@ -214,6 +237,8 @@ pub struct Slave {
     pub trial: Trial,
     /// The iterate that became the last converged increment.
     pub accepted: Trial,
+    /// Normal of another master that it touched then.
+    pub borne: Option<Vec3>,
     /// What the watch saw of it at the last converged increment, and of the one that is judged.
     pub sight: Sight,
     pub sighted: Sight,
@@ -390,6 +415,7 @@ impl Slave {
             committed,
             trial,
             accepted,
+            borne: None,
             sight,
             sighted,
         }
@@ -419,6 +445,7 @@ impl Slave {
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
         self.trial = Trial { status, yields, patience, ..Trial::default() };
         let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
+        let augmentation = augmentation * if manner.soft { controls.soft_augmentation } else { 1.0 };
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {
@@ -503,18 +530,25 @@ impl Slave {
 
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
     /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
-    /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`.
+    /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
+    /// touched another master, with much the same normal, goes from there on to this one.
     pub fn is_beside(
         &self,
         start: impl FnOnce() -> Option<Vec3>,
         position: &Vec3,
         at: &Projection,
-        facet_size: f64,
+        (facet_size, controls): (f64, &Controls),
         gap: impl Fn(&Vec3) -> Option<f64>,
     ) -> bool {
         const BEHIND: f64 = 1e-6;
         const MOST: f64 = 32.0;
         if at.gap >= 0.0 || self.committed.warm.is_some() {
+            return false;
+        }
+        let goes_over = |borne: Vec3| {
+            -at.gap <= controls.hand_over * facet_size && borne.dot(&at.normal) >= 1.0 - controls.kink_turn
+        };
+        if self.borne.is_some_and(goes_over) {
             return false;
         }
         let Some(start) = start() else { return false };

@@ -74,13 +74,15 @@ pub enum Finding {
     Through(f64),
     /// It is inside the body of the master, where no contact names a face, so far from those that one names.
     Within(f64),
+    /// It cannot give way to a tool that is only turned by a torque, which it touches with so much force: how much, nothing says.
+    Undetermined(f64),
 }
 
 impl Finding {
     /// A length to compare findings by.
     pub fn size(&self) -> f64 {
         match self {
-            Self::Behind(size) | Self::Through(size) | Self::Within(size) => *size,
+            Self::Behind(size) | Self::Through(size) | Self::Within(size) | Self::Undetermined(size) => *size,
         }
     }
 }

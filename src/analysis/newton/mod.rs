@@ -19,7 +19,7 @@ mod ties;
 
 use super::conditions::{Conditions, ToolMotion};
 use crate::Vec3;
-use crate::contact::{Manner, Pair, Pose, Slave, Status};
+use crate::contact::{Manner, Pair, Pose, Slave, Status, note_bearers};
 use crate::error::Error;
 use crate::interrupt;
 use crate::model::{Model, elements};
@@ -210,6 +210,7 @@ impl<'a> Newton<'a> {
         for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
             slave.begin(&start.manner, &controls);
         }
+        note_bearers(&mut model.pairs);
         newton.learn();
         newton
     }
