@@ -2,7 +2,7 @@
 
 use super::reader::{Item, Table};
 use super::references::Names;
-use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer};
+use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer, body_of};
 use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
@@ -82,6 +82,13 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
     }
+    let is_within = body_of(&master.value) == body_of(&slave.value);
+    if let Some(item) = table.get("discretization").filter(|_| discretization == Discretization::Segment && is_within) {
+        return Err(item.error("\"segment\" does not work within one body", "use \"one-pass\""));
+    }
+    if let Some(item) = table.get("tangent").filter(|_| discretization == Discretization::Segment) {
+        return Err(item.error("means nothing with \"segment\"", "its tangent is always exact; remove it"));
+    }
     // From node to node the frame does stand still.
     let tangent = if discretization == Discretization::NodeToNode { Tangent::FixedFrame } else { Tangent::default() };
     Ok(Contact {
@@ -107,10 +114,11 @@ fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {
         ("one-pass", Discretization::OnePass),
         ("two-pass", Discretization::TwoPass),
         ("node-to-node", Discretization::NodeToNode),
+        ("segment", Discretization::Segment),
     ];
     match item.choice(&known)? {
-        Discretization::OnePass => Ok(Discretization::OnePass),
-        _ if is_tool => Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\"")),
+        whole @ (Discretization::OnePass | Discretization::Segment) => Ok(whole),
+        _ if is_tool => Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\" or \"segment\"")),
         other => Ok(other),
     }
 }
