@@ -12,7 +12,9 @@ pub mod ties;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, BodySurface, Faces, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
+use crate::contact::{
+    Avoided, BodySurface, Faces, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact,
+};
 use crate::controls::Controls;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::{Facet, Mesh, SolidShape, join};

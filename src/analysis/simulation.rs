@@ -5,7 +5,6 @@ use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, State, preflight};
-use crate::{Mat3, Vec3};
 use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::Model;
@@ -13,6 +12,7 @@ use crate::output::phases::Phases;
 use crate::output::summary::{Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
+use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 
@@ -266,7 +266,7 @@ impl<'a> Simulation<'a> {
         masters.attend(self.comm, pairs, place);
         for pair in pairs {
             let ground = masters.of(pair.master);
-            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None));
+            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
             for s in 0..pair.slaves.len() {
                 let position = place(pair.slaves[s].node);
                 let projection = ground.project(pair, s, &position, (None, false));

@@ -494,9 +494,7 @@ impl<'a> Ground<'a> {
     pub(super) fn frame_at(&self, from: Option<(u32, [f64; 2])>) -> Mat3 {
         let frame = match self {
             Self::Tool(tool) => Some(tool.trial.rotation),
-            Self::Surface(surface, _) => {
-                from.and_then(|(id, xi)| Some(frame(&surface.shapes().get(id)?.local(xi))))
-            }
+            Self::Surface(surface, _) => from.and_then(|(id, xi)| Some(frame(&surface.shapes().get(id)?.local(xi)))),
         };
         frame.unwrap_or_else(Mat3::identity)
     }

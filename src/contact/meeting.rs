@@ -216,13 +216,7 @@ impl Workspace {
 
     /// Has the matrix along the directions `of` the slave nodes that have their own, those of slave node `own` with friction for its
     /// `width` multipliers too, and along those of the nodes of a master `at` each.
-    pub fn turn<'a>(
-        &mut self,
-        own: u32,
-        width: usize,
-        of: impl Fn(u32) -> Option<&'a Mat3>,
-        at: impl Fn(u32) -> Mat3,
-    ) {
+    pub fn turn<'a>(&mut self, own: u32, width: usize, of: impl Fn(u32) -> Option<&'a Mat3>, at: impl Fn(u32) -> Mat3) {
         let element = &mut self.element;
         if let Some(axes) = of(own) {
             element.turn(0, axes);

@@ -2,7 +2,9 @@
 
 use super::reader::{Item, Table};
 use super::references::Names;
-use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer, body_of};
+use super::{
+    Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer, body_of,
+};
 use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
@@ -82,11 +84,15 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
     }
+    let segments = discretization == Discretization::Segment;
     let is_within = body_of(&master.value) == body_of(&slave.value);
-    if let Some(item) = table.get("discretization").filter(|_| discretization == Discretization::Segment && is_within) {
+    if let Some(item) = table.get("discretization").filter(|_| segments && is_within) {
         return Err(item.error("\"segment\" does not work within one body", "use \"one-pass\""));
     }
-    if let Some(item) = table.get("tangent").filter(|_| discretization == Discretization::Segment) {
+    if let Some(item) = table.get("method").filter(|_| segments && method == Enforcement::Uzawa) {
+        return Err(item.error("does not settle with \"segment\"", "use \"augmented-lagrangian\""));
+    }
+    if let Some(item) = table.get("tangent").filter(|_| segments) {
         return Err(item.error("means nothing with \"segment\"", "its tangent is always exact; remove it"));
     }
     // From node to node the frame does stand still.
@@ -118,7 +124,9 @@ fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {
     ];
     match item.choice(&known)? {
         whole @ (Discretization::OnePass | Discretization::Segment) => Ok(whole),
-        _ if is_tool => Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\" or \"segment\"")),
+        _ if is_tool => {
+            Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\" or \"segment\""))
+        }
         other => Ok(other),
     }
 }

@@ -14,6 +14,10 @@ use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
 
+/// Residual, over the forces that it counts against, below which the points of segments between bodies stand still: the tangent
+/// is exact from there, and what overlaps has changed by so much that it no longer counts.
+const SETTLED: f64 = 1e-3;
+
 /// What contact works with besides the model.
 #[derive(Default)]
 pub(super) struct Touching {
@@ -56,11 +60,13 @@ impl Newton<'_> {
             part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
         };
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
+        let stand_still = self.course.trace.last().is_some_and(|residual| *residual < SETTLED);
         let mut beside = vec![0.0; if pairs.iter().any(|p| p.faces.is_some()) { 3 * part.points.len() } else { 0 }];
         for p in 0..pairs.len() {
             let pair = &mut pairs[p];
             let ground = masters.of(pair.master);
-            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, Some(&then)));
+            let still = self.touching.segments[p].as_ref().filter(|_| stand_still);
+            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, Some(&then), still));
             let mut on_master = vec![Vec3::zeros(); ground.count()];
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node as usize;
@@ -115,7 +121,8 @@ impl Newton<'_> {
         if !beside.is_empty() {
             let forces = &mut self.found.forces;
             forces.iter_mut().zip(beside.as_chunks::<3>().0).for_each(|(force, f)| *force += Vec3::from(*f));
-            part.halo.add_to_owners(self.system.comm, 3, &beside, |n, f| forces[n as usize] += Vec3::from_column_slice(f));
+            part.halo
+                .add_to_owners(self.system.comm, 3, &beside, |n, f| forces[n as usize] += Vec3::from_column_slice(f));
         }
         sum(self.system.comm, &mut on_tools);
         max(self.system.comm, &mut nearest);

@@ -326,7 +326,8 @@ impl Element {
         let turned: Vec<Mat3> = sums.normal.iter().map(|by| turn * by).collect();
         let mut by_column = Vec::with_capacity(count);
         for k in 0..count {
-            let change = |by: &law::Slopes| by.gap * sums.gap[k].transpose() + by.normal * turned[k] + by.path * sums.path[k];
+            let change =
+                |by: &law::Slopes| by.gap * sums.gap[k].transpose() + by.normal * turned[k] + by.path * sums.path[k];
             by_column.push(change(by));
             self.set(3, start(k), [width, 3], &change(constraint_by));
         }

@@ -8,7 +8,6 @@ use crate::controls::Controls;
 use crate::scene::Smoothing;
 use crate::surface::projection::{descend, on_surface};
 use crate::surface::test_meshes::grid;
-use crate::surface::Polygon;
 use nalgebra::{DMatrix, DVector};
 
 /// Nodes, shape functions and weights of the points of two faces around node 0, and where each is on the master: patch,
@@ -65,7 +64,8 @@ impl Scene {
     /// Puts the slave nodes where the points are about where they are said to be.
     fn placed(mut self) -> Self {
         let z = if self.patches.is_empty() { 0.95 } else { 0.2 };
-        let at = [[1.45, 1.2, 0.0], [1.9, 1.1, 0.1], [2.0, 1.7, -0.05], [1.5, 1.75, 0.08], [1.5, 2.0, 0.0], [1.0, 1.8, 0.1]];
+        let at =
+            [[1.45, 1.2, 0.0], [1.9, 1.1, 0.1], [2.0, 1.7, -0.05], [1.5, 1.75, 0.08], [1.5, 2.0, 0.0], [1.0, 1.8, 0.1]];
         self.slaves = at.map(|x| Vec3::new(x[0], x[1], z + 0.4 * x[2])).to_vec();
         self
     }

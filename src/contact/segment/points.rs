@@ -29,6 +29,11 @@ pub struct Point {
 }
 
 impl Point {
+    /// Its spot, with where it was on the master.
+    fn again(&self) -> Start {
+        (Spot { shapes: self.shapes, weight: self.weight }, Some((self.at.patch, self.at.xi)))
+    }
+
     /// The patches of a body that it is on, with friction that of its slip origin, too.
     pub fn patches(&self, frictional: bool) -> impl Iterator<Item = u32> {
         let from = match self.origin {
@@ -56,16 +61,23 @@ type Start = (Spot, Option<(u32, [f64; 2])>);
 
 impl Segments {
     /// Finds the points of all faces of a pair with nodes at `now`. With friction they slip from where nodes were `then`, at the last
-    /// converged increment.
-    pub fn find(pair: &Pair, ground: &Ground, now: impl Fn(u32) -> Vec3, then: Option<&dyn Fn(u32) -> Vec3>) -> Self {
+    /// converged increment. Points that stand `still` in the slave's faces are found again on the master.
+    pub fn find(
+        pair: &Pair,
+        ground: &Ground,
+        now: impl Fn(u32) -> Vec3,
+        then: Option<&dyn Fn(u32) -> Vec3>,
+        still: Option<&Self>,
+    ) -> Self {
         let lines = POINTS.map(on_line);
         let then = then.filter(|_| pair.friction > 0.0);
-        let of_face = |face: &Face| {
+        let of_face = |(f, face): (usize, &Face)| {
             let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
-            let starts = match ground {
-                Ground::Tool(_) => face.spots.iter().map(|spot| (*spot, None)).collect(),
-                Ground::Surface(surface, _) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
+            let starts = match (ground, still) {
+                (Ground::Tool(_), _) => face.spots.iter().map(|spot| (*spot, None)).collect(),
+                (Ground::Surface(..), Some(still)) => still.0[f].iter().map(Point::again).collect(),
+                (Ground::Surface(surface, _), None) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
             };
             let point = |(spot, start): Start| {
                 let at = ground.project_point(pair, &place(&x, &spot.shapes), &outward, start)?;
@@ -78,7 +90,7 @@ impl Segments {
             };
             starts.into_iter().filter_map(point).collect()
         };
-        Self(pair.faces.iter().flat_map(|faces| &faces.faces).map(of_face).collect())
+        Self(pair.faces.iter().flat_map(|faces| &faces.faces).enumerate().map(of_face).collect())
     }
 
     /// A point.
@@ -131,13 +143,7 @@ impl Segments {
 }
 
 /// Where the overlap of a face, at `x`, with the faces of a surface within reach has points.
-fn covered(
-    face: &Face,
-    x: &Corners<Vec3>,
-    surface: &BodySurface,
-    reach: f64,
-    lines: [&[[f64; 2]]; 2],
-) -> Vec<Start> {
+fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
