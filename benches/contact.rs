@@ -69,7 +69,7 @@ fn contact(c: &mut Criterion) {
             });
         }
         let origin = Origin::Fixed(patches[7].shape(&before).point([0.4, 0.6]));
-        let rigid = Contact { projection, opposite: Opposite::Tool(Mat3::identity()), origin, carried };
+        let rigid = Contact { projection, opposite: Opposite::Tool(Mat3::identity(), None), origin, carried };
         for (friction, name) in [(0.3, name("rigid, with friction")), (0.0, name("rigid, without friction"))] {
             let law = Law { friction, ..law };
             let method = Method { law, transfer: Transfer::Bilinear, tangent: Tangent::Exact };

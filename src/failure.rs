@@ -22,7 +22,7 @@ pub enum Cause {
     Watch,
     /// It converged, but nothing holds something any more.
     Loose,
-    /// A force drives a tool that nothing can hold.
+    /// A force or torque drives a tool that nothing can hold.
     Runaway,
     /// It converged, but an element cannot follow.
     Element,

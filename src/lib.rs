@@ -59,6 +59,9 @@ pub mod tool;
 pub mod trade;
 pub mod words;
 
+/// The coordinate axes in words.
+const AXIS_NAMES: [&str; 3] = ["x", "y", "z"];
+
 /// A vector in a plane.
 pub type Vec2 = nalgebra::Vector2<f64>;
 /// A second-order tensor in a plane.

@@ -9,6 +9,7 @@ mod shared;
 pub mod states;
 mod symmetry;
 pub mod ties;
+pub mod tractions;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
@@ -25,7 +26,7 @@ use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scen
 use crate::solid::element::{hex8, plane4, tet4, tet10};
 use crate::solid::history::History;
 use crate::solid::material::Material;
-use crate::surface::MovingPatch;
+use crate::surface::{MovingPatch, Smoothing};
 use bodies::Meshed;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -410,7 +411,7 @@ impl Model {
     pub fn turn_slaves(&mut self, u: &[Vec3]) {
         for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
             let mut outward = vec![Vec3::zeros(); self.part.points.len()];
-            for facet in &self.part.sets[pair.set].facets {
+            for facet in self.part.pieces(&self.part.sets[pair.set].facets).iter() {
                 let nodes = &facet.nodes[..facet.count as usize];
                 let at = |k: usize| {
                     let n = nodes[k % nodes.len()] as usize;
@@ -438,7 +439,7 @@ impl Model {
     /// Longest edge of the facets of a set. Collective.
     fn longest_edge(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
         let mut longest = [0.0f64];
-        for facet in &self.set(set).facets {
+        for facet in self.part.pieces(&self.set(set).facets).iter() {
             let corners = &facet.nodes[..facet.count as usize];
             let at = |k: usize| self.part.points[corners[k % corners.len()] as usize];
             for k in 0..corners.len() {
@@ -466,7 +467,7 @@ impl Model {
             plane_strain: self.bodies[section.body].plane_strain,
         };
         let backing: Vec<Backing> = self.sections.iter().map(of).collect();
-        contact_stiffness(&self.part, &set.facets, &backing)
+        contact_stiffness(&self.part, &self.part.pieces(&set.facets), &backing)
     }
 
     /// Its mean over the nodes of a set that have any. Collective.
@@ -543,6 +544,7 @@ pub fn set_names(scene: &Scene) -> Vec<Located<String>> {
         step.forces.iter().for_each(|c| add(&c.target));
         step.pressures.iter().for_each(|c| add(&c.set));
         step.springs.iter().for_each(|c| add(&c.set));
+        step.dashpots.iter().for_each(|c| add(&c.set));
     }
     scene.output.history.iter().for_each(&mut add);
     let probed = scene.output.probes.iter().filter_map(|probe| match &probe.place {
@@ -588,7 +590,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         join(&mut global.solids, mesh.solids);
     }
     faults.finish()?;
-    refuse_quadratic_contacts(scene, &global)?;
+    refuse_quadratic_sides(scene, &global)?;
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {
         let slave = names.iter().position(|n| n.value == contact.slave.value).unwrap_or_default();
@@ -612,15 +614,41 @@ fn sides(scene: &Scene) -> impl Iterator<Item = &Located<String>> {
     of_contacts.chain(scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]))
 }
 
-/// On the faces of quadratic elements uniform pressure has no force at the corners, which contact in nodes does not know of.
-fn refuse_quadratic_contacts(scene: &Scene, global: &GlobalMesh) -> Result<()> {
+/// Refuses what does not know of the nodes in the middles of the edges of quadratic faces.
+fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
     let quadratic: BTreeSet<&str> = (global.solids.iter().zip(&global.solid_body))
         .filter(|(solid, _)| solid.shape == SolidShape::Tet10)
         .map(|(_, body)| scene.bodies[*body as usize].name.value.as_str())
         .collect();
-    let Some(side) = sides(scene).find(|side| quadratic.contains(body_of(&side.value))) else { return Ok(()) };
-    let what = format!("`{}` has quadratic faces, which contacts and ties do not take", side.value);
-    Err(Error::input(&side.at, what, "mesh such bodies with hexahedra, or with tetrahedra of first order"))
+    let wrong = |set: &Located<String>, kind: &str, help: &str| {
+        let is_quadratic = quadratic.contains(body_of(&set.value));
+        let error = || Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help);
+        if is_quadratic { Err(error()) } else { Ok(()) }
+    };
+    for tie in &scene.ties {
+        for side in [&tie.slave, &tie.master] {
+            wrong(side, "ties do not take", "mesh such bodies with hexahedra, or with tetrahedra of first order")?;
+        }
+    }
+    for contact in scene.contacts.iter().filter(|c| c.discretization == Discretization::Segment) {
+        for side in std::iter::once(&contact.slave).chain(contact.surface.map(|_| &contact.master)) {
+            let kind = "are not for contact from segment to segment";
+            wrong(side, kind, "use \"one-pass\", or mesh the body with hexahedra or linear tetrahedra")?;
+        }
+    }
+    for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
+        let kind = match contact.discretization {
+            _ if contact.is_self() => "do not meet themselves",
+            Discretization::OnePass => continue,
+            Discretization::TwoPass => "are not for two passes",
+            Discretization::NodeToNode => "are not for contact from node to node",
+            Discretization::Segment => continue,
+        };
+        for side in [&contact.slave, &contact.master] {
+            wrong(side, kind, "let two surfaces meet in one pass, or mesh the body with hexahedra")?;
+        }
+    }
+    Ok(())
 }
 
 /// Patches, and what nodes avoid by their numbers.
@@ -657,15 +685,22 @@ pub fn master_patches(
             facets: facets.iter().map(|f| Facet { count: f.count, nodes: f.nodes.map(place), id: f.id }).collect(),
             ..Mesh::default()
         };
-        let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
+        let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
+        let is_quadratic = facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some());
+        let smoothing = if is_quadratic { Smoothing::Facet } else { given.smoothing };
         let planes = symmetry::planes_of(planes, &master.value, &surface.points);
         let mut patches =
-            MovingPatch::all(&surface, &numbers, given.smoothing, given.feature_angle, &planes, &scene.controls)?;
+            MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
+        for (patch, facet) in patches.iter_mut().zip(facets) {
+            if let Some(middles) = mesh.middles.of(facet.nodes()) {
+                patch.bend_through(middles.map(|n| numbers[n as usize]));
+            }
+        }
         if contact.discretization == Discretization::TwoPass {
             patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
         }
         let points: BTreeMap<u64, Vec3> =
-            numbers.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
+            of_corners.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
         let avoided = if contact.is_self() {
             self_contact::avoided(&patches, &scene.controls, |n| points[&n])
         } else {

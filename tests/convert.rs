@@ -20,6 +20,7 @@ const BALL: &str = include_str!("decks/prepomax-ball.inp");
 const RIGID: &str = include_str!("decks/prepomax-rigid.inp");
 const RUBBER: &str = include_str!("decks/prepomax-rubber.inp");
 const CARDS: &str = include_str!("decks/calculix-rubber.inp");
+const PLY: &str = include_str!("decks/calculix-ply.inp");
 const CLIP: &str = include_str!("../docs/tutorial/clip.inp");
 
 /// A folder with the deck and the scene that was made of it.
@@ -275,7 +276,11 @@ fn what_cannot_be_converted_is_refused() {
     let cases = [
         (FRICTION, "*CONTACT PAIR", "*TIE, NAME=T, CYCLIC SYMMETRY\n*CONTACT PAIR", "parameter CYCLIC SYMMETRY"),
         (CLIP, "*STEP", "*TIE, NAME=T\nTOP, CAMFACE\n*STEP", "the tied surface 'CAMFACE' is on a rigid body"),
-        (FRICTION, "*ELASTIC", "*ELASTIC, TYPE=ORTHO", "TYPE=ORTHO cannot be converted"),
+        (FRICTION, "*ELASTIC", "*ELASTIC, TYPE=ANISO", "TYPE=ANISO cannot be converted"),
+        (PLY, "130000., 9000.", "130000., 9.", "with these constants"),
+        (PLY, "ORIENTATION=TILTED", "ORIENTATION=TILT", "there is no orientation 'TILT'"),
+        (PLY, "SYSTEM=RECTANGULAR", "SYSTEM=CYLINDRICAL", "this *ORIENTATION cannot be converted"),
+        (PLY, "3000., 20.", "3000., 20.\n1.", "3 lines of data, not two"),
         (FRICTION, "600, 0.4", "600, 0.4\n500, 0.4, 80", "2 lines of data"),
         (FRICTION, "*ELASTIC\n600, 0.4", "*HYPERELASTIC, ARRUDA-BOYCE\n1,2,3", "parameter ARRUDA-BOYCE"),
         (CARDS, "0.002, 0.04", "0.002, 0.04, 0.1", "D2 or D3 = 0.1 cannot be converted"),
@@ -369,6 +374,45 @@ fn rubber_cards_are_those_of_calculix() {
     ] {
         assert_close(name, history.last(&format!("{name}.FOOT-{name}.fz")), force, 2e-5);
     }
+}
+
+/// Bars of orthotropic constants of both kinds, sheared and pulled across their axes, which one material has by two orientations.
+#[test]
+fn orthotropic_cards_are_those_of_calculix() {
+    let (bench, _) = converted(PLY);
+    assert_eq!(scene(&bench).matches("model = \"orthotropic\"").count(), 3, "{}", scene(&bench));
+    let history = bench.solve(1, &[]).history();
+    for (name, force) in [
+        ("PLY", [-0.1597449, 0.1130392, -1.331081]),
+        ("BLOCK", [-0.008377682, 0.03998053, -0.1892203]),
+        ("BARE", [-0.1142212, 0.1739467, -1.263220]),
+    ] {
+        for (component, force) in ["fx", "fy", "fz"].iter().zip(force) {
+            let found = history.last(&format!("{name}.FOOT-{name}.{component}"));
+            assert_small(&format!("{name}.{component} {found:e}"), (found - force) / 1.3, 3e-4);
+        }
+    }
+}
+
+/// A load and a motion with amplitudes over the step may be followed by a step that takes them off, or gives others.
+#[test]
+fn amplitudes_over_the_step_end_with_it() {
+    let (cube, step) = PRESSURE.split_once("** Steps").unwrap();
+    let (held, loads) = step.split_once("** Boundary conditions").unwrap().1.split_once("** Loads").unwrap();
+    let line = loads.split_once("*Dload\n").unwrap().1.lines().next().unwrap();
+    let deck = |first: &str, next: &str| {
+        let steps = [first, next].map(|cards| format!("*Step, Nlgeom\n*Static\n1, 1\n{cards}*End Step\n")).concat();
+        format!("{cube}*Amplitude, Name=Wave\n0, 0, 0.5, 1, 1, 0.4\n{steps}")
+    };
+    let wave = format!("{held}*Dload, Amplitude=Wave\n{line}\n");
+    let (at, said) = refused(&deck(&wave, ""));
+    assert!(said.contains("the amplitude of this condition is over the time of its step") && at > 0, "{said}");
+    let stress = |next: &str| {
+        let run = converted(&deck(&wave, next)).0.solve(1, &[]);
+        run.field(&format!("increments/{:06}/body_Solid_part-1/cell/von_mises", run.written()))
+    };
+    stress("*Dload, Op=New\n").iter().for_each(|stress| assert_small("off", *stress, 1e-7));
+    stress(&format!("*Dload\n{line}\n")).iter().for_each(|stress| assert_close("replaced", *stress, 500.0, 1e-9));
 }
 
 /// A bonded pad of rubber is pressed and sheared: C3D8R there, F-bar here.

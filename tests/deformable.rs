@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, Run, assert_close, assert_small};
+use common::{Bench, History, Run, assert_close, assert_small, msh};
 
 /// Two blocks with nested grids, the lower one finer, are pressed together between smooth walls: uniaxial strain.
 ///
@@ -398,5 +398,59 @@ fn half_with_a_plane_of_symmetry_is_half_of_the_whole() {
         assert_close(transfer, 2.0 * of(&half, "fy"), of(&whole, "fy"), 2e-6);
         // Held, but without the normals of the whole.
         assert!((2.0 * of(&cut, "fy") / of(&whole, "fy") - 1.0).abs() > 1e-3);
+    }
+}
+
+/// Uniform pressure on a block of quadratic tetrahedra between a plane and another block, of hexahedra that are half as fine, or
+/// of such tetrahedra: forces at corners of faces are nothing, and the pressure is even all the same.
+#[test]
+fn quadratic_faces_pass_on_an_even_pressure() {
+    const YOUNG: f64 = 100.0;
+    let mesh = |low: f64| msh::second_order(&msh::block([2, 2, 2], true, |[x, y, z]| [x, y, low + z]));
+    let hexahedra = "block = { box = { origin = [0.0, 0.0, -1.0], size = [1.0, 1.0, 1.0] }, elements = [2, 2, 2] }";
+    for (ranks, friction, lower) in [(1, 0.0, hexahedra), (2, 0.5, "mesh = \"lower.msh\"")] {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.upper]
+            mesh = "upper.msh"
+            material = "soft"
+            [body.lower]
+            {lower}
+            material = "soft"
+            [material.soft]
+            model = "neo-hookean"
+            young = {YOUNG:?}
+            poisson = 0.0
+            [tool.plane]
+            plane = {{ point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }}
+            [contact.roof]
+            slave = "upper.zmax"
+            master = "plane"
+            friction = {friction:?}
+            [contact.between]
+            slave = "upper.zmin"
+            master = "lower.zmax"
+            friction = {friction:?}
+            [[step]]
+            increments = 2
+            fix = [{{ set = "upper.xmin", directions = "x" }}, {{ set = "upper.ymin", directions = "y" }},
+                   {{ set = "lower.xmin", directions = "x" }}, {{ set = "lower.ymin", directions = "y" }},
+                   {{ set = "lower.zmin", directions = "z" }}]
+            move = [{{ target = "plane", by = [0.0, 0.0, -0.2] }}]
+            "#
+        ));
+        bench.write("upper.msh", &mesh(0.0));
+        bench.write("lower.msh", &mesh(-1.0));
+        let run = bench.solve(ranks, &[]);
+        // Each block is shortened to 0.9, and its sides stay where they are.
+        let pressure = 0.5 * YOUNG * (1.0 - 0.81) / 0.9;
+        for contact in ["roof", "between"] {
+            let found = run.scalars(run.written(), &format!("contact.{contact}"), "pressure");
+            assert_eq!(found.len(), 25);
+            let worst = found.iter().map(|p| (p / pressure - 1.0).abs()).fold(0.0, f64::max);
+            assert_small(contact, worst, 1e-9);
+        }
+        let largest = run.history().last("between.max_pressure");
+        assert_close("largest pressure", largest, pressure, 1e-9);
     }
 }

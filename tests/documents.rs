@@ -57,6 +57,8 @@ hill = { f = 0.5, g = 0.5, h = 0.5, n = 1.5 }
 [tool.t]
 mesh = "t.msh"
 nurbs = "t.igs"
+[tool.u]
+plane = { point = [0, 0, 0], normal = [0, 0, 1] }
 [contact.t]
 slave = "b.a"
 master = "t"
@@ -79,6 +81,9 @@ force = [{ target = "m", total = [0, 0, 0] }]
 pressure = [{ set = "b.a", value = 0 }]
 body_force = [{ body = "b", per_volume = [0, 0, 0] }]
 spring = [{ set = "b.a", stiffness = [0, 0, 1] }]
+duration = 1
+dashpot = [{ set = "b.a", damping = [0, 0, 1] }]
+torque = [{ tool = "u", total = 1, point = [0, 0, 0], axis = [0, 0, 1] }]
 "#;
 
 /// Tables of the schema, as the headings of docs/scene.md call them, with places in the base scene where their keys can be
@@ -155,6 +160,8 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.pressure", "step.s.pressure.0", &[]),
     ("step.body_force", "step.s.body_force.0", &[]),
     ("step.spring", "step.s.spring.0", &[]),
+    ("step.dashpot", "step.s.dashpot.0", &[]),
+    ("step.torque", "step.s.torque.0", &[]),
     ("output", "output", &["output={}"]),
     ("output.probe", "output.probe.p", &["output={ probe = [{ name = \"p\", point = [0, 0, 0] }] }"]),
     (
@@ -335,6 +342,8 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
         ("step.spring", "step.s.spring.0", "set = 'b.a', stiffness = [0, 0, 1]"),
+        ("step.dashpot", "step.s.dashpot.0", "set = 'b.a', damping = [0, 0, 1]"),
+        ("step.torque", "step.s.torque.0", "tool = 'u', total = 1, point = [0, 0, 0], axis = [0, 0, 1]"),
         ("output.probe", "output.probe.p", "name = 'p', point = [0, 0, 0]"),
         ("output.probe.path", "output.probe.p.path", "from = [0, 0, 0], to = [1, 0, 0]"),
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),

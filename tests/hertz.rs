@@ -25,7 +25,11 @@ fn expected(approach: f64) -> (f64, f64) {
 const APPROACH: f64 = 0.02;
 
 fn scene(elements: usize, grading: f64, model: &str, tool: &str) -> Bench {
-    Bench::new(&format!(
+    Bench::new(&text(elements, grading, model, tool))
+}
+
+fn text(elements: usize, grading: f64, model: &str, tool: &str) -> String {
+    format!(
         r#"
         [body.block]
         material = "soft"
@@ -54,7 +58,7 @@ fn scene(elements: usize, grading: f64, model: &str, tool: &str) -> Bench {
         history = ["block.zmin"]
         "#,
         1.0 / grading
-    ))
+    )
 }
 
 /// Elements along a side, and the size of those at the sides over those in the middle: four and a half in the contact.
@@ -88,6 +92,27 @@ fn sphere_on_a_block() {
         assert_small(&format!("{model} contact radius"), (ellipse(&nodes).0 - radius) / element, 0.25);
         assert_close(&format!("{model} pressure"), nodes[0].1, 1.5 * force / (PI * radius * radius), 0.02);
     }
+}
+
+/// The same block of quadratic tetrahedra, seven times six along each side.
+#[test]
+fn sphere_on_quadratic_tetrahedra() {
+    let (force, radius) = expected(APPROACH);
+    let blocks = |scene: &str| {
+        let (from, to) = (scene.find("[body.block.block]").unwrap(), scene.find("[material.soft]").unwrap());
+        scene.replacen(&scene[from..to], "mesh = \"block.msh\"\n", 1)
+    };
+    let bench = Bench::new(&blocks(&text(MESH.0, MESH.1, "hooke", ANALYTIC)));
+    let graded = |t: f64| (MESH.1.powf(t) - 1.0) / (MESH.1 - 1.0);
+    let place = |[x, y, z]: [f64; 3]| [SIDE * graded(x), SIDE * graded(y), -DEPTH * graded(1.0 - z)];
+    bench.write("block.msh", &msh::second_order(&msh::block([MESH.0 / 2; 3], true, place)));
+    let run = bench.solve(2, &[]);
+    let history = run.history();
+    assert_close("force", -4.0 * history.last("ball.fz"), force, 0.015);
+    assert_small("balance", history.last("ball.fz") / history.last("block.zmin.fz") + 1.0, 1e-9);
+    let highest = 1.5 * force / (PI * radius * radius);
+    assert_close("pressure", pressures(&run)[0].1, highest, 0.02);
+    assert_close("highest pressure", history.last("top.max_pressure"), highest, 0.04);
 }
 
 /// The same with the ball as 4 by 4 quadrilaterals, one of them as wide as four radii of contact. A Nagata patch over the

@@ -241,7 +241,7 @@ fn an_element_kind_that_does_not_fit_the_mesh() {
     refuses_scene("mesh = ", "element = \"tet4\"\nmesh = ", "scene.toml:3:11: ", &words);
 }
 
-/// One with a contact, which quadratic faces have not, and one with an element that does not know of the nodes between its own.
+/// In two passes, and with an element that does not know of the nodes between its own.
 #[test]
 fn quadratic_elements_where_they_cannot_be() {
     let nodes = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,.5,0,0\n6,.5,.5,0\n7,0,.5,0\n8,0,0,.5\n9,.5,0,.5\n10,0,.5,.5\n\
@@ -252,8 +252,11 @@ fn quadratic_elements_where_they_cannot_be() {
         bench.write("ten.inp", &format!("{nodes}{more}{surfaces}"));
         bench
     };
-    let words = ["`slab.top` has quadratic faces, which contacts and ties do not take", "tetrahedra of first order"];
-    refuses(&mesh(""), &[], "scene.toml:14:9: ", &words);
+    let words = ["`slab.top` has quadratic faces, which are not for two passes", "let two surfaces meet in one pass"];
+    let both = "slave = \"slab.top\"\nmaster = \"slab.bottom\"\ndiscretization = \"two-pass\"\n";
+    let passes = bench("slave = \"slab.top\"\nmaster = \"plate\"\n", both);
+    passes.write("slab.inp", &format!("{nodes}{surfaces}"));
+    refuses(&passes, &[], "scene.toml:14:9: ", &words);
     let mixed = mesh("*NODE\n11,1,1,1\n*ELEMENT, TYPE=C3D4, ELSET=all\n22,2,11,3,4\n");
     let words = ["body `slab` has quadratic elements, such as 21, and linear ones, such as 22", "the same order"];
     refuses(&mixed, &[], "scene.toml:1:7: ", &words);

@@ -180,6 +180,27 @@ force = [{ target = "punch", total = [0, -2.0, -60.0], directions = "yz" }]
     check(&scene("hex8", "neo-hookean", SPHERE, "", press), 2);
 }
 
+/// A sphere that turns by a torque about an axis beside its middle, and sinks under a force.
+#[test]
+fn torque_driven_tool() {
+    let steps = r#"
+[[step]]
+increments = 1
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0, 0, -0.3] }]
+[[step]]
+increments = 3
+fix = [{ set = "block.bottom" }]
+move = [{ target = "punch", by = [0.1, 0, 0] }]
+force = [{ target = "punch", total = [0, 0, -60.0], directions = "z" }]
+torque = [{ tool = "punch", total = 6.0, point = [0.5, 0.2, 5.0], axis = [0.1, 1.0, 0.2] }]
+"#;
+    for contact in ["friction = 0.4", "friction = 0.4\nmethod = \"penalty\"\npenalty = 20.0"] {
+        assert!(check(&scene("hex8", "neo-hookean", SPHERE, contact, steps), 2) > 6, "{contact}");
+    }
+    check(&scene("hex8", "neo-hookean", SPHERE, "", steps), 1);
+}
+
 /// Two blocks that begin a little inside each other, pressed together and sheared until some nodes slip, with every way of
 /// bringing forces to the master. In one increment: its start, where slipping nodes stand on the edge of their cones, and
 /// prescribed motions, which enter the first iteration linearly, have no derivative.

@@ -226,3 +226,62 @@ fn springs_bear_by_their_stiffness() {
     assert_small("pushed aside", read(3, "side.fx") + read(3, "block.xmax.fx"), 1e-9);
     assert_small("springs", read(3, "block.xmax.fx") + 30.0 * read(3, "block.xmax.ux"), 1e-9);
 }
+
+/// A block that nothing strains, on springs and dashpots, under a force that rises, stays and goes: backward Euler's recursion
+/// (k + c/Δt) u = F + c/Δt u_before, by increments of many lengths, in a run that goes on as well.
+#[test]
+fn dashpots_relax_by_backward_euler() {
+    let scene = |steps: &[&str]| {
+        let first = r#"
+        body.block = { material = "m", block = { box = { size = [2, 1, 1] }, elements = [2, 1, 1] } }
+        material.m = { model = "neo-hookean", young = 100, poisson = 0.3 }
+        output = { history = ["block"], checkpoint = { increments = 1 } }
+        [[step]]
+        duration = 2
+        increments = 2
+        fix = [{ set = "block", directions = "y" }, { set = "block", normal = [1, 0, 1] }]
+        spring = [{ set = "block", stiffness = [30, 0, 10] }]
+        dashpot = [{ set = "block", damping = [8, 0, 4] }]
+        force = [{ target = "block", total = [6, 0, -6] }]
+        "#;
+        Bench::new(&format!("{first}{}", steps.concat()))
+    };
+    let stay = "[[step]]\nduration = 3\nincrement = { initial = 0.1, max = 1 }\nkeep = true\n";
+    let ease = "[[step]]\nduration = 0.5\nincrements = 3\nkeep = true\nrelease = [\"block\"]\nfix = [{ set = \"block\", directions = \"y\" }, \
+                { set = \"block\", normal = [1, 0, 1] }]\nspring = [{ set = \"block\", stiffness = [30, 0, 10] }]\n\
+                dashpot = [{ set = \"block\", damping = [8, 0, 4] }]\n";
+    let run = scene(&[stay, ease]).solve(2, &[]);
+    let history = run.history();
+    // Along (1, 0, -1)/√2: half of each stiffness and of each damping, and a force of 6√2.
+    let (mut before, mut last, mut lengths) = (0.0, 0.0, Vec::new());
+    for (row, &time) in history.column("time").iter().enumerate() {
+        let size = time - before;
+        let force = 72f64.sqrt()
+            * if time < 2.0 {
+                time / 2.0
+            } else if time > 5.0 {
+                (5.5 - time) / 0.5
+            } else {
+                1.0
+            };
+        last = (force + 6.0 / size * last) / (20.0 + 6.0 / size);
+        assert_small("recursion", history.column("block.ux")[row] - last / 2f64.sqrt(), 1e-10);
+        assert_small("no strain", history.column("block.uz")[row] + last / 2f64.sqrt(), 1e-10);
+        before = time;
+        lengths.push(size);
+    }
+    assert!(lengths.len() > 8 && lengths.iter().any(|size| *size < 0.2) && lengths.contains(&1.0), "{lengths:?}");
+    let timeless =
+        Bench::new(&std::fs::read_to_string(scene(&[]).path("scene.toml")).unwrap().replace("duration = 2", ""));
+    let refused = timeless.run(1, &[]);
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("has dashpots, and no `duration`"), "{}", refused.stderr);
+    let shorter = scene(&[stay]);
+    let first = shorter.solve(1, &[]);
+    let out = first.out.to_str().unwrap();
+    shorter.write("scene.toml", &std::fs::read_to_string(scene(&[stay, ease]).path("scene.toml")).unwrap());
+    let gone_on =
+        common::nagata(&shorter.path(""), 2, &["run", "scene.toml", "--restart", "--out", out], first.out.clone());
+    assert_eq!(gone_on.code, 0, "{}", gone_on.stderr);
+    assert_small("gone on", gone_on.history().difference(&history), 1e-9);
+}

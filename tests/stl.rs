@@ -84,6 +84,8 @@ fn what_is_wrong_is_named() {
     refused(binary(&with(&[[a, b, Vec3::repeat(f64::NAN)]])), "facet 81 has a corner that is not at a finite place");
     let whole = binary(&ball);
     refused(whole[..whole.len() - 7].to_vec(), "a binary STL file of 80 facets has 4084 bytes, this has 4077");
+    let named = [b"solid ball".as_slice(), &whole[10..whole.len() - 57]].concat();
+    refused(named, "a binary STL file of 80 facets has 4084 bytes, this has 4027: it ends in facet 79");
     refused(whole[..40].to_vec(), "a binary STL file has 84 bytes or more, this has 40");
     let words = text("", &ball);
     refused(words.replacen("vertex", "vertix", 1).into(), "tool.stl:4:1: expected vertex or endfacet, found 'vertix");

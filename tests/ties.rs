@@ -91,6 +91,10 @@ fn unlike_meshes_pass_an_even_stress_on() {
     ] {
         let run = blocks(meshes, tets, slope, PULL).solve(ranks, &[]);
         assert_small(&format!("{meshes:?}"), off_even(&run), 1e-10);
+        let (history, pull) = (run.history(), run.history().last("upper.zmax.fz"));
+        assert!(pull > 1.0, "{pull}");
+        assert_small("of the tie", history.last("seam.fz") / pull + 1.0, 1e-9);
+        assert_small("across", history.last("seam.fx") / pull, 1e-9);
     }
 }
 

@@ -329,3 +329,51 @@ step = [{{ name = "press", increments = 1, fix = [{{ set = "a.bottom" }}, {{ set
         assert_eq!(run.history().last("a.active"), 25.0);
     }
 }
+
+/// A pad is pressed into one table and drawn over its end. Where another one stands flush beside it, of which the contact names the
+/// top alone, it goes into that one past its edge, where nothing holds it; where there is none, it hangs over the end.
+#[test]
+fn a_body_is_not_entered_through_faces_that_no_contact_names() {
+    let scene = |second: &str, contact: &str, fixed: &str| {
+        format!(
+            r#"
+[body.table]
+material = "m"
+plane_strain = true
+block = {{ box = {{ size = [3.0, 1.0, 1.0] }}, elements = [4, 2, 1] }}
+[body.pad]
+material = "m"
+plane_strain = true
+block = {{ box = {{ origin = [1.0, 1.0, 0.0], size = [1.5, 1.0, 1.0] }}, elements = [3, 2, 1] }}
+{second}
+[material.m]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[contact.one]
+slave = "pad.ymin"
+master = "table.ymax"
+{contact}
+[[step]]
+increments = 2
+fix = [{{ set = "table.ymin" }}{fixed}]
+move = [{{ target = "pad.ymax", by = [0.0, -0.1, 0.0] }}]
+[[step]]
+increments = 12
+fix = [{{ set = "table.ymin" }}{fixed}]
+move = [{{ target = "pad.ymax", by = [2.4, 0.0, 0.0] }}]
+"#
+        )
+    };
+    let hangs = Bench::new(&scene("", "", "")).run(1, &[]);
+    assert_eq!(hangs.code, 0, "{}", hangs.stderr);
+    let second = "[body.next]\nmaterial = \"m\"\nplane_strain = true\n\
+                  block = { box = { origin = [3.0, 0.0, 0.0], size = [3.0, 1.0, 1.0] }, elements = [4, 2, 1] }";
+    let contact = "[contact.two]\nslave = \"pad.ymin\"\nmaster = \"next.ymax\"";
+    let flush = Bench::new(&scene(second, contact, ", { set = \"next.ymin\" }"));
+    for ranks in [1, 2] {
+        let run = flush.run(ranks, &[]);
+        let says = "is inside body `next`, which it entered where no contact names a face";
+        assert!(run.code == 1 && run.stderr.contains(says), "{}\n{}", run.code, run.stderr);
+    }
+}

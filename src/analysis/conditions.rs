@@ -16,15 +16,15 @@
 mod inclined;
 
 use crate::contact::moves::{alike, way};
-use crate::contact::{Movement, Pair, Pose, Tool};
+use crate::contact::{Axle, Movement, Pair, Pose, Tool};
 use crate::error::{Error, Result};
 use crate::model::{Model, elements};
 use crate::parallel::sum;
 use crate::partition::PartSolid;
-use crate::scene::{Amplitude, Formulation, Located, Rotation, Step};
+use crate::scene::{Amplitude, Formulation, Located, Rotation, Step, Torque};
 use crate::system::Axes;
 use crate::system::dofs::{Motion, Prescribed, ToolFreedom};
-use crate::{Mat3, Vec3};
+use crate::{AXIS_NAMES, Mat3, Vec3};
 use inclined::Inclined;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -39,6 +39,24 @@ pub struct ToolMotion {
     /// The course of both, as that of a [`Motion`].
     pub course: u32,
     pub free: [bool; 3],
+    /// The axis about which a torque turns it, at the start of the step but for what forces have moved it by.
+    pub axle: Option<Axle>,
+}
+
+/// The springs and dashpots between a node and the ground, along the axes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Footing {
+    /// Force per length.
+    pub stiffness: Vec3,
+    /// Force per velocity.
+    pub damping: Vec3,
+}
+
+impl Footing {
+    /// Along which axes it resists a motion.
+    pub fn resists(&self) -> [bool; 3] {
+        [0, 1, 2].map(|d| self.stiffness[d] > 0.0 || self.damping[d] > 0.0)
+    }
 }
 
 /// A load at the start and at the end of a step, and what it is above the straight line between them.
@@ -81,6 +99,11 @@ where
         self.bows.is_empty()
     }
 
+    /// Whether it is the same all over the step.
+    pub fn stays(&self) -> bool {
+        self.from == self.to && self.is_straight()
+    }
+
     /// Whether it is to act, later in the step or at its end.
     pub fn acts(&self) -> bool {
         self.to != T::default() || !self.is_straight()
@@ -99,10 +122,12 @@ pub struct Conditions {
     pub loads: Vec<Ramp<Vec3>>,
     /// Follower pressure by set.
     pub pressures: BTreeMap<String, Ramp<f64>>,
-    /// Force on each tool, N.
+    /// Force on each tool, N; then for each the torque about its axis over its lever, in the first place.
     pub tool_forces: Vec<Ramp<Vec3>>,
-    /// Stiffness of the springs between owned nodes and the ground, along the axes.
-    pub springs: BTreeMap<u32, Vec3>,
+    /// Springs and dashpots between owned nodes and the ground.
+    pub springs: BTreeMap<u32, Footing>,
+    /// Of the step, a time.
+    pub duration: f64,
     /// Tables of motions, from course 1 on.
     courses: Vec<Amplitude>,
 }
@@ -112,7 +137,7 @@ impl Conditions {
     pub fn none(model: &Model) -> Self {
         Self {
             loads: vec![Ramp::default(); model.part.owned],
-            tool_forces: vec![Ramp::default(); model.masters.tools.len()],
+            tool_forces: vec![Ramp::default(); 2 * model.masters.tools.len()],
             ..Self::default()
         }
     }
@@ -132,6 +157,7 @@ impl Conditions {
                 .collect(),
             tool_forces: last.tool_forces.iter().map(Ramp::fading).collect(),
             springs: BTreeMap::new(),
+            duration: step.duration,
             courses: Vec::new(),
         };
         for pressure in &step.pressures {
@@ -140,19 +166,33 @@ impl Conditions {
         }
         conditions.add_body_forces(model, step);
         conditions.add_forces(comm, model, step);
+        step.torques.iter().for_each(|torque| conditions.add_torque(comm, model, last, torque));
         for spring in &step.springs {
             for (n, weight) in nodal_weights(comm, model, &spring.set.value) {
-                *conditions.springs.entry(n).or_default() += spring.stiffness * weight;
+                conditions.springs.entry(n).or_default().stiffness += spring.stiffness * weight;
+            }
+        }
+        for dashpot in &step.dashpots {
+            for (n, weight) in nodal_weights(comm, model, &dashpot.set.value) {
+                conditions.springs.entry(n).or_default().damping += dashpot.damping * weight;
             }
         }
         conditions.prescribe(model, step, u)?;
         Ok(conditions)
     }
 
-    /// Lets tools that were not driven by force until now begin with the contact forces that hold them, those of the last
-    /// converged increment.
-    pub fn hand_over(&mut self, last: &Self, contact_forces: &[Vec3]) {
-        for (t, (ramp, force)) in self.tool_forces.iter_mut().zip(contact_forces).enumerate() {
+    /// Lets tools that were not driven by force or torque until now begin with the contact forces that hold them and, after
+    /// those of all, their moments about the origin, of the last converged increment; tools are at `poses`.
+    pub fn hand_over(&mut self, last: &Self, contact_forces: &[Vec3], poses: &[Pose]) {
+        let tools = self.motions.len();
+        let (forces, moments) = contact_forces.split_at(tools);
+        for (t, motion) in self.motions.iter().enumerate() {
+            if let Some(axle) = motion.axle.filter(|axle| !last.turns_about(t, &axle.axis)) {
+                let axle = Axle { point: axle.point + poses[t].driven, ..axle };
+                self.tool_forces[tools + t].from = Vec3::x() * -axle.drive(&forces[t], &moments[t]);
+            }
+        }
+        for (t, (ramp, force)) in self.tool_forces.iter_mut().zip(forces).enumerate() {
             for d in 0..3 {
                 if self.motions[t].free[d] && !last.motions.get(t).is_some_and(|m| m.free[d]) {
                     ramp.from[d] = -force[d];
@@ -161,12 +201,35 @@ impl Conditions {
         }
     }
 
-    /// Puts the tools where they are at fraction `s` of the step, which they began at `poses`, moved on by `offsets` along the
-    /// directions in which forces drive them.
+    /// Puts the tools where they are at fraction `s` of the step, which they began at `poses`, moved on by `offsets`: along the
+    /// directions in which forces drive them and, after those of all, by torques.
     pub fn place_tools(&self, tools: &mut [Tool], poses: &[Pose], offsets: &[Vec3], s: f64) {
+        let count = tools.len();
         for (t, tool) in tools.iter_mut().enumerate() {
             tool.trial = self.pose(t, &poses[t], s).driven_by(&offsets[t]);
+            let ToolMotion { by, course, axle, .. } = &self.motions[t];
+            if let Some(axle) = axle {
+                let point = axle.point + tool.trial.driven + by * self.done(*course, s);
+                tool.trial = tool.trial.turned_by(&Axle { point, ..*axle }, offsets[count + t].x / axle.lever);
+            }
         }
+    }
+
+    /// Along which directions a force drives a tool, and about which axis, where that is with the tool at a pose, a torque.
+    pub fn driven(&self, t: usize, pose: &Pose) -> ([bool; 3], Option<Axle>) {
+        let ToolMotion { free, axle, .. } = self.motions[t];
+        let about = |axle: Axle| {
+            let now = pose.axle_in_space().filter(|now| (now.axis - axle.axis).norm() < 1e-9);
+            now.unwrap_or(Axle { point: axle.point + pose.driven, ..axle })
+        };
+        (free, axle.map(about))
+    }
+
+    /// Whether a torque turns a tool about this axis, a unit vector.
+    fn turns_about(&self, t: usize, axis: &Vec3) -> bool {
+        const ONE: f64 = 1e-9;
+        let axle = self.motions.get(t).and_then(|motion| motion.axle);
+        axle.is_some_and(|axle| (axle.axis - axis).norm() < ONE)
     }
 
     /// Where a motion prescribes to be at fraction `s` of the step.
@@ -208,16 +271,18 @@ impl Conditions {
 
     /// What the equation numbering needs to know of the tools.
     pub fn freedoms(&self) -> Vec<ToolFreedom> {
+        let along = |axle: &Axle, d: usize| (1.0 - axle.axis[d].abs()) < 1e-14;
         let moves = |m: &ToolMotion, d: usize| {
             let keeps_apart = m.rotation.is_none_or(|r| (1.0 - r.axis.normalize()[d].abs()) < 1e-14);
-            match m.free[d] {
+            match m.free[d] || m.axle.is_some_and(|axle| !along(&axle, d)) {
                 true => f64::NAN,
                 false if keeps_apart => way(m.by[d], m.course),
                 false => f64::INFINITY,
             }
         };
         let movement = |m: &ToolMotion| Movement::along_axes([0, 1, 2].map(|d| moves(m, d)));
-        self.motions.iter().map(|m| ToolFreedom { free: m.free, movement: movement(m) }).collect()
+        let freedom = |m: &ToolMotion| ToolFreedom { free: m.free, turns: m.axle.is_some(), movement: movement(m) };
+        self.motions.iter().map(freedom).collect()
     }
 
     /// How all points of each tool move over the step.
@@ -303,6 +368,23 @@ impl Conditions {
         }
     }
 
+    /// A torque, whose lever is the mean distance of the tool's slave nodes from the axis, as they are meshed. Collective.
+    fn add_torque(&mut self, comm: &SimpleCommunicator, model: &Model, last: &Self, torque: &Torque) {
+        let Some(t) = model.masters.tools.iter().position(|tool| tool.name == torque.tool.value) else { return };
+        let Torque { total, point, axis, table, .. } = torque;
+        let slaves = model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)).flat_map(|pair| &pair.slaves);
+        let distance = |n: u32| axis.cross(&(model.part.points[n as usize] - point)).norm();
+        let mut distances = slaves.fold([0.0; 2], |[sum, count], slave| [sum + distance(slave.node), count + 1.0]);
+        sum(comm, &mut distances);
+        let lever = Some(distances[0] / distances[1]).filter(|mean| *mean > 0.0).unwrap_or(model.size);
+        let ramp = &mut self.tool_forces[model.masters.tools.len() + t];
+        // About another axis it was another torque, and another lever.
+        let from = last.motions.get(t).and_then(|motion| motion.axle).map_or(0.0, |axle| axle.lever);
+        ramp.from *= if last.turns_about(t, axis) { from / lever } else { 0.0 };
+        ramp.add(Vec3::x() * (total / lever), shared(table).as_ref());
+        self.motions[t].axle = Some(Axle { point: *point, axis: *axis, lever });
+    }
+
     fn prescribe(&mut self, model: &Model, step: &Step, u: &[Vec3]) -> Result<()> {
         let mut inclined = Inclined::default();
         for fix in &step.fix {
@@ -314,8 +396,8 @@ impl Conditions {
         for motion in &step.moves {
             let course = self.number(&motion.table);
             if let Some(tool) = model.masters.tools.iter().position(|t| t.name == motion.target.value) {
-                let free = self.motions[tool].free;
-                self.motions[tool] = ToolMotion { by: motion.by, rotation: motion.rotate, course, free };
+                let own = &mut self.motions[tool];
+                *own = ToolMotion { by: motion.by, rotation: motion.rotate, course, ..*own };
             } else if let Some(normal) = motion.normal {
                 let by = (normal.dot(&motion.by), course);
                 self.prescribe_along(model, (&motion.target, &normal), u, by, &mut inclined)?;
@@ -378,7 +460,7 @@ impl Conditions {
                 let motion = Motion { from: u[one][d], by: by[d], course };
                 let slot = &mut self.prescribed[3 * one + d];
                 if slot.is_some_and(|other| !alike(other.way(), motion.way())) {
-                    let axis = ["x", "y", "z"][d];
+                    let axis = AXIS_NAMES[d];
                     let node = model.part.id[n as usize];
                     let what = format!(
                         "node {node} of `{set}` is already moved otherwise along {axis} by another condition of this step"

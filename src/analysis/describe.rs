@@ -39,6 +39,7 @@ pub fn tool(tool: &Tool) -> String {
 /// What a deformable master is made of.
 pub fn master(surface: &BodySurface) -> String {
     let kind = match surface.given.smoothing {
+        _ if surface.is_quadratic => "quadratic facets",
         Smoothing::Facet => "flat facets",
         Smoothing::Nagata => "Nagata patches",
     };
@@ -132,8 +133,8 @@ pub fn failure(
 fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> {
     match f.cause {
         Cause::Watch => Some(
-            "see that the normals of the master look at the slave, and that the node is free to give way; load in smaller \
-             increments, or allow a smaller `increment.min`",
+            "see that the normals of the master look at the slave, that it has all faces to which the slave may come, and that \
+             the node is free to give way; load in smaller increments, or allow a smaller `increment.min`",
         ),
         Cause::Rounds => Some(
             "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, or take \

@@ -32,7 +32,7 @@ impl Estimates {
     /// Learns of a converged increment. Collective.
     pub fn learn(&mut self, simulation: &Simulation) {
         let (comm, model, forces) = (simulation.comm(), simulation.model(), &simulation.state().tool_forces);
-        self.stiffness.resize(forces.len(), Stiffness::default());
+        self.stiffness.resize(model.masters.tools.len(), Stiffness::default());
         for (t, (stiffness, force)) in self.stiffness.iter_mut().zip(forces).enumerate() {
             stiffness.learn(comm, model, t, force);
         }

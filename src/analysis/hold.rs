@@ -20,7 +20,7 @@ impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
     pub(super) fn hangs(&self, frame: &Frame) -> bool {
         let place = |n: usize| self.model.part.points[n] + self.state.u[n];
-        !supported(self.comm, &self.model, frame.conditions(), &frame.driven(), place).free(self.comm).is_empty()
+        !supported(self.comm, &self.model, frame.conditions(), true, place).free(self.comm).is_empty()
     }
 
     /// Whether friction alone holds something now. Collective.
@@ -32,7 +32,7 @@ impl Simulation<'_> {
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. Collective.
     fn held(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, friction: Friction) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
-        let mut motions = supported(self.comm, &self.model, frame.conditions(), &frame.driven(), place);
+        let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
         for (pair, (body, side)) in self.model.pairs.iter().zip(sides(&self.model, self.scene)) {
             for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
                 let trial = of(slave);

@@ -143,6 +143,11 @@ impl Ladder {
         }
     }
 
+    /// The same without jumps, which have no time that dashpots could go by.
+    pub fn without_jumps(self) -> Self {
+        Self { most_jumps: 0, ..self }
+    }
+
     /// How far it is.
     pub fn tries(&self) -> Tries {
         let Self { can_yield, yields, way, failures, jumps, jumped, .. } = *self;

@@ -24,8 +24,7 @@ impl LastIterate {
     pub fn of(newton: &Newton) -> Self {
         let (model, dofs) = (&*newton.system.model, &*newton.system.dofs);
         let residual = |n: usize| {
-            let spring = newton.system.conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
-            let mut force = newton.found.forces[n] + spring.component_mul(&newton.found.u[n]);
+            let mut force = newton.found.forces[n] + newton.footing_force(n as u32);
             force = dofs.axes.inward(n, &force);
             (0..3).filter(|&d| dofs.node[n][d] == NONE).for_each(|d| force[d] = 0.0);
             dofs.axes.outward(n, &force)

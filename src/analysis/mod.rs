@@ -9,8 +9,9 @@
 //! - `increments`: how long the next increment is
 //! - `ladder`, `jump`: what is tried when it does not converge
 //! - `hold`: what holds bodies and tools
+//! - `shared_nodes`: nodes that bear several contacts with friction
 //! - [`preflight`]: what is checked before the first increment
-//! - `watch`: whether an increment that has converged may be accepted
+//! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies
 //! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
@@ -38,6 +39,7 @@ mod estimates;
 mod event;
 mod hold;
 mod increments;
+mod intruders;
 mod jump;
 mod keep;
 mod ladder;
@@ -50,6 +52,7 @@ mod restart;
 mod results;
 mod run;
 mod runaway;
+mod shared_nodes;
 mod simulation;
 mod state;
 mod step;

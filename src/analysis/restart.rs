@@ -115,8 +115,8 @@ crate::words!(OfSlave { committed, accepted, sight, deep, near });
 /// The same with its past multipliers.
 type Remembered = (OfSlave, Vec<Vec3>);
 
-/// Vectors of a node: its displacement, the force on it, and its displacement at the start of the step.
-const OF_NODE: usize = 3;
+/// Vectors of a node: its displacement, the force on it, its displacement at the start of the step, and what dashpots bear.
+const OF_NODE: usize = 4;
 
 impl<'a> Simulation<'a> {
     /// Writes a checkpoint in a step that is under way; of its own the driver adds `texts`, and numbers that are the same on
@@ -177,7 +177,7 @@ impl<'a> Simulation<'a> {
         let (progress, dofs) = (&running.frame.progress, &running.frame.dofs);
         let mut rows = Vec::new();
         for n in 0..self.model.part.owned {
-            [self.state.u[n], self.state.reactions[n], progress.before[n]].put(&mut rows);
+            [self.state.u[n], self.state.reactions[n], progress.before[n], self.state.damped[n]].put(&mut rows);
             let past = progress.past.iter().map(|(_, x)| unknowns(&dofs.node[n], |e| dofs.local(e), x));
             past.for_each(|past| past.put(&mut rows));
         }
@@ -237,6 +237,7 @@ impl<'a> Simulation<'a> {
             increments: common.increments,
             u: self.vectors(&nodes, 0),
             reactions: (0..self.model.part.owned).map(|n| nodes.vector(n, 1)).collect(),
+            damped: (0..self.model.part.owned).map(|n| nodes.vector(n, 3)).collect(),
             tool_forces: common.tool_forces.clone(),
             seen: common.seen.clone(),
             touches: common.touches.clone(),
@@ -256,7 +257,7 @@ impl<'a> Simulation<'a> {
         // Only of the last step do they depend on where nodes were.
         let mut last = Conditions::none(&self.model);
         for (step, forces) in steps.iter().zip(&common.handed) {
-            let conditions = self.conditions(step, &before, &last, forces)?;
+            let conditions = self.conditions(step, &before, &last, (forces, &common.start_poses))?;
             self.state.conditions = std::mem::replace(&mut last, conditions);
         }
         self.begun = common.step;
@@ -383,6 +384,7 @@ impl<'a> Simulation<'a> {
             phases: &self.phases,
             start_poses: &frame.progress.poses,
             committed: &self.state.u,
+            damped: &self.state.damped,
         };
         let mut watcher = |_: usize, _: f64, _: [usize; 2]| Ok(());
         let mut newton = Newton::new(system, (&start, &mut watcher));
@@ -419,14 +421,25 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// How far forces on nodes and tools are from those of the last increment, over those of their body or tool.
+/// How far forces on nodes and tools are from those of the last increment, over those of their body, or of the contacts of the
+/// tool: only one that a force drives has a scale of its own.
 fn apart(newton: &Newton, state: &State) -> f64 {
     let (model, balance) = (&newton.system.model, &newton.found.balance);
-    let first = model.sections.len() + model.pairs.len();
-    let over = |off: Vec3, group: usize| off.amax() / balance.scale(group);
-    let node = |n: usize| over(newton.found.forces[n] - state.reactions[n], model.part.section[n] as usize);
-    let tool = |t: usize| over(newton.found.tool_forces[t] - state.tool_forces[t], first + t);
-    let all = (0..model.part.owned).map(node).chain((0..state.tool_forces.len()).map(tool));
+    let (pairs, first) = (model.sections.len(), model.sections.len() + model.pairs.len());
+    let [new, old] = [&newton.found.tool_forces, &state.tool_forces];
+    let tools = model.masters.tools.len();
+    let node =
+        |n: usize| (newton.found.forces[n] - state.reactions[n]).amax() / balance.scale(model.part.section[n] as usize);
+    let scale = |t: usize, group: usize| {
+        let of_tool = model.pairs.iter().enumerate().filter(|(_, pair)| pair.master.tool() == Some(t));
+        of_tool.map(|(p, _)| balance.scale(pairs + p)).fold(balance.scale(group), f64::max)
+    };
+    let tool = |t: usize| (new[t] - old[t]).amax() / scale(t, first + t);
+    let turning = |t: usize| {
+        let drive = |forces: &[Vec3]| model.masters.tools[t].trial.drive(&forces[t], &forces[tools + t]);
+        (drive(new) - drive(old)).abs() / scale(t, first + tools + t)
+    };
+    let all = (0..model.part.owned).map(node).chain((0..tools).map(tool)).chain((0..tools).map(turning));
     all.fold(0.0, |most, off| if off.is_nan() { f64::INFINITY } else { most.max(off) })
 }
 

@@ -2,12 +2,13 @@
 
 use super::body_fields::{BodyFields, Known};
 use super::probes::{self, Lengths, Probes};
-use super::{Increment, SetReading, Simulation, State, Way};
+use super::{Increment, SetReading, Simulation, State, ToolReading, Way};
 use crate::Vec3;
 use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
-use crate::model::{Body, Model, elements, states};
+use crate::model::tractions::tractions;
+use crate::model::{Body, Model, states};
 use crate::output::OutputFolder;
 use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
 use crate::output::history::HistoryFile;
@@ -50,6 +51,8 @@ pub struct Results {
     history: HistoryFile,
     fields: Fields,
     grids: Grids,
+    /// Tools with a torque in some step, and sets, in the history.
+    turned: Vec<String>,
     watched: Vec<String>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
@@ -73,7 +76,8 @@ impl Grids {
         let mut contacts = Vec::new();
         for pair in &model.pairs {
             let set = &model.part.sets[pair.set];
-            let cells: Vec<NumberedCell> = set.facets.iter().filter(|f| f.mine).map(facet_cell).collect();
+            let pieces = model.part.pieces(&set.facets);
+            let cells: Vec<NumberedCell> = pieces.iter().filter(|f| f.mine).map(facet_cell).collect();
             contacts.push(show(comm, fields, model, &format!("contact.{}", pair.name), set.nodes.clone(), &cells)?);
         }
         let tools = add_tools(comm, fields, model)?;
@@ -162,7 +166,7 @@ impl Results {
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub fn create(comm: &SimpleCommunicator, folder: &OutputFolder, scene: &Scene, model: &Model) -> Result<Self> {
-        let history = HistoryFile::create(folder, comm, &columns(model, &watched(scene)))?;
+        let history = HistoryFile::create(folder, comm, &columns(model, scene))?;
         let probes = Probes::create(comm, folder, scene, model)?;
         Self::new(comm, (history, Fields::create(folder, "fields", comm)?, probes), scene, model)
     }
@@ -180,7 +184,7 @@ impl Results {
         (history, written, probes): (u64, Option<usize>, &Lengths),
     ) -> Result<Self> {
         probes::check_same(scene, probes)?;
-        let history = HistoryFile::go_on(folder, comm, &columns(model, &watched(scene)), history)?;
+        let history = HistoryFile::go_on(folder, comm, &columns(model, scene), history)?;
         let probes = Probes::go_on(comm, folder, scene, model, probes)?;
         Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)
     }
@@ -195,6 +199,7 @@ impl Results {
             history,
             grids: Grids::new(comm, &mut fields, model)?,
             fields,
+            turned: turned(scene),
             watched: watched(scene),
             wanted: scene.output.fields.clone(),
             vtkhdf: scene.output.vtkhdf,
@@ -246,6 +251,9 @@ impl Results {
             row.extend(tool.displacement().iter());
             row.extend((-force).iter());
         }
+        for ToolReading { turned, moment, .. } in self.turned.iter().filter_map(|tool| simulation.tool(tool)) {
+            row.extend([turned, moment]);
+        }
         for set in &self.watched {
             if let Some(SetReading { displacement, reaction }) = simulation.set(set) {
                 row.extend(displacement.iter().chain(reaction.iter()));
@@ -261,7 +269,7 @@ impl Results {
             let mut most = [0.0f64; 2];
             let mut force = [0.0; 3];
             for pass in std::iter::once(pair).chain(pair.other.map(|other| &model.pairs[other])) {
-                let areas = slave_areas(model, pass.set, &state.u);
+                let tractions = tractions(comm, model, pass, &state.u);
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
                 let sign = if pass.is_second { 1.0 } else { -1.0 };
                 for slave in &pass.slaves {
@@ -274,7 +282,7 @@ impl Results {
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);
                     most[0] = most[0].max(slave.sight.depth);
                     if let Some(p) = &slave.accepted.projection {
-                        most[1] = most[1].max(slave.accepted.on_node().dot(&p.normal) / areas[slave.node as usize]);
+                        most[1] = most[1].max(tractions[slave.node as usize].dot(&p.normal));
                     }
                 }
             }
@@ -285,6 +293,11 @@ impl Results {
                 sum(comm, &mut force);
                 row.extend(force);
             }
+        }
+        for joint in &model.joints {
+            let mut force = joint.slaves.iter().map(|slave| -slave.force).sum::<Vec3>();
+            sum(comm, force.as_mut_slice());
+            row.extend(&force);
         }
         let how = match increment.way {
             Way::Newton { settle: false } => 0.0,
@@ -316,7 +329,7 @@ impl Results {
             grids.push(Columns { grid: &shown.grid, node: of_bodies.at_nodes(&shown.nodes), cell });
         }
         for (p, shown) in self.grids.contacts.iter().enumerate() {
-            grids.push(contact_columns(model, p, shown, u, &self.wanted));
+            grids.push(contact_columns(comm, model, p, (shown, u, &self.wanted)));
         }
         let poses: Vec<Pose> = model.masters.tools.iter().map(|tool| tool.committed).collect();
         grids.extend(self.grids.surfaces(comm, model, (&poses, u)));
@@ -355,6 +368,12 @@ impl<'g> Columns<'g> {
     }
 }
 
+/// The tools that a torque drives in some step.
+fn turned(scene: &Scene) -> Vec<String> {
+    let is_turned = |tool: &str| scene.steps.iter().flat_map(|step| &step.torques).any(|own| own.tool.value == tool);
+    scene.tools.iter().map(|tool| tool.name.value.clone()).filter(|tool| is_turned(tool)).collect()
+}
+
 /// The sets in the history.
 fn watched(scene: &Scene) -> Vec<String> {
     scene.output.history.iter().map(|set| set.value.clone()).collect()
@@ -374,10 +393,11 @@ fn plastic_bodies(model: &Model) -> impl Iterator<Item = (usize, &Body)> {
 }
 
 /// Columns of the history after `step,increment,time,iterations`.
-fn columns(model: &Model, watched: &[String]) -> Vec<String> {
-    let names = model.masters.tools.iter().map(|t| t.name.as_str()).chain(watched.iter().map(String::as_str));
-    let mut columns: Vec<String> =
-        names.flat_map(|n| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{n}.{c}"))).collect();
+fn columns(model: &Model, scene: &Scene) -> Vec<String> {
+    let of = |name: &str| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{name}.{c}"));
+    let mut columns: Vec<String> = model.masters.tools.iter().flat_map(|tool| of(&tool.name)).collect();
+    columns.extend(turned(scene).iter().flat_map(|tool| ["angle", "moment"].map(|c| format!("{tool}.{c}"))));
+    columns.extend(watched(scene).iter().flat_map(|set| of(set)));
     for (_, body) in plastic_bodies(model) {
         columns.extend(["elastic_energy", "plastic_work"].map(|c| format!("{}.{c}", body.name)));
     }
@@ -388,24 +408,21 @@ fn columns(model: &Model, watched: &[String]) -> Vec<String> {
             columns.extend(["fx", "fy", "fz"].map(|c| format!("{}.{c}", pair.name)));
         }
     }
+    columns.extend(model.joints.iter().flat_map(|joint| ["fx", "fy", "fz"].map(|c| format!("{}.{c}", joint.name))));
     columns.extend(["residual", "limit", "failures", "found"].map(String::from));
     columns
 }
 
-/// Current area that belongs to each owned node of a slave surface; tied nodes count for the node they follow.
-fn slave_areas(model: &Model, set: usize, u: &[Vec3]) -> Vec<f64> {
-    let mut areas = vec![0.0; model.part.points.len()];
-    elements::add_nodal_areas(model, &model.part.sets[set].facets, u, |n, area| {
-        areas[model.part.tie[n as usize] as usize] += area;
-    });
-    areas.truncate(model.part.owned);
-    areas
-}
-
 /// What is wanted of status, gap, pressure, traction, force and normal on a slave surface. Forces are those on the slave.
-fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3], wanted: &[Quantity]) -> Columns<'g> {
+/// Collective.
+fn contact_columns<'g>(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    pair: usize,
+    (shown, u, wanted): (&'g Shown, &[Vec3], &[Quantity]),
+) -> Columns<'g> {
     let pair = &model.pairs[pair];
-    let areas = slave_areas(model, pair.set, u);
+    let tractions = tractions(comm, model, pair, u);
     let mut of_node = vec![None; model.part.owned];
     for slave in &pair.slaves {
         of_node[slave.node as usize] = Some(&slave.accepted);
@@ -417,7 +434,7 @@ fn contact_columns<'g>(model: &Model, pair: usize, shown: &'g Shown, u: &[Vec3],
     let tie = |n: u32| model.part.tie[n as usize] as usize;
     let projections = || trials.iter().map(|t| t.and_then(|t| t.projection));
     let force = |k: usize| trials[k].map_or(Vec3::zeros(), |t| t.on_node());
-    let traction = |k: usize| force(k) / areas[tie(shown.nodes[k])];
+    let traction = |k: usize| tractions[tie(shown.nodes[k])];
     let all = 0..shown.nodes.len();
     let normals = || projections().map(|p| p.map_or(Vec3::zeros(), |p| p.normal));
     let values = |quantity: &Quantity| {

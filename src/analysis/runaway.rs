@@ -1,63 +1,144 @@
-//! A tool that a force drives, and that nothing can stop.
+//! A tool that a force or torque drives, and that nothing can stop.
 //!
 //! The contact force on a tool lies at each slave node in the cone about -n, with n the normal of the tool there and the
 //! friction coefficient μ. It can do something against a driving force f, of which only the free directions count, when
 //!
 //! ```text
-//!     n·f + μ |f - (n·f) n| > 0.
+//!     n·f + μ |f - (n·f) n| > 0,
 //! ```
 //!
-//! Where this holds for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought.
+//! and against a torque in the sense of w = ± a x (x - p), the velocity of the tool at the node, with w for f. Where this holds
+//! for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought. With the normal forces P
+//! that there are, the moment is at most the sum of P (n·w + μ |w - (n·w) n|): where nothing but a torque changes in a step,
+//! and goes beyond that, the tool spins; elsewhere it is so where no shorter increment is left.
 
 use super::Simulation;
+use super::conditions::Conditions;
 use super::step::Frame;
 use crate::Vec3;
+use crate::contact::Axle;
 use crate::failure::{Cause, Failure};
-use crate::parallel::sum;
+use crate::parallel::{any, sum};
 use std::fmt::Write;
 
 /// Rounding of the work of a unit force.
 const ROUNDING: f64 = 1e-12;
+/// Share of the most moment at which a tool spins if no increment is found: some friction goes along the axis.
+const NEARLY: f64 = 0.98;
+
+/// What drives a tool.
+enum Drive {
+    Force(Vec3),
+    /// Its axis, and its size with the sense in which it drives.
+    Torque(Axle, f64),
+}
+
+/// What slave nodes can do against a drive.
+#[derive(Default)]
+struct Hold {
+    /// Nodes in reach, and those that can do something.
+    in_reach: usize,
+    can_hold: usize,
+    /// The most moment with the normal forces that there are.
+    moment: f64,
+}
 
 impl Simulation<'_> {
-    /// What is wrong with a tool that nothing in reach can hold against its force at fraction `end` of the step, with its
-    /// slave nodes as they were at the last converged increment; `None` when all can be held. Collective.
-    pub(super) fn runaway(&self, frame: &Frame, end: f64) -> Option<Failure> {
+    /// What is wrong with a tool that nothing in reach can hold against its force or torque at fraction `end` of the step, with
+    /// its slave nodes as they were at the last converged increment; `None` when all can be held, as far as is known. At the
+    /// `last` attempt a torque need not be all that changes. Collective.
+    pub(super) fn runaway(&self, frame: &Frame, end: f64, last: bool) -> Option<Failure> {
         let conditions = frame.conditions();
-        for (t, tool) in self.model.masters.tools.iter().enumerate() {
-            let (free, total) = (conditions.motions[t].free, conditions.tool_forces[t].at(end));
+        let tools = &self.model.masters.tools;
+        for (t, tool) in tools.iter().enumerate() {
+            let (free, axle) = conditions.driven(t, &tool.committed);
+            let total = conditions.tool_forces[t].at(end);
             let force = Vec3::from_fn(|d, _| if free[d] { total[d] } else { 0.0 });
-            let Some(direction) = force.try_normalize(0.0) else { continue };
-            // Slave nodes in reach, and those that can hold it.
-            let mut counts = [0.0; 2];
-            for pair in self.model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)) {
-                for normal in pair.slaves.iter().filter_map(|s| s.accepted.projection).map(|p| p.normal) {
-                    let along = normal.dot(&direction);
-                    let across = (direction - normal * along).norm();
-                    counts[0] += 1.0;
-                    counts[1] += f64::from(along + pair.friction * across > ROUNDING);
+            let torque =
+                |axle: Axle| Drive::Torque(axle, conditions.tool_forces[tools.len() + t].at(end).x * axle.lever);
+            for drive in [Some(Drive::Force(force)), axle.map(torque)].into_iter().flatten().filter(Drive::acts) {
+                let hold = self.against(t, &drive);
+                let spins = match drive {
+                    Drive::Torque(_, torque) if last => torque.abs() > NEARLY * hold.moment,
+                    Drive::Torque(_, torque) => torque.abs() > hold.moment && only_torques_change(self, conditions),
+                    Drive::Force(_) => false,
+                };
+                if hold.can_hold == 0 || spins {
+                    let what = tell(frame, self.state.time, &tool.name, (&drive, &hold));
+                    let (step, time) = (frame.name().to_string(), self.state.time);
+                    return Some(Failure { cause: Cause::Runaway, step, time, what, ..Failure::default() });
                 }
-            }
-            sum(self.comm, &mut counts);
-            if counts[1] == 0.0 {
-                let what = tell(frame, self.state.time, &tool.name, &force, counts[0] as usize);
-                let (step, time) = (frame.name().to_string(), self.state.time);
-                return Some(Failure { cause: Cause::Runaway, step, time, what, ..Failure::default() });
             }
         }
         None
     }
+
+    /// What the slave nodes of a tool can do against a drive. Collective.
+    fn against(&self, t: usize, drive: &Drive) -> Hold {
+        let mut sums = [0.0; 3];
+        for pair in self.model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)) {
+            for (slave, at) in pair.slaves.iter().filter_map(|s| Some((s, s.accepted.projection?))) {
+                let by = drive.velocity(&at.slave());
+                let along = at.normal.dot(&by);
+                let against = along + pair.friction * (by - at.normal * along).norm();
+                sums[0] += 1.0;
+                sums[1] += f64::from(against > ROUNDING * by.norm());
+                sums[2] += (against * at.normal.dot(&slave.accepted.on_node())).max(0.0);
+            }
+        }
+        sum(self.comm, &mut sums);
+        Hold { in_reach: sums[0] as usize, can_hold: sums[1] as usize, moment: sums[2] }
+    }
 }
 
-fn tell(frame: &Frame, time: f64, tool: &str, force: &Vec3, in_reach: usize) -> String {
+impl Drive {
+    fn acts(&self) -> bool {
+        match self {
+            Self::Force(force) => *force != Vec3::zeros(),
+            Self::Torque(_, torque) => *torque != 0.0,
+        }
+    }
+
+    /// The way of a point of the tool in the sense of the drive.
+    fn velocity(&self, x: &Vec3) -> Vec3 {
+        match self {
+            Self::Force(force) => force.normalize(),
+            Self::Torque(axle, torque) => axle.velocity(x) * (axle.lever * torque.signum()),
+        }
+    }
+}
+
+/// Whether all else in a step stays as it is. Collective.
+fn only_torques_change(simulation: &Simulation, conditions: &Conditions) -> bool {
+    let tools = simulation.model.masters.tools.len();
+    let moves = conditions.prescribed.iter().flatten().any(|motion| motion.by != 0.0)
+        || conditions.motions.iter().any(|motion| motion.by != Vec3::zeros() || motion.rotation.is_some());
+    let loads = conditions.loads.iter().chain(&conditions.tool_forces[..tools]).any(|load| !load.stays());
+    !any(simulation.comm, moves || loads || conditions.pressures.values().any(|pressure| !pressure.stays()))
+}
+
+fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) -> String {
     let step = frame.name();
-    let mut text =
-        format!("step `{step}`, after time {time:.6}: nothing can hold the tool `{tool}` against its force ");
-    let _ = write!(text, "({:.3e}, {:.3e}, {:.3e}): ", force.x, force.y, force.z);
-    text += &match in_reach {
-        0 => "no slave node is in reach of it".to_string(),
-        1 => "it pulls away from the slave node in reach, or along its surface without friction".to_string(),
-        n => format!("it pulls away from all {n} slave nodes in reach, or along the surface without friction"),
+    let mut text = format!("step `{step}`, after time {time:.6}: ");
+    let help = match drive {
+        Drive::Force(force) => {
+            let _ = write!(text, "nothing can hold the tool `{tool}` against its force ");
+            let _ = write!(text, "({:.3e}, {:.3e}, {:.3e}): ", force.x, force.y, force.z);
+            text += &match hold.in_reach {
+                0 => "no slave node is in reach of it".to_string(),
+                1 => "it pulls away from the slave node in reach, or along its surface without friction".to_string(),
+                n => format!("it pulls away from all {n} slave nodes in reach, or along the surface without friction"),
+            };
+            "check the sign of `total`, and `directions`; a tool must touch what holds it: `move` it there first"
+        }
+        Drive::Torque(_, torque) => {
+            let _ = write!(text, "the tool `{tool}` spins: its torque comes to {:.3e}, and ", torque.abs());
+            text += &match hold.in_reach {
+                0 => "no slave node is in reach of it".to_string(),
+                _ => format!("contact as it presses now holds no more than {:.3e}", hold.moment),
+            };
+            "press it on harder first, give its contact more friction, or turn it by `rotate` of `move`"
+        }
     };
-    text + "\n  help: check the sign of `total`, and `directions`; a tool must touch what holds it: `move` it there first"
+    format!("{text}\n  help: {help}")
 }

@@ -199,10 +199,20 @@ impl<'a> Simulation<'a> {
     /// Where a tool is, and what it bears; `None` where there is none of the name.
     pub fn tool(&self, name: &str) -> Option<ToolReading> {
         let t = self.model.masters.tools.iter().position(|tool| tool.name == name)?;
+        let tool = &self.model.masters.tools[t];
         Some(ToolReading {
-            displacement: self.model.masters.tools[t].displacement(),
+            displacement: tool.displacement(),
             force: -self.state.tool_forces[t],
+            turned: tool.committed.turned.to_degrees(),
+            moment: -self.moment_on(t),
         })
+    }
+
+    /// The moment of the contact forces on a tool about the axis of its torque, or of the last one.
+    pub(super) fn moment_on(&self, t: usize) -> f64 {
+        let (pose, forces) = (&self.model.masters.tools[t].committed, &self.state.tool_forces);
+        let moment = &forces[self.model.masters.tools.len() + t];
+        pose.drive(&forces[t], moment) * pose.axle.map_or(0.0, |axle| axle.lever)
     }
 
     /// Mean displacement of a set of nodes, and what its supports bear; `None` where there is none of the name. Collective.
@@ -243,9 +253,10 @@ impl<'a> Simulation<'a> {
     pub(super) fn check_names(&self, step: &Step) -> Result<()> {
         let is_tool = |name: &str| self.model.masters.tools.iter().any(|tool| tool.name == name);
         let is_set = |name: &str| self.model.find_set(name).is_some();
-        let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target));
+        let turned = step.torques.iter().map(|t| &t.tool).find(|tool| !is_tool(&tool.value));
+        let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target)).chain(turned);
         let sets = step.fix.iter().map(|f| &f.set).chain(step.pressures.iter().map(|p| &p.set));
-        let sets = sets.chain(step.springs.iter().map(|s| &s.set));
+        let sets = sets.chain(step.springs.iter().map(|s| &s.set)).chain(step.dashpots.iter().map(|d| &d.set));
         let bodies = step.body_forces.iter().map(|b| &b.body);
         let unknown =
             targets.filter(|t| !is_tool(&t.value) && !is_set(&t.value)).chain(sets.filter(|s| !is_set(&s.value)));
@@ -296,6 +307,10 @@ pub struct ToolReading {
     pub displacement: Vec3,
     /// Force that it exerts on the bodies, N.
     pub force: Vec3,
+    /// By how much torques have turned it since the beginning, degrees, and its moment on the bodies about the axis of its
+    /// torque, or of the last one; 0 without one.
+    pub turned: f64,
+    pub moment: f64,
 }
 
 /// What a set of nodes does.

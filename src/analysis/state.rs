@@ -22,7 +22,9 @@ pub struct State {
     pub u: Vec<Vec3>,
     /// Internal less external forces plus contact forces on the owned nodes, N: zero where free, the reaction where held.
     pub reactions: Vec<Vec3>,
-    /// Contact force on each tool, N.
+    /// Of these what dashpots bear, N.
+    pub damped: Vec<Vec3>,
+    /// Contact force on each tool, N; then for each its moment about the origin.
     pub tool_forces: Vec<Vec3>,
     /// Largest force of each body, contact and tool so far, as the balance of forces has them.
     pub(super) seen: Vec<f64>,
@@ -30,7 +32,7 @@ pub struct State {
     pub(super) touches: Vec<Touch>,
     /// What the last step ended with.
     pub(super) conditions: Conditions,
-    /// Contact force on each tool at the start of each step so far, N: what a force begins with that takes a tool over.
+    /// The same at the start of each step so far: what a force or torque begins with that takes a tool over.
     pub(super) handed: Vec<Vec<Vec3>>,
 }
 
@@ -42,7 +44,8 @@ impl State {
             increments: 0,
             u: vec![Vec3::zeros(); model.part.points.len()],
             reactions: vec![Vec3::zeros(); model.part.owned],
-            tool_forces: vec![Vec3::zeros(); model.masters.tools.len()],
+            damped: vec![Vec3::zeros(); model.part.owned],
+            tool_forces: vec![Vec3::zeros(); 2 * model.masters.tools.len()],
             seen: vec![0.0; groups],
             touches: vec![Touch::default(); model.pairs.len()],
             conditions: Conditions::none(model),
@@ -72,7 +75,7 @@ pub(super) struct Progress {
     pub start: f64,
     pub before: Vec<Vec3>,
     pub poses: Vec<Pose>,
-    /// Force-driven translations of the tools so far in it.
+    /// Force-driven translations of the tools so far in it, then their rotations by torques, as their unknowns have them.
     pub offsets: Vec<Vec3>,
     pub increments: Increments,
     pub ladder: Ladder,

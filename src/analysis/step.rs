@@ -11,20 +11,19 @@ use super::{
     Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending, suspects,
 };
 use crate::Vec3;
-use crate::contact::{Manner, Pair, Status};
+use crate::contact::{Manner, Pair, Pose, Status};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure, Place};
 use crate::interrupt;
 use crate::model::{Model, states};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, max, sum, word_of_largest};
+use crate::parallel::{agree, any, first_word, sum, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
 use petsc::{Factorization, LinearFailure, LinearStatistics, Matrix, Petsc, Reason, Snes, Vector};
-use std::collections::BTreeMap;
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
@@ -48,23 +47,18 @@ pub(super) struct Running<'a> {
     is_blind: bool,
     /// What was done for linear systems before it.
     before: LinearStatistics,
-    told: Told,
+    pub(super) told: Told,
 }
 
 /// What of the linear solver has been told of in a step.
 #[derive(Default)]
-struct Told {
+pub(super) struct Told {
     null_pivots: bool,
     unsolved: bool,
     impatience: bool,
 }
 
 impl Frame {
-    /// The free directions of each tool.
-    pub(super) fn driven(&self) -> Vec<[bool; 3]> {
-        self.progress.conditions.motions.iter().map(|motion| motion.free).collect()
-    }
-
     pub(super) fn conditions(&self) -> &Conditions {
         &self.progress.conditions
     }
@@ -100,6 +94,7 @@ pub(super) struct Converged {
     end: f64,
     pub(super) u: Vec<Vec3>,
     forces: Vec<Vec3>,
+    damped: Vec<Vec3>,
     tool_forces: Vec<Vec3>,
     offsets: Vec<Vec3>,
     multipliers: Vec<Vec<Vec3>>,
@@ -156,17 +151,29 @@ impl<'a> Simulation<'a> {
             self.state.conditions = running.frame.progress.conditions.ended_at(done);
         }
         let forces = &self.state.tool_forces;
-        let conditions = self.conditions(step, &self.state.u, &self.state.conditions, forces)?;
+        let poses = self.poses();
+        let conditions = self.conditions(step, &self.state.u, &self.state.conditions, (forces, &poses))?;
         self.state.handed.push(forces.clone());
         let progress = self.progress(step, conditions);
         self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))
     }
 
-    /// The conditions of a step that begins at displacements `u` with the contact `forces` on tools, after what the `last`
-    /// step ended with. Collective.
-    pub(super) fn conditions(&self, step: &Step, u: &[Vec3], last: &Conditions, forces: &[Vec3]) -> Result<Conditions> {
+    /// Where the tools are at the last converged increment.
+    fn poses(&self) -> Vec<Pose> {
+        self.model.masters.tools.iter().map(|tool| tool.committed).collect()
+    }
+
+    /// The conditions of a step that begins at displacements `u` with the contact `forces` on tools at these poses, after what
+    /// the `last` step ended with. Collective.
+    pub(super) fn conditions(
+        &self,
+        step: &Step,
+        u: &[Vec3],
+        last: &Conditions,
+        (forces, poses): (&[Vec3], &[Pose]),
+    ) -> Result<Conditions> {
         let mut conditions = agree(self.comm, Conditions::new(self.comm, &self.model, step, u, last))?;
-        conditions.hand_over(last, forces);
+        conditions.hand_over(last, forces, poses);
         Ok(conditions)
     }
 
@@ -175,6 +182,7 @@ impl<'a> Simulation<'a> {
         let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
         let contacts = &self.scene.contacts;
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
+        let ladder = Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls);
         self.begun += 1;
         Progress {
             serial: self.begun,
@@ -182,10 +190,13 @@ impl<'a> Simulation<'a> {
             conditions,
             start: self.state.time,
             before: self.state.u.clone(),
-            poses: self.model.masters.tools.iter().map(|t| t.committed).collect(),
-            offsets: vec![Vec3::zeros(); self.model.masters.tools.len()],
+            poses: self.poses(),
+            offsets: vec![Vec3::zeros(); 2 * self.model.masters.tools.len()],
             increments: Increments::new(&step.sizes(), step.duration, &self.scene.controls).meeting(step.corners()),
-            ladder: Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls),
+            ladder: match step.dashpots.is_empty() {
+                true => ladder,
+                false => ladder.without_jumps(),
+            },
             past: Vec::new(),
         }
     }
@@ -277,13 +288,13 @@ impl<'a> Simulation<'a> {
                 Attempt::Converged(_)
                     if (redundant > 0 || running.is_blind)
                         && frame.progress.ladder.way() != Way::Jump
-                        && self.shared().contains(&true) =>
+                        && self.shares_nodes() =>
                 {
                     let reason = "nodes bear several contacts, whose conditions may say what others say";
                     let size = (end - done) * duration;
                     let retried = Retried { step: frame.name(), size, reason, remedy: Remedy::Hold };
                     observer(&Event::Retried(retried))?;
-                    self.hold(running)?;
+                    self.hold_multipliers(running)?;
                     return self.seek(running, observer);
                 }
                 Attempt::Converged(converged) => {
@@ -311,7 +322,7 @@ impl<'a> Simulation<'a> {
                 }
                 Attempt::Failed(failed) => {
                     if self.retry(frame, failed, duration, observer)? == Remedy::Hold {
-                        self.hold(running)?;
+                        self.hold_multipliers(running)?;
                         return self.seek(running, observer);
                     }
                 }
@@ -325,14 +336,17 @@ impl<'a> Simulation<'a> {
         let end = failed.end;
         let done = frame.progress.increments.done;
         let size = (end - done) * duration;
-        if let Some(told) = self.runaway(frame, end) {
+        if let Some(told) = self.runaway(frame, end, false) {
             return Err(Error::Diverged(Box::new(told)));
         }
-        let (can_yield, can_hold) = (self.yields(), self.shared().contains(&true));
+        let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
         let Progress { increments, ladder, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
         (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
+            if let Some(told) = self.runaway(frame, end, true) {
+                return Err(Error::Diverged(Box::new(told)));
+            }
             let plain = frame.plain.take().filter(|_| is_remedy && failed.cause.is_of_remedy());
             let mut told = plain.unwrap_or(failed);
             let size = (told.end - done) * duration;
@@ -346,42 +360,6 @@ impl<'a> Simulation<'a> {
             frame.plain = Some(failed);
         }
         Ok(remedy)
-    }
-
-    /// The pairs with multipliers as unknowns of which a slave node touches another master, too, as the iterate is, one of them
-    /// with friction. Collective.
-    fn shared(&self) -> Vec<bool> {
-        let pairs = &self.model.pairs;
-        let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
-            let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
-            touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
-        }
-        let mut shared = vec![0.0; pairs.len()];
-        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
-            at.iter().for_each(|&p| shared[p] = 1.0);
-        }
-        max(self.comm, &mut shared);
-        shared.iter().map(|shared| *shared > 0.0).collect()
-    }
-
-    /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's
-    /// equations anew. Collective.
-    fn hold(&mut self, running: &mut Running<'a>) -> Result<()> {
-        let shared = self.shared();
-        let Model { part, masters, pairs, .. } = &mut self.model;
-        masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
-        masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
-        for (pair, _) in pairs.iter_mut().zip(shared).filter(|(_, shared)| *shared) {
-            pair.hold(&masters.of(pair.master));
-        }
-        let progress = Progress { past: Vec::new(), ..running.frame.progress.clone() };
-        self.set_up(progress, near::around(&self.model.pairs, |slave| &slave.accepted, None))?;
-        if let Some(new) = self.running.take() {
-            // A failure from before has its equation by its old number.
-            running.told = std::mem::replace(running, new).told;
-        }
-        Ok(())
     }
 
     /// When constraints may give way, or more than they do anyway. Collective.
@@ -475,6 +453,7 @@ impl<'a> Simulation<'a> {
             phases: &self.phases,
             start_poses: &frame.progress.poses,
             committed: &self.state.u,
+            damped: &self.state.damped,
         };
         let mut newton = Newton::new(system, (&start, &mut watcher));
         newton.set_drag(drag);
@@ -538,10 +517,30 @@ impl<'a> Simulation<'a> {
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
-        Ok(match self.watched(attempt?) {
+        let attempt = match self.watched(attempt?, frame.conditions()) {
             Attempt::Converged(converged) if drag == 0.0 => self.still_held(frame, converged),
             attempt => attempt,
+        };
+        Ok(match attempt {
+            Attempt::Converged(converged) => self.turned_little(converged),
+            failed => failed,
         })
+    }
+
+    /// A converged increment, unless a torque turns a tool by more in it than a prescribed rotation may.
+    fn turned_little(&self, converged: Box<Converged>) -> Attempt {
+        let tools = &self.model.masters.tools;
+        let angles = tools.iter().map(|tool| (tool, (tool.trial.turned - tool.committed.turned).to_degrees()));
+        let far = angles.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).filter(|(_, a)| a.abs() > Step::TURN);
+        match far.map(|(tool, angle)| (&tool.name, angle)) {
+            None => Attempt::Converged(converged),
+            Some((name, angle)) => {
+                let most = Step::TURN;
+                let reason =
+                    format!("the tool `{name}` spins: its torque turns it by {angle:.0} degrees, of {most} at most,");
+                Attempt::Failed(converged.refused(Cause::Loose, reason))
+            }
+        }
     }
 
     /// Fetches the patches that the slave nodes may meet in the increment to `end`. Collective.
@@ -583,6 +582,7 @@ impl<'a> Simulation<'a> {
         self.model.turn_slaves(&self.state.u);
         self.model.follow_sheets(self.comm, &self.state.u);
         self.state.reactions.clone_from(&converged.forces);
+        self.state.damped.clone_from(&converged.damped);
         self.state.tool_forces.clone_from(&converged.tool_forces);
         Ok(())
     }
@@ -704,13 +704,14 @@ fn matrix<'a>(petsc: &'a Petsc<'a>, dofs: &DofMap, pattern: &Pattern, symmetric:
 /// What is kept of a converged iterate.
 fn converged(newton: Newton, x: &[f64]) -> Converged {
     let (multipliers, limits, limit) = (newton.multipliers(x), newton.limits(), newton.limit());
-    let tie_forces = newton.tie_forces(x);
+    let (tie_forces, damped) = (newton.tie_forces(x), newton.damped());
     let Newton { s: end, found, course, .. } = newton;
     Converged {
         end,
         seen: found.balance.accepted(),
         u: found.u,
         forces: found.forces,
+        damped,
         tool_forces: found.tool_forces,
         offsets: found.offsets,
         multipliers,

@@ -4,6 +4,8 @@
 //! from how far they and the masters have moved.
 
 use super::Simulation;
+use super::conditions::Conditions;
+use super::intruders::intruders;
 use super::step::{Attempt, Converged};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
@@ -61,13 +63,13 @@ impl Simulation<'_> {
     }
 
     /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
-    pub(super) fn watched(&mut self, attempt: Attempt) -> Attempt {
+    pub(super) fn watched(&mut self, attempt: Attempt, conditions: &Conditions) -> Attempt {
         let Attempt::Converged(converged) = attempt else { return attempt };
         if self.model.is_alone() {
             return Attempt::Converged(converged);
         }
         let begun = Instant::now();
-        let reason = self.finding(&converged);
+        let reason = self.finding(&converged, conditions);
         self.phases.add(Phase::Search, begun.elapsed());
         match reason {
             None => Attempt::Converged(converged),
@@ -76,7 +78,7 @@ impl Simulation<'_> {
     }
 
     /// The worst that some node did, in words. Collective.
-    fn finding(&mut self, converged: &Converged) -> Option<String> {
+    fn finding(&mut self, converged: &Converged, conditions: &Conditions) -> Option<String> {
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let mut told: Option<(usize, usize, Finding)> = None;
@@ -87,6 +89,10 @@ impl Simulation<'_> {
                 let worst = told.map_or(0.0, |(_, _, worst)| worst.size());
                 told = finding.filter(|finding| finding.size() > worst).map(|finding| (p, s, finding)).or(told);
             }
+        }
+        for (p, s) in intruders(self.comm, &self.model, &converged.u, conditions) {
+            let far = self.model.pairs[p].slaves[s].sighted.gap.abs();
+            told = told.or(Some((p, s, Finding::Within(far))));
         }
         let told = told.map(|told| (told, told.2.size()));
         word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding)).map(|(word, _)| word)
@@ -99,6 +105,10 @@ impl Simulation<'_> {
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
+            Finding::Within(_) => {
+                let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
+                format!("is inside body `{body}`, which it entered where no contact names a face, beside {master}")
+            }
         };
         format!("node {node} {did} (contact `{}`)", pair.name)
     }
@@ -134,15 +144,25 @@ impl Simulation<'_> {
     /// away. Collective.
     pub fn idle_contacts(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        let mut inside: Vec<f64> = (self.model.pairs.iter())
-            .map(|p| p.slaves.iter().filter(|s| s.sight.side == watch::Side::Inside).count() as f64)
-            .collect();
-        sum(self.comm, &mut inside);
+        let count = |side: watch::Side| {
+            let of = |p: &Pair| p.slaves.iter().filter(|s| s.sight.side == side).count() as f64;
+            let mut counts: Vec<f64> = self.model.pairs.iter().map(of).collect();
+            sum(self.comm, &mut counts);
+            counts
+        };
+        let [inside, beside] = [watch::Side::Inside, watch::Side::Beside].map(count);
         for (p, pair) in self.model.pairs.iter().enumerate() {
             let (name, master) = (&pair.name, self.model.master_name(pair));
             if inside[p] > 0.0 {
                 warnings
                     .push(format!("contact `{name}`: {} nodes that began inside {master} are still there", inside[p]));
+            }
+            // Those in a body end the increment.
+            if beside[p] > 0.0 && pair.master.tool().is_some() {
+                warnings.push(format!(
+                    "contact `{name}`: {} nodes are behind {master}, past an end of its surface",
+                    beside[p]
+                ));
             }
             let touch = &self.state.touches[p];
             let other = pair.other.map(|other| self.state.touches[other]);

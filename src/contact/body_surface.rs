@@ -12,7 +12,7 @@
 use super::Pair;
 use super::element::frame;
 use super::method::MasterSurface;
-use crate::parallel::{max, number};
+use crate::parallel::{any, max, number};
 use crate::partition::parcels::{bounds, collect, deal, strayed};
 use crate::partition::{Bounds, Gather, Parcel, owner};
 use crate::surface::Smoothing;
@@ -27,6 +27,8 @@ pub struct BodySurface {
     /// `body.group`.
     pub name: String,
     pub given: MasterSurface,
+    /// Its faces are quadratic and keep their own shape, whatever is given.
+    pub is_quadratic: bool,
     /// Patches of the whole surface.
     pub total: u64,
     /// Longest edge of a patch.
@@ -79,6 +81,7 @@ impl BodySurface {
         Self {
             name: name.into(),
             given,
+            is_quadratic: any(comm, share.iter().any(|patch| patch.is_quadratic)),
             total: number(comm, share.len() as u64).1,
             facet_size,
             fetches: 0,
@@ -264,7 +267,7 @@ impl BodySurface {
 
     /// Cells along a side of a patch.
     fn cells(&self, n: usize) -> usize {
-        if self.given.smoothing == Smoothing::Facet { 1 } else { n }
+        if self.given.smoothing == Smoothing::Facet && !self.is_quadratic { 1 } else { n }
     }
 }
 

@@ -113,13 +113,13 @@ pub fn wrong_way_round(
         |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
     for contact in scene.contacts.iter().filter(one_pass) {
         let names = [&contact.slave.value, &contact.master.value];
-        let facets = names.map(|name| &part.sets[sets[name]].facets[..]);
-        let boxes = facets.map(|facets| hull(comm, bounds(facets.iter().flat_map(|f| corners(part, f)))));
+        let facets = names.map(|name| part.pieces(&part.sets[sets[name]].facets));
+        let boxes = facets.each_ref().map(|facets| hull(comm, bounds(facets.iter().flat_map(|f| corners(part, f)))));
         let side = |k: usize| {
             let near = boxes[1 - k].map(|(low, high)| grown((low, high), 0.1 * (high - low).norm()));
             let meets = |x: &Vec3| near.is_none_or(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
-            let (facet_size, bulge) = measure(comm, part, facets[k], meets);
-            Side { name: names[k].clone(), young: mean(comm, part, facets[k], &moduli), facet_size, bulge }
+            let (facet_size, bulge) = measure(comm, part, &facets[k], meets);
+            Side { name: names[k].clone(), young: mean(comm, part, &facets[k], &moduli), facet_size, bulge }
         };
         let (slave, master) = (side(0), side(1));
         if is_hopeless(&slave, &master) {

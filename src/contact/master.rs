@@ -1,6 +1,6 @@
 //! Masters: what slave surfaces meet, of whatever kind, behind one type.
 //!
-//! A rigid tool is a master of one node, its translation; its pose is given. The faces of a body move with the nodes of
+//! A rigid tool is a master of two nodes, its translation and, in the first component, its rotation by a torque. The faces of a body move with the nodes of
 //! the mesh. Both say where a slave node meets them, from where its slip counts, what they remember of an accepted
 //! increment, how far they have moved, and who gets the forces. Another kind of master is a variant more, here.
 
@@ -173,8 +173,8 @@ impl Masters {
         self.surfaces.iter_mut().for_each(|surface| surface.remember(comm, &before));
     }
 
-    /// Three values for each node of a master that this rank sees: those of the tool, or those that the owners of nodes give.
-    /// Collective.
+    /// Three values for each node of a master that this rank sees: those of the tool, from those of the translations and then
+    /// of the rotations of all tools, or those that the owners of nodes give. Collective.
     pub fn gather<T>(
         &self,
         comm: &SimpleCommunicator,
@@ -186,7 +186,7 @@ impl Masters {
         T: mpi::datatype::Equivalence + Copy + Default,
     {
         match master {
-            Master::Tool(t) => vec![of_tools[t]],
+            Master::Tool(t) => vec![of_tools[t], of_tools[self.tools.len() + t]],
             Master::Surface(k, _) => self.surfaces[k].gather(comm, of_node),
         }
     }
@@ -244,7 +244,7 @@ impl Masters {
         mut add: impl FnMut(Receiver, Vec3),
     ) {
         match master {
-            Master::Tool(t) => forces.iter().for_each(|force| add(Receiver::Tool(t), *force)),
+            Master::Tool(t) => forces.iter().take(1).for_each(|force| add(Receiver::Tool(t), *force)),
             Master::Surface(k, _) => {
                 self.surfaces[k].add_forces(comm, forces, |n, force| add(Receiver::Node(n), force));
             }
@@ -300,7 +300,7 @@ impl<'a> Ground<'a> {
     /// Number of its nodes that this rank sees.
     pub fn count(&self) -> usize {
         match self {
-            Self::Tool(_) => 1,
+            Self::Tool(_) => 2,
             Self::Surface(surface, _) => surface.positions().len(),
         }
     }
@@ -316,7 +316,7 @@ impl<'a> Ground<'a> {
     /// Where its nodes are now, those that this rank sees.
     pub fn position(&self, node: u32) -> Vec3 {
         match self {
-            Self::Tool(tool) => tool.trial.translation,
+            Self::Tool(tool) => tool.place(node),
             Self::Surface(surface, _) => surface.positions()[node as usize],
         }
     }
@@ -324,7 +324,7 @@ impl<'a> Ground<'a> {
     /// The name of a node that stays the same, whatever this rank sees.
     pub fn number(&self, node: u32) -> u64 {
         match self {
-            Self::Tool(_) => 0,
+            Self::Tool(_) => u64::from(node),
             Self::Surface(surface, _) => surface.number(node),
         }
     }
@@ -332,7 +332,7 @@ impl<'a> Ground<'a> {
     /// Where a node with such a name is, if this rank sees it.
     pub fn position_of(&self, number: u64) -> Option<Vec3> {
         match self {
-            Self::Tool(tool) => Some(tool.trial.translation),
+            Self::Tool(tool) => Some(tool.place(number as u32)),
             Self::Surface(surface, _) => surface.position(number),
         }
     }
@@ -441,13 +441,18 @@ impl<'a> Ground<'a> {
         SlipOrigin::Carried(id, xi)
     }
 
-    /// The shares of the corners of a patch in the point `at`, with which of its nodes they are; a tool has but one.
+    /// The shares of a patch's own nodes in the point `at`, with which of its nodes they are; a tool has but one.
     pub fn bearing(&self, at: &Projection) -> impl Iterator<Item = (u32, f64)> + Clone + 'a {
         let [e, z] = at.xi;
+        let [b0, b1, b2] = [1.0 - e, e - z, z];
+        let quadratic =
+            [2.0 * b0 * b0 - b0, 2.0 * b1 * b1 - b1, 2.0 * b2 * b2 - b2, 4.0 * b0 * b1, 4.0 * b1 * b2, 4.0 * b2 * b0];
+        let bilinear = [b0 * (1.0 - z), e * (1.0 - z), e * z, b0 * z, 0.0, 0.0];
         let (nodes, weights) = match self.patch(at.patch) {
-            None => (&[0][..], [1.0, 0.0, 0.0, 0.0]),
-            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [1.0 - e, e - z, z, 0.0]),
-            Some((_, stencil)) => (&stencil[..4], [(1.0 - e) * (1.0 - z), e * (1.0 - z), e * z, (1.0 - e) * z]),
+            None => (&[0][..], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
+            Some((patch, stencil)) if patch.is_quadratic => (&stencil[..6], quadratic),
+            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [b0, b1, b2, 0.0, 0.0, 0.0]),
+            Some((_, stencil)) => (&stencil[..4], bilinear),
         };
         nodes.iter().copied().zip(weights)
     }
@@ -469,7 +474,9 @@ impl<'a> Ground<'a> {
             Self::Surface(surface, Meets::Faces | Meets::Own) => {
                 let given = &surface.given;
                 tangent == Tangent::Exact
-                    && (given.transfer == Transfer::Variational || given.smoothing == Smoothing::Facet)
+                    && (surface.is_quadratic
+                        || given.transfer == Transfer::Variational
+                        || given.smoothing == Smoothing::Facet)
             }
         }
     }

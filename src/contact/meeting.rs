@@ -184,7 +184,7 @@ impl Workspace {
         let contact = meeting.contact.as_ref().and_then(|(projection, touch)| {
             let Touch::Node(from) = touch else { return None };
             let opposite = match ground {
-                Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation),
+                Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation, tool.trial.axle_in_space()),
                 _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
             };
             let origin = match *from {

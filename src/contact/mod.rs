@@ -39,7 +39,7 @@ pub use master::{Ground, Master, Masters, Meets, Receiver};
 pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
 pub use moves::Movement;
-pub use pose::{Pose, Rotation};
+pub use pose::{Axle, Pose, Rotation};
 pub use segment::{Faces, Segments};
 pub use self_contact::{Avoided, Outlook};
 pub use tool::Tool;

@@ -13,6 +13,30 @@ pub struct Rotation {
     pub angle: f64,
 }
 
+/// An axis about which a torque turns a tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Axle {
+    pub point: Vec3,
+    /// A unit vector.
+    pub axis: Vec3,
+    /// A length: the unknown of the rotation is the angle times it.
+    pub lever: f64,
+}
+
+crate::words!(Axle { point, axis, lever });
+
+impl Axle {
+    /// How fast the point `x` moves with the unknown of the rotation: a x (x - p) / lever.
+    pub fn velocity(&self, x: &Vec3) -> Vec3 {
+        self.axis.cross(&(x - self.point)) / self.lever
+    }
+
+    /// The moment about it, over the lever, of a force with its moment about the origin.
+    pub fn drive(&self, force: &Vec3, moment: &Vec3) -> f64 {
+        self.axis.dot(&(moment - self.point.cross(force))) / self.lever
+    }
+}
+
 /// x = rotation X + translation takes the tool's frame, in which its surface was read, to space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
@@ -20,13 +44,17 @@ pub struct Pose {
     pub translation: Vec3,
     /// What forces have moved it by, of all its ways.
     pub driven: Vec3,
+    /// What torques have turned it by, radians.
+    pub turned: f64,
+    /// The axis about which a torque turns it, or did last, in the tool's frame.
+    pub axle: Option<Axle>,
 }
 
-crate::words!(Pose { rotation, translation, driven });
+crate::words!(Pose { rotation, translation, driven, turned, axle });
 
 impl Default for Pose {
     fn default() -> Self {
-        Self { rotation: Mat3::identity(), translation: Vec3::zeros(), driven: Vec3::zeros() }
+        Self { rotation: Mat3::identity(), translation: Vec3::zeros(), driven: Vec3::zeros(), turned: 0.0, axle: None }
     }
 }
 
@@ -58,6 +86,27 @@ impl Pose {
     /// The pose after a force has moved it by `offset`.
     pub fn driven_by(&self, offset: &Vec3) -> Self {
         Self { translation: self.translation + offset, driven: self.driven + offset, ..*self }
+    }
+
+    /// The pose after a torque has turned it about an axis in space by an angle, radians.
+    pub fn turned_by(&self, axle: &Axle, angle: f64) -> Self {
+        let turn = *Rotation3::from_axis_angle(&Unit::new_unchecked(axle.axis), angle).matrix();
+        let rotation = turn * self.rotation;
+        let translation = turn * (self.translation - axle.point) + axle.point;
+        let mut pose = Self { rotation, translation, turned: self.turned + angle, ..*self };
+        let (point, axis) = (pose.inward(&axle.point), rotation.tr_mul(&axle.axis));
+        pose.axle = Some(Axle { point, axis, ..*axle });
+        pose
+    }
+
+    /// The axis of its torque in space.
+    pub fn axle_in_space(&self) -> Option<Axle> {
+        self.axle.map(|axle| Axle { point: self.outward(&axle.point), axis: self.rotation * axle.axis, ..axle })
+    }
+
+    /// The moment about that axis, over its lever, of a force on it with its moment about the origin; 0 without an axis.
+    pub fn drive(&self, force: &Vec3, moment: &Vec3) -> f64 {
+        self.axle_in_space().map_or(0.0, |axle| axle.drive(force, moment))
     }
 
     /// Angle by which `other` is turned against it, in 0 to pi.
@@ -118,6 +167,19 @@ mod tests {
         let middle = turn.point + offset + Vec3::new(0.5, 0.0, 0.0);
         assert!((pose.outward(&turn.point) - middle).norm() < 1e-15);
         assert_eq!(pose.driven, offset);
+    }
+
+    #[test]
+    fn a_torque_turns_about_an_axis_that_stays() {
+        let axle = Axle { point: Vec3::new(1.0, 0.0, 2.0), axis: Vec3::new(0.0, 0.6, 0.8), lever: 2.0 };
+        let start = Pose::default().driven_by(&Vec3::new(0.3, -0.2, 0.1));
+        let pose = start.turned_by(&axle, 0.4).turned_by(&axle, 0.3);
+        let found = pose.axle_in_space().unwrap();
+        assert!((found.point - axle.point).norm() + (found.axis - axle.axis).norm() < 1e-14);
+        assert!((pose.turned - 0.7).abs() < 1e-15 && (start.angle(&pose) - 0.7).abs() < 1e-14);
+        let (x, h) = (Vec3::new(-0.4, 2.0, 1.0), 1e-6);
+        let at = |way: f64| start.turned_by(&axle, way / axle.lever).outward(&start.inward(&x));
+        assert!(((at(h) - at(-h)) / (2.0 * h) - axle.velocity(&x)).norm() < 1e-9);
     }
 
     #[test]

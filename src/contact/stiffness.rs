@@ -94,7 +94,8 @@ fn height(part: &Part, solid: &PartSolid, face: f64) -> f64 {
     let at = |a: usize| -> [f64; 3] { part.points[solid.nodes[a] as usize].into() };
     match solid.shape {
         SolidShape::Tet4 => 3.0 * tet4::volume(&std::array::from_fn(at)) / face,
-        SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / face,
+        // Its facets are quarters of its faces.
+        SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / (4.0 * face),
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)) / face,
     }
 }

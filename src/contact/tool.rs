@@ -39,6 +39,14 @@ impl Tool {
         self.committed.translation
     }
 
+    /// Where its node stands: 0 is its translation, 1, in the first component, its rotation by a torque, as its unknown has it.
+    pub fn place(&self, node: u32) -> Vec3 {
+        match node {
+            0 => self.trial.translation,
+            _ => Vec3::x() * (self.trial.turned * self.trial.axle.map_or(0.0, |axle| axle.lever)),
+        }
+    }
+
     /// Closest point of the tool at its trial pose to a point in space; the search starts at patch `warm`, to which the point
     /// may keep at a kink.
     pub fn project(

@@ -72,13 +72,15 @@ pub enum Finding {
     Behind(f64),
     /// It went through the master on a way of this length.
     Through(f64),
+    /// It is inside the body of the master, where no contact names a face, so far from those that one names.
+    Within(f64),
 }
 
 impl Finding {
     /// A length to compare findings by.
     pub fn size(&self) -> f64 {
         match self {
-            Self::Behind(size) | Self::Through(size) => *size,
+            Self::Behind(size) | Self::Through(size) | Self::Within(size) => *size,
         }
     }
 }

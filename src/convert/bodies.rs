@@ -318,7 +318,8 @@ impl Body {
             }
             return "";
         }
-        if named == ["C3D8I"] {
+        let is_orthotropic = self.materials.keys().any(|&material| materials[material].is_orthotropic());
+        if named == ["C3D8I"] && !is_orthotropic {
             return "element = \"hex8-eas\"       # C3D8I\n";
         }
         if named == ["C3D8"] && self.materials.keys().any(|&material| materials[material].locks()) {
@@ -330,7 +331,8 @@ impl Body {
         if named != ["C3D8"] {
             notes.whole(format!(
                 "body `{name}`: elements {types} become those that nagata takes for its material (see `nagata check`); \
-                 where it bends in few layers, set element = \"hex8-eas\""
+                 where it bends in few layers{}",
+                if is_orthotropic { ", refine it" } else { ", set element = \"hex8-eas\"" }
             ));
         }
         ""

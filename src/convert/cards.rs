@@ -80,7 +80,7 @@ fn fate(name: &str) -> Fate {
         | "INELASTIC HEAT FRACTION"
         | "PHYSICAL CONSTANTS" => Fate::Passed(HEAT),
         "DAMPING" | "CONTACT DAMPING" | "MASS" | "ROTARY INERTIA" | "NONSTRUCTURAL MASS" => Fate::Passed(STATICS),
-        "ORIENTATION" => Fate::Passed("the materials that are converted are isotropic"),
+        "ORIENTATION" => Fate::Read(&["NAME", "SYSTEM", "DEFINITION", "LOCAL DIRECTIONS"]),
         "DYNAMIC"
         | "FREQUENCY"
         | "BUCKLE"

@@ -46,11 +46,17 @@ struct Line<'a, 'b> {
 
 impl Conditions {
     /// Goes on to the next step.
-    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) -> Result<()> {
+    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.step += 1;
-        self.supports.begin(last, next, amplitudes)?;
+        self.supports.begin(last, next, amplitudes);
         let kinds = [&mut self.forces, &mut self.pressures, &mut self.gravity];
-        kinds.into_iter().try_for_each(|loads| loads.begin(last, next, amplitudes))
+        kinds.into_iter().for_each(|loads| loads.begin(last, next, amplitudes));
+    }
+
+    /// After the cards of a step: refuses what goes on from the step before and cannot.
+    pub fn check(&self) -> Result<()> {
+        self.supports.check()?;
+        [&self.forces, &self.pressures, &self.gravity].into_iter().try_for_each(Loads::check)
     }
 
     /// All loads.

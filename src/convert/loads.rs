@@ -48,11 +48,13 @@ pub(super) struct Load {
     pub values: Field,
     /// At the begin of the step.
     start: Field,
+    /// Why it cannot go on, if it does.
+    refused: Option<Error>,
 }
 
 impl Load {
     pub fn new(at: &Location, hint: String, step: usize, amplitude: Option<usize>) -> Self {
-        Self { at: at.clone(), hint, step, amplitude, values: Field::new(), start: Field::new() }
+        Self { at: at.clone(), hint, step, amplitude, values: Field::new(), start: Field::new(), refused: None }
     }
 
     /// At the fraction `s` of the step: by its amplitude, else linear from where it began.
@@ -99,17 +101,23 @@ pub(super) struct Loads {
 
 impl Loads {
     /// Goes on to the next step.
-    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) -> Result<()> {
+    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.fading.clear();
         self.was_reset = false;
         for load in &mut self.live {
             load.start = load.at(1.0, last, amplitudes);
-            load.amplitude = carried(load.amplitude, &load.at, last, next, amplitudes)?;
+            (load.amplitude, load.refused) = carried(load.amplitude, &load.at, last, next, amplitudes);
             if load.amplitude.is_none() {
                 load.values.clone_from(&load.start);
             }
         }
-        Ok(())
+    }
+
+    /// After the cards of a step: refuses what goes on and cannot.
+    pub fn check(&self) -> Result<()> {
+        let goes_on = |load: &&Load| load.values.values().any(|value| *value != [0.0; 3]);
+        let refused = self.live.iter().filter(goes_on).find_map(|load| load.refused.clone());
+        refused.map_or(Ok(()), Err)
     }
 
     /// OP=NEW: all that acted until this step is taken off; the first card of a step counts.
@@ -175,26 +183,26 @@ impl Loads {
     }
 }
 
-/// The amplitude of a condition that goes on in the next step. Programs do not agree on one over the time of the step:
-/// its last value stays, or it begins anew.
+/// The amplitude of a condition, if it goes on in the next step, and why it cannot, where it has one over the time of the step,
+/// on which programs do not agree: its last value stays, or it begins anew.
 pub(super) fn carried(
     amplitude: Option<usize>,
     at: &Location,
     last: &Clock,
     next: &Clock,
     amplitudes: &[Amplitude],
-) -> Result<Option<usize>> {
-    let Some(index) = amplitude else { return Ok(None) };
+) -> (Option<usize>, Option<Error>) {
+    let Some(index) = amplitude else { return (None, None) };
     let amplitude = &amplitudes[index];
     if amplitude.total {
-        return Ok(Some(index));
+        return (Some(index), None);
     }
     match next.constant(amplitude) {
-        Some(factor) if factor == last.factor(amplitude, 1.0) => Ok(None),
+        Some(factor) if factor == last.factor(amplitude, 1.0) => (None, None),
         _ => {
             let what = "the amplitude of this condition is over the time of its step, and another step follows";
             let help = "write the amplitude over the time of all steps, with TIME=TOTAL TIME";
-            Err(Error::input(at, what, help))
+            (None, Some(Error::input(at, what, help)))
         }
     }
 }

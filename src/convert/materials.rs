@@ -1,15 +1,18 @@
-//! *MATERIAL with its *ELASTIC, *PLASTIC, *HYPERELASTIC and *DENSITY.
+//! *MATERIAL with its *ELASTIC, *PLASTIC, *HYPERELASTIC and *DENSITY; one that is orthotropic for each orientation of its sections.
 
 use super::names::Namer;
-use super::rubber;
+use super::{orientations, orthotropic, rubber};
+use crate::Vec3;
 use crate::error::{Error, Location, Result};
-use crate::mesh::abaqus::Card;
+use crate::mesh::abaqus::{Card, Whole};
+use crate::solid::material::Orthotropy;
 use std::fmt::Write;
 
 /// Poisson's ratio above which full integration locks, as the scene has it for its elements.
 const LOCKING: f64 = 0.45;
 
 /// A material of the deck.
+#[derive(Clone)]
 pub(super) struct Material {
     /// In the scene.
     pub name: String,
@@ -23,17 +26,20 @@ pub(super) struct Material {
 }
 
 /// The elastic law.
+#[derive(Clone)]
 enum Law {
     /// Young's modulus and Poisson's ratio.
     Hooke(f64, f64),
     /// The keys of rubber, and Poisson's ratio at small strain.
     Rubber(String, f64),
+    /// The constants, and of the first section with it the name of the orientation, in capitals, and its axes.
+    Orthotropic(Orthotropy, Option<(String, Option<[Vec3; 2]>)>),
 }
 
 /// Reads all materials.
-pub(super) fn read(cards: &[Card], namer: &mut Namer) -> Result<Vec<Material>> {
+pub(super) fn read(whole: &Whole, namer: &mut Namer) -> Result<Vec<Material>> {
     let mut materials: Vec<Material> = Vec::new();
-    for card in cards {
+    for card in &whole.cards {
         let name = card.keyword.name.as_str();
         if name == "MATERIAL" {
             let deck = card.keyword.get("NAME").unwrap_or_default().to_string();
@@ -64,13 +70,50 @@ pub(super) fn read(cards: &[Card], namer: &mut Namer) -> Result<Vec<Material>> {
             }
         }
     }
+    for section in whole.cards.iter().filter(|card| card.keyword.name == "SOLID SECTION") {
+        orient(&whole.cards, section, &mut materials, namer)?;
+    }
     Ok(materials)
 }
 
-/// The material of a section, as named in the deck.
+/// The name of the orientation of a section, in capitals.
+fn orientation(section: &Card) -> String {
+    section.keyword.get("ORIENTATION").unwrap_or_default().to_uppercase()
+}
+
+/// Gives an orthotropic material the orientation of a section, or makes one more for it.
+fn orient(cards: &[Card], section: &Card, materials: &mut Vec<Material>, namer: &mut Namer) -> Result<()> {
+    let Ok(index) = find(materials, section) else { return Ok(()) };
+    let mut material = materials[index].clone();
+    let Some(Law::Orthotropic(_, of)) = &mut material.law else { return Ok(()) };
+    let name = orientation(section);
+    if of.as_ref().is_some_and(|(other, _)| *other == name) {
+        return Ok(());
+    }
+    if let Some(card) = cards.iter().find(|card| card.keyword.name == "INSTANCE" && card.rows.len() > 1) {
+        let help = "write the deck without instances that are turned, or the material by hand";
+        return Err(card.error("an instance is turned, in a deck with an orthotropic material", help));
+    }
+    match of.replace((name.clone(), orientations::of(cards, section)?)) {
+        None => materials[index] = material,
+        Some(_) => {
+            let another = namer.name(&format!("{}-{}", material.deck, name), "material");
+            materials.push(Material { name: another, ..material });
+        }
+    }
+    Ok(())
+}
+
+/// The material of a section, as named in the deck, where it is orthotropic with its orientation, if there is one already.
 pub(super) fn find(materials: &[Material], card: &Card) -> Result<usize> {
     let name = card.keyword.get("MATERIAL").unwrap_or_default();
-    let found = materials.iter().position(|material| material.deck.eq_ignore_ascii_case(name));
+    let of_deck = |material: &Material| material.deck.eq_ignore_ascii_case(name);
+    let is_so = |material: &Material| match &material.law {
+        Some(Law::Orthotropic(_, Some((other, _)))) => *other == orientation(card),
+        _ => true,
+    };
+    let oriented = materials.iter().position(|material| of_deck(material) && is_so(material));
+    let found = oriented.or_else(|| materials.iter().position(of_deck));
     found.ok_or_else(|| {
         let known: Vec<&str> = materials.iter().map(|material| material.deck.as_str()).collect();
         card.error(format!("there is no material '{name}'"), &crate::scene::did_you_mean(name, known))
@@ -82,9 +125,13 @@ impl Material {
     pub fn locks(&self) -> bool {
         let poisson = match self.law {
             Some(Law::Hooke(_, poisson) | Law::Rubber(_, poisson)) => poisson,
-            None => 0.0,
+            Some(Law::Orthotropic(..)) | None => 0.0,
         };
         poisson > LOCKING || !self.plastic.is_empty()
+    }
+
+    pub fn is_orthotropic(&self) -> bool {
+        matches!(self.law, Some(Law::Orthotropic(..)))
     }
 
     /// Its table in the scene.
@@ -100,9 +147,16 @@ impl Material {
                 let _ = write!(text, "model = \"{model}\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
             }
             (Some(Law::Rubber(keys, _)), true) => text += keys,
+            (Some(Law::Orthotropic(constants, of)), true) => {
+                text += &orthotropic::write(constants, of.as_ref().and_then(|(_, axes)| *axes));
+            }
             (Some(Law::Rubber(..)), false) => {
                 let what = format!("the material '{}' has *PLASTIC beside *HYPERELASTIC", self.deck);
                 return Err(Error::input(&self.at, what, "plasticity goes with *ELASTIC"));
+            }
+            (Some(Law::Orthotropic(..)), false) => {
+                let what = format!("the material '{}' has *PLASTIC beside orthotropic constants", self.deck);
+                return Err(Error::input(&self.at, what, "plasticity goes with *ELASTIC, TYPE=ISO"));
             }
         }
         if let Some(density) = self.density {
@@ -141,12 +195,19 @@ fn constants<const N: usize>(card: &Card) -> Result<[f64; N]> {
 
 fn elastic(card: &Card) -> Result<Law> {
     let kind = card.keyword.get("TYPE").unwrap_or("ISO").to_uppercase();
-    if !matches!(kind.as_str(), "ISO" | "ISOTROPIC") {
-        return Err(card.error(format!("*ELASTIC, TYPE={kind} cannot be converted"), "TYPE=ISO can"));
+    match kind.as_str() {
+        "ISO" | "ISOTROPIC" => {
+            let [young, poisson] = constants(card)?;
+            check(card, young, poisson)?;
+            Ok(Law::Hooke(young, poisson))
+        }
+        "ENGINEERING CONSTANTS" | "ENGINEERINGCONSTANTS" => Ok(Law::Orthotropic(orthotropic::read(card, true)?, None)),
+        "ORTHO" | "ORTHOTROPIC" => Ok(Law::Orthotropic(orthotropic::read(card, false)?, None)),
+        _ => Err(card.error(
+            format!("*ELASTIC, TYPE={kind} cannot be converted"),
+            "TYPE=ISO, ENGINEERING CONSTANTS and ORTHO can",
+        )),
     }
-    let [young, poisson] = constants(card)?;
-    check(card, young, poisson)?;
-    Ok(Law::Hooke(young, poisson))
 }
 
 fn check(card: &Card, young: f64, poisson: f64) -> Result<()> {

@@ -18,6 +18,8 @@ mod groups;
 mod loads;
 mod materials;
 mod names;
+mod orientations;
+mod orthotropic;
 mod planes;
 mod rubber;
 mod scene;
@@ -101,7 +103,7 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
     let mut groups = Groups::new(whole);
     // Bodies, tools and contacts share names in the history; materials and steps have their own.
     let (mut namer, mut of_steps) = (Namer::default(), Namer::default());
-    let materials = materials::read(&whole.cards, &mut Namer::default())?;
+    let materials = materials::read(whole, &mut Namer::default())?;
     let bodies = Bodies::new(&mut groups, &materials, &mut namer, notes)?;
     let Contacts { text: contacts, tools, masters } = contacts::convert(&mut groups, &bodies, &mut namer, notes)?;
     let amplitudes = amplitudes::read(&whole.cards)?;

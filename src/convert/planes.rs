@@ -4,6 +4,7 @@
 use super::bodies::Bodies;
 use super::groups::{Face, Groups};
 use super::supports::Supports;
+use crate::AXIS_NAMES;
 use crate::error::Result;
 use std::collections::{BTreeSet, HashSet};
 
@@ -57,7 +58,7 @@ impl Still {
             }
         }
         let name = |(axis, faces): (usize, Vec<Face>)| {
-            groups.faces(&faces, bodies.is_inside(body), &format!("symmetry-{}", super::scene::letter(axis)))
+            groups.faces(&faces, bodies.is_inside(body), &format!("symmetry-{}", AXIS_NAMES[axis]))
         };
         found.into_iter().map(name).collect()
     }

@@ -1,6 +1,7 @@
 //! The text of steps.
 
 use super::tables::Table;
+use crate::AXIS_NAMES;
 use std::fmt::Write;
 
 /// The time of a step and its increments.
@@ -65,10 +66,6 @@ impl Load {
     }
 }
 
-pub(super) fn letter(axis: usize) -> &'static str {
-    ["x", "y", "z"][axis]
-}
-
 impl Lists {
     pub fn add_support(&mut self, set: &str, axis: usize, by: f64) {
         let known = self.supported.iter().position(|other| other == set);
@@ -125,7 +122,7 @@ impl Lists {
             format!("{{ target = {}, total = {value:?}{directions}{} }}", quoted(on), in_time(table, duration))
         };
         let on_tools = self.pushed.iter().map(|(load, free)| {
-            let free: String = (0..3).filter(|&axis| free[axis]).map(letter).collect();
+            let free: String = (0..3).filter(|&axis| free[axis]).map(|axis| AXIS_NAMES[axis]).collect();
             write(load, &format!(", directions = \"{free}\""))
         });
         on_tools.chain(self.forces.iter().map(|load| write(load, ""))).collect()
@@ -155,7 +152,10 @@ pub(super) fn quoted(text: &str) -> toml::Value {
 fn directions(which: [bool; 3]) -> String {
     match which {
         [true, true, true] => String::new(),
-        _ => format!(", directions = \"{}\"", (0..3).filter(|&axis| which[axis]).map(letter).collect::<String>()),
+        _ => format!(
+            ", directions = \"{}\"",
+            (0..3).filter(|&axis| which[axis]).map(|axis| AXIS_NAMES[axis]).collect::<String>()
+        ),
     }
 }
 

@@ -13,6 +13,7 @@ use super::planes::Still;
 use super::scene::{self, Lists};
 use super::springs::Springs;
 use super::tables;
+use crate::AXIS_NAMES;
 use crate::error::{Error, Result};
 use crate::mesh::abaqus::Card;
 use std::collections::BTreeMap;
@@ -64,12 +65,13 @@ pub(super) fn convert(
         let mut setting =
             Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes, notes };
         if number > 0 {
-            conditions.begin(&clock, &next, model.amplitudes)?;
+            conditions.begin(&clock, &next, model.amplitudes);
         } else {
             before.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
         }
         clock = next;
         step.cards.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
+        conditions.check()?;
         still.meet(&conditions.supports);
         tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
         tell_of_step(step, notes);
@@ -312,7 +314,7 @@ impl Writer<'_, '_> {
             };
             let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
             if let Some(dof) = (3..6).find(|&dof| hold(dof).is_none()) {
-                let what = format!("the rigid body is free to turn about {}", scene::letter(dof - 3));
+                let what = format!("the rigid body is free to turn about {}", AXIS_NAMES[dof - 3]);
                 return refuse(what, "nagata's tools turn only as prescribed: hold 4 to 6 of the reference node");
             }
             let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();

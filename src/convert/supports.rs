@@ -22,6 +22,8 @@ pub(super) struct Hold {
     /// are.
     value: Option<f64>,
     start: f64,
+    /// Why it cannot go on, if it does.
+    refused: Option<Error>,
     /// How many steps began before it.
     step: usize,
 }
@@ -82,7 +84,7 @@ pub(super) struct Supports {
 
 impl Supports {
     /// Goes on to the next step.
-    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) -> Result<()> {
+    pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.was_reset = false;
         self.step += 1;
         let place = |hold: usize| self.holds[hold].place(1.0, last, amplitudes);
@@ -91,14 +93,19 @@ impl Supports {
         for (index, hold) in self.holds.iter_mut().enumerate() {
             hold.start = hold.place(1.0, last, amplitudes);
             if acting[hold.dof].contains(&index) {
-                hold.amplitude = carried(hold.amplitude, &hold.at, last, next, amplitudes)?;
+                (hold.amplitude, hold.refused) = carried(hold.amplitude, &hold.at, last, next, amplitudes);
             }
             if hold.amplitude.is_none() {
                 hold.value = hold.value.map(|_| hold.start);
             }
         }
         self.ended = Some(ended);
-        Ok(())
+    }
+
+    /// After the cards of a step: refuses what goes on and cannot.
+    pub fn check(&self) -> Result<()> {
+        let refused = self.acting().into_iter().find_map(|(hold, _)| hold.refused.clone());
+        refused.map_or(Ok(()), Err)
     }
 
     /// OP=NEW: lets all go that was held until this step; the first card of a step counts.
@@ -131,6 +138,7 @@ impl Supports {
                         amplitude: *amplitude,
                         value: *value,
                         start,
+                        refused: None,
                         step: self.step,
                     });
                     begins.push((start, self.holds.len() - 1));

@@ -5,6 +5,7 @@ use crate::Vec3;
 use crate::contact::{Pair, Status};
 use crate::model::Model;
 use crate::model::elements::nodal_areas;
+use crate::model::tractions::tractions;
 use crate::parallel::{any, max, sum};
 use crate::partition::PartFacet;
 use mpi::topology::SimpleCommunicator;
@@ -141,13 +142,16 @@ impl Pressure {
         if !any(comm, pair.slaves.iter().any(|s| s.accepted.status != Status::Gap)) {
             return None;
         }
-        let nodes = Nodes { comm, model, facets: &model.part.sets[pair.set].facets };
+        let own_facets = &model.part.sets[pair.set].facets;
+        let facets = model.part.pieces(own_facets);
+        let nodes = Nodes { comm, model, facets: &facets };
+        let tractions = tractions(comm, model, pair, u);
         let mut field = vec![0.0; model.part.points.len()];
         let (areas, _) = nodes.means(&field, u);
         for slave in &pair.slaves {
             if let Some(p) = &slave.accepted.projection {
                 let n = slave.node as usize;
-                field[n] = slave.accepted.on_node().dot(&p.normal) / areas[n];
+                field[n] = tractions[n].dot(&p.normal);
             }
         }
         nodes.share(&mut field);
@@ -155,7 +159,9 @@ impl Pressure {
         let depths = nodes.depths(pair);
         let own = || pair.slaves.iter().map(|slave| slave.node as usize);
         let [chord_work, edge_work] = works(&nodes, pair, &field, u);
-        let mut squares = [0.0, 0.0, chord_work, edge_work];
+        // A quadratic face bends with the master, as far as the bulges go here.
+        let is_quadratic = facets.len() > own_facets.len();
+        let mut squares = [0.0, 0.0, if is_quadratic { 0.0 } else { chord_work }, edge_work];
         for n in own() {
             squares[0] += areas[n] * (field[n] - means[n]).powi(2);
             squares[1] += areas[n] * field[n].powi(2);

@@ -46,7 +46,8 @@ fn count(data: &[u8]) -> Option<usize> {
 
 /// Reads a whole file; `source` names it in messages.
 pub(super) fn read(source: &str, data: Vec<u8>) -> Result<FileMesh> {
-    let listed = match is_text(&data) && !is_binary(&data) {
+    // The header of a binary file may begin as a text, but there is a zero in the number of its triangles.
+    let listed = match is_text(&data) && !is_binary(&data) && !data.contains(&0) {
         true => read_text(source, &data)?,
         false => read_binary(source, &data)?,
     };
@@ -66,8 +67,9 @@ fn read_binary(source: &str, data: &[u8]) -> Result<Listed> {
         let found = data.len();
         let what = match count(data) {
             Some(count) => {
-                let needed = HEAD + TRIANGLE * count;
-                format!("a binary STL file of {count} facets has {needed} bytes, this has {found}")
+                let (needed, whole) = (HEAD + TRIANGLE * count, found.saturating_sub(HEAD) / TRIANGLE);
+                let cut = if found < needed { format!(": it ends in facet {}", whole + 1) } else { String::new() };
+                format!("a binary STL file of {count} facets has {needed} bytes, this has {found}{cut}")
             }
             None => format!("a binary STL file has {HEAD} bytes or more, this has {found}"),
         };

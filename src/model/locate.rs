@@ -1,10 +1,11 @@
 //! Where points stand in the bodies as they are before anything deforms.
 
 use super::Model;
-use super::elements::{gather, mine};
+use super::elements::mine;
 use crate::Vec3;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, word_of_largest};
+use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
 use crate::solid::element::{hex8, tet4, tet10};
 use mpi::topology::SimpleCommunicator;
@@ -95,27 +96,41 @@ pub fn nearest(comm: &SimpleCommunicator, model: &Model, x: &Vec3, body: Option<
         .map_or(String::new(), |(node, distance)| format!("the nearest node is {node}, {:.6} away", -distance))
 }
 
+/// Whether an element with nodes at `place` holds a point, its faces included.
+pub fn holds(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> bool {
+    shapes_at(solid, place, x).is_some_and(|(past, _)| past <= EDGE)
+}
+
 /// A point in element `e`, if it is there, and how far it is past the edge.
 fn spot_in(model: &Model, e: usize, x: &Vec3) -> Option<(f64, Spot)> {
-    let (solid, points) = (&model.part.solids[e], &model.part.points);
+    let solid = &model.part.solids[e];
+    let (past, shape) = shapes_at(solid, |n| model.part.points[n as usize], x)?;
+    (past <= EDGE).then_some((past, Spot { nodes: solid.nodes, shape, count: solid.nodes().len(), element: Some(e) }))
+}
+
+/// How far a point is past the edge of an element with nodes at `place`, in shape functions or parameters, and the shape
+/// functions there; `None` far away.
+fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option<(f64, [f64; MOST_NODES])> {
+    fn corners<const N: usize>(solid: &PartSolid, place: impl Fn(u32) -> Vec3) -> [[f64; 3]; N] {
+        std::array::from_fn(|a| place(solid.nodes[a]).into())
+    }
     let mut shape = [0.0; MOST_NODES];
     let past = match solid.shape {
         SolidShape::Tet4 => {
-            let found = tet4::shape(&gather(points, solid), x)?;
+            let found = tet4::shape(&corners(solid, place), x)?;
             shape[..4].copy_from_slice(&found);
             found.iter().fold(0.0f64, |most, value| most.max(-value))
         }
         SolidShape::Tet10 => {
-            let at = tet10::parameters(&gather(points, solid), x)?;
+            let at = tet10::parameters(&corners(solid, place), x)?;
             shape = tet10::shape(&at);
             at.iter().fold(0.0f64, |most, value| most.max(-value))
         }
         SolidShape::Hex8 => {
-            let at = hex8::parameters(&gather(points, solid), x)?;
+            let at = hex8::parameters(&corners(solid, place), x)?;
             shape[..8].copy_from_slice(&hex8::shape(at[0], at[1], at[2]).0);
             at.iter().fold(0.0f64, |most, value| most.max(value.abs() - 1.0))
         }
     };
-    let past = if past < ROUNDING { 0.0 } else { past };
-    (past <= EDGE).then_some((past, Spot { nodes: solid.nodes, shape, count: solid.nodes().len(), element: Some(e) }))
+    Some((if past < ROUNDING { 0.0 } else { past }, shape))
 }

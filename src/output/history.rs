@@ -49,7 +49,7 @@ impl HistoryFile {
     /// # Errors
     /// [`crate::error::Error::Input`] on all ranks when it is another file, or has other columns.
     pub fn go_on(folder: &OutputFolder, comm: &impl Communicator, columns: &[String], length: u64) -> Result<Self> {
-        let help = "`history` of `[output]` must list the same sets as before";
+        let help = "`history` of `[output]` must list the same sets as before, and torques act on the same tools";
         Self::resume(
             folder.file("history.csv"),
             comm,

@@ -1,5 +1,6 @@
 //! What can be written of a state, by the names that users give.
 
+use crate::AXIS_NAMES;
 use crate::solid::measure::Measure;
 
 /// A field that a scene may ask for.
@@ -128,11 +129,10 @@ impl Quantity {
 
     /// Its columns in a table, as many as a value has numbers.
     pub fn columns(self) -> Vec<String> {
-        const OF_VECTORS: [&str; 3] = ["x", "y", "z"];
         const OF_TENSORS: [&str; 6] = ["xx", "yy", "zz", "xy", "yz", "xz"];
         let column = |(name, width): (String, usize)| match width {
             1 => vec![name],
-            3 => OF_VECTORS.map(|part| format!("{name}.{part}")).to_vec(),
+            3 => AXIS_NAMES.map(|part| format!("{name}.{part}")).to_vec(),
             _ => OF_TENSORS.map(|part| format!("{name}.{part}")).to_vec(),
         };
         self.datasets().into_iter().flat_map(column).collect()

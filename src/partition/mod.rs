@@ -25,7 +25,9 @@ pub use order::Order;
 pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
+use crate::mesh::middles::four;
 use crate::mesh::{MOST_NODES, Middles, SolidShape};
+use std::borrow::Cow;
 use std::ops::Deref;
 
 /// A volume element on a rank.
@@ -69,6 +71,23 @@ impl Deref for FaceNodes {
 }
 
 impl Part {
+    /// Facets as contacts see them: a quadratic triangle is four linear ones.
+    pub fn pieces<'a>(&self, facets: &'a [PartFacet]) -> Cow<'a, [PartFacet]> {
+        if self.middles.is_empty() {
+            return Cow::Borrowed(facets);
+        }
+        let pieces = facets.iter().flat_map(|facet| {
+            let [a, b, c, _] = facet.nodes;
+            let parts = match self.middles.of(&facet.nodes[..facet.count as usize]) {
+                Some(middles) => four([a, b, c], middles).map(|[a, b, c]| [a, b, c, 0]).to_vec(),
+                None => vec![facet.nodes],
+            };
+            let part = |(k, nodes)| PartFacet { nodes, number: 4 * facet.number + k, ..*facet };
+            (0..).zip(parts).map(part).collect::<Vec<_>>()
+        });
+        Cow::Owned(pieces.collect())
+    }
+
     /// The nodes that carry a facet: 3 or 4, or 6 of a quadratic triangle.
     pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
         let [a, b, c, d] = facet.nodes;

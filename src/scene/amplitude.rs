@@ -1,7 +1,7 @@
 //! How loads and motions follow a table over their step.
 
 use super::reader::Item;
-use super::{BodyForce, Force, Located, Pressure, Step};
+use super::{BodyForce, Force, Located, Pressure, Step, Torque};
 use crate::Vec3;
 use crate::error::{Error, Result};
 
@@ -49,7 +49,7 @@ impl Amplitude {
 }
 
 /// The factor at the end of a step.
-fn end(table: &Option<Amplitude>) -> f64 {
+pub(super) fn end(table: &Option<Amplitude>) -> f64 {
     table.as_ref().map_or(1.0, Amplitude::end)
 }
 
@@ -83,6 +83,11 @@ pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()>
         let earlier = before.and_then(|b| b.forces.iter().find(|other| other.target.value == force.target.value));
         let last = earlier.map_or(Vec3::zeros(), Force::last);
         check_beginning(step, ("pushes", &force.target), (force.total.as_slice(), &force.table), last.as_slice())?;
+    }
+    for torque in &step.torques {
+        let same = |other: &&Torque| other.tool.value == torque.tool.value && other.axis == torque.axis;
+        let last = before.and_then(|b| b.torques.iter().find(same)).map_or(0.0, Torque::last);
+        check_beginning(step, ("turns", &torque.tool), (&[torque.total], &torque.table), &[last])?;
     }
     for pressure in step.pressures.iter().filter(|pressure| pressure.table.is_some()) {
         let same = |other: &&Pressure| other.set.value == pressure.set.value;

@@ -3,7 +3,7 @@
 use super::reader::{Item, Table};
 use super::references::Names;
 use super::{
-    Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer, body_of,
+    Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Step, Tangent, Transfer, body_of,
 };
 use crate::error::{Error, Faults, Result};
 
@@ -46,14 +46,27 @@ fn check(next: &Contact, others: &[Contact], names: &Names) -> Result<()> {
     Ok(())
 }
 
+/// Refuses torques on tools that are met from segment to segment, of which the tangent does not know.
+pub(super) fn check_torques(contacts: &[Contact], steps: &[Step]) -> Result<()> {
+    let by_faces = |tool: &str| {
+        let mut segments = contacts.iter().filter(|c| c.discretization == Discretization::Segment);
+        segments.any(|contact| contact.master.value == tool)
+    };
+    match steps.iter().flat_map(|step| &step.torques).find(|torque| by_faces(&torque.tool.value)) {
+        None => Ok(()),
+        Some(torque) => {
+            let what = format!("a torque on `{}`, whose contact is from segment to segment", torque.tool.value);
+            Err(Error::input(&torque.tool.at, what, "use \"one-pass\", or turn the tool by `rotate`"))
+        }
+    }
+}
+
 fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
     let table = item.table(&[KEYS.as_slice(), OF_SURFACE.as_slice()].concat())?;
     let friction = |item: &Item| {
         item.number_that_is("0 or more", |value| value >= 0.0, "it is the Coulomb coefficient; 0 is frictionless")
     };
-    let automatic = |item: &Item| {
-        if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) }
-    };
+    let automatic = Item::positive_or_auto;
     let tangents = [("exact", Tangent::Exact), ("fixed-frame", Tangent::FixedFrame)];
     let slave = table.require("slave", "\"BODY.GROUP\"").and_then(|item| names.faces(&item));
     let master = table.require("master", "\"TOOL\"").and_then(|item| names.master(&item));

@@ -1,7 +1,7 @@
 //! What a step keeps of the one before it.
 
 use super::reader::{Item, Table};
-use super::{BodyForce, Fix, Force, Located, Pressure, Spring, Step, did_you_mean};
+use super::{BodyForce, Dashpot, Fix, Force, Located, Pressure, Spring, Step, Torque, did_you_mean};
 use crate::Vec3;
 use crate::error::Result;
 
@@ -38,9 +38,11 @@ pub(super) fn keep(
 struct Kept {
     fix: Vec<Fix>,
     forces: Vec<Force>,
+    torques: Vec<Torque>,
     pressures: Vec<Pressure>,
     body_forces: Vec<BodyForce>,
     springs: Vec<Spring>,
+    dashpots: Vec<Dashpot>,
     gravity: Option<Located<Vec3>>,
 }
 
@@ -59,9 +61,11 @@ impl Kept {
         Self {
             fix: before.fix.iter().cloned().chain(stays).collect(),
             forces: forces.collect(),
+            torques: before.torques.iter().map(|torque| torque.kept(&before.moves)).collect(),
             pressures: pressures.collect(),
             body_forces: body_forces.collect(),
             springs: before.springs.clone(),
+            dashpots: before.dashpots.clone(),
             gravity: before.gravity.clone(),
         }
     }
@@ -70,9 +74,11 @@ impl Kept {
     fn names(&self) -> Vec<&str> {
         let mut names: Vec<&str> = (self.fix.iter().map(|fix| &fix.set))
             .chain(self.forces.iter().map(|force| &force.target))
+            .chain(self.torques.iter().map(|torque| &torque.tool))
             .chain(self.pressures.iter().map(|pressure| &pressure.set))
             .chain(self.body_forces.iter().map(|force| &force.body))
             .chain(self.springs.iter().map(|spring| &spring.set))
+            .chain(self.dashpots.iter().map(|dashpot| &dashpot.set))
             .map(|name| name.value.as_str())
             .collect();
         names.sort_unstable();
@@ -93,9 +99,11 @@ impl Kept {
     fn retain(&mut self, keeps: impl Fn(&str) -> bool) {
         self.fix.retain(|fix| keeps(&fix.set.value));
         self.forces.retain(|force| keeps(&force.target.value));
+        self.torques.retain(|torque| keeps(&torque.tool.value));
         self.pressures.retain(|pressure| keeps(&pressure.set.value));
         self.body_forces.retain(|force| keeps(&force.body.value));
         self.springs.retain(|spring| keeps(&spring.set.value));
+        self.dashpots.retain(|dashpot| keeps(&dashpot.set.value));
     }
 
     /// Adds what the step does not list again.
@@ -105,14 +113,18 @@ impl Kept {
         };
         self.fix.retain(|fix| !lists(&fix.set.value));
         self.forces.retain(|force| step.forces.iter().all(|own| own.target.value != force.target.value));
+        self.torques.retain(|torque| step.torques.iter().all(|own| own.tool.value != torque.tool.value));
         self.pressures.retain(|pressure| step.pressures.iter().all(|own| own.set.value != pressure.set.value));
         self.body_forces.retain(|force| step.body_forces.iter().all(|own| own.body.value != force.body.value));
         self.springs.retain(|spring| step.springs.iter().all(|own| own.set.value != spring.set.value));
+        self.dashpots.retain(|dashpot| step.dashpots.iter().all(|own| own.set.value != dashpot.set.value));
         step.gravity = step.gravity.take().or(self.gravity);
         step.fix.append(&mut self.fix);
         step.forces.append(&mut self.forces);
+        step.torques.append(&mut self.torques);
         step.pressures.append(&mut self.pressures);
         step.body_forces.append(&mut self.body_forces);
         step.springs.append(&mut self.springs);
+        step.dashpots.append(&mut self.dashpots);
     }
 }

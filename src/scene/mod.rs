@@ -26,6 +26,7 @@ mod steps;
 mod tests;
 mod ties;
 mod tools;
+mod torque;
 mod trade;
 mod tree;
 
@@ -36,6 +37,7 @@ pub use parse::{load, load_tools, parse};
 pub use probes::{Probe, ProbePlace};
 pub(crate) use references::body_of;
 pub use schema::{begin, schema};
+pub use torque::Torque;
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
@@ -212,9 +214,11 @@ pub struct Step {
     pub fix: Vec<Fix>,
     pub moves: Vec<Move>,
     pub forces: Vec<Force>,
+    pub torques: Vec<Torque>,
     pub pressures: Vec<Pressure>,
     pub body_forces: Vec<BodyForce>,
     pub springs: Vec<Spring>,
+    pub dashpots: Vec<Dashpot>,
     /// Acceleration of all bodies.
     pub gravity: Option<Located<Vec3>>,
     /// What gravity makes of the densities.
@@ -243,9 +247,11 @@ impl Step {
             fix: Vec::new(),
             moves: Vec::new(),
             forces: Vec::new(),
+            torques: Vec::new(),
             pressures: Vec::new(),
             body_forces: Vec::new(),
             springs: Vec::new(),
+            dashpots: Vec::new(),
             gravity: None,
             weights: Vec::new(),
         }
@@ -304,6 +310,7 @@ impl Step {
         const ONE: f64 = 1e-9;
         let tables = (self.moves.iter().filter_map(|m| m.table.as_ref()))
             .chain(self.forces.iter().filter_map(|f| f.table.as_ref()))
+            .chain(self.torques.iter().filter_map(|t| t.table.as_ref()))
             .chain(self.pressures.iter().filter_map(|p| p.table.as_ref()))
             .chain(self.body_forces.iter().filter_map(|b| b.table.as_ref()));
         let mut corners: Vec<f64> = tables.flat_map(Amplitude::corners).collect();
@@ -399,6 +406,15 @@ pub struct Spring {
     pub set: Located<String>,
     /// Of all of them together along x, y and z, force per length.
     pub stiffness: Vec3,
+}
+
+/// Dashpots between the nodes of a set and the ground.
+#[derive(Clone, Debug)]
+pub struct Dashpot {
+    /// `body.group` or `body`.
+    pub set: Located<String>,
+    /// Of all of them together along x, y and z, force per velocity.
+    pub damping: Vec3,
 }
 
 /// What is written, and how often.

@@ -76,6 +76,11 @@ impl<'a> Item<'a> {
         self.number_that_is("above 0", |value| value > 0.0, "")
     }
 
+    /// A number above 0, or "auto": none.
+    pub fn positive_or_auto(&self) -> Result<Option<f64>> {
+        if self.is_string() { self.choice(&[("auto", None)]) } else { self.positive().map(Some) }
+    }
+
     /// The angle between normals up to which an edge is smooth, degrees.
     pub fn feature_angle(&self) -> Result<f64> {
         self.number_that_is("above 0 and at most 180", |value| value > 0.0 && value <= 180.0, "it is in degrees")

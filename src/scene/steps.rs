@@ -4,9 +4,10 @@ use super::amplitude;
 use super::keep::keep;
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
-use super::{BodyForce, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
-use crate::Vec3;
+use super::torque;
+use super::{BodyForce, Dashpot, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
 use crate::error::{Error, Faults, Location, Result};
+use crate::{AXIS_NAMES, Vec3};
 
 const SHARE: &str = "it is a share of the slave nodes";
 /// Share of a motion across a direction that counts as rounding.
@@ -38,7 +39,7 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
 }
 
 /// The keys of a step.
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 15] = [
     "name",
     "duration",
     "increment",
@@ -48,9 +49,11 @@ const KEYS: [&str; 13] = [
     "fix",
     "move",
     "force",
+    "torque",
     "pressure",
     "body_force",
     "spring",
+    "dashpot",
     "gravity",
 ];
 
@@ -65,18 +68,22 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
     let (increment, fix) = (increment(&table, duration), table.each("fix", |item| fix(item, names)));
     let moves = table.each("move", |item| movement(item, names, duration));
     let forces = table.each("force", |item| force(item, names, duration));
+    let torques = table.each("torque", |item| torque::read(item, names, duration));
     let pressures = table.each("pressure", |item| pressure(item, names, duration));
     let body_forces = table.each("body_force", |item| body_force(item, names, duration));
     let springs = table.each("spring", |item| spring(item, names));
+    let dashpots = table.each("dashpot", |item| dashpot(item, names));
     let gravity = table.optional("gravity", |item| Ok(item.located(item.vector()?)));
     let mut faults = Faults::default();
     faults.note(&increment);
     faults.note(&fix);
     faults.note(&moves);
     faults.note(&forces);
+    faults.note(&torques);
     faults.note(&pressures);
     faults.note(&body_forces);
     faults.note(&springs);
+    faults.note(&dashpots);
     faults.note(&gravity);
     faults.finish()?;
     let mut step = Step {
@@ -88,13 +95,19 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
         body_forces: body_forces?,
         moves: moves?,
         forces: forces?,
+        torques: torques?,
         springs: springs?,
+        dashpots: dashpots?,
         gravity: gravity?,
         weights: Vec::new(),
     };
     if let Some(before) = before {
         keep(&mut step, before, &table, |name| names.is_tool(name))?;
         amplitude::check_beginnings(&step, before)?;
+    }
+    if let (Some(dashpot), None) = (step.dashpots.first(), table.get("duration")) {
+        let what = format!("step `{}` has dashpots, and no `duration`: their forces go by velocity", step.name.value);
+        return Err(Error::input(&dashpot.set.at, what, "say how long it takes, as `duration = 1.0`"));
     }
     step.check(|name| names.is_tool(name))?;
     Ok(step)
@@ -104,10 +117,11 @@ impl Step {
     /// Refuses conditions that contradict each other, where `is_tool` tells tools from sets.
     ///
     /// # Errors
-    /// What is moved or pushed twice, or moved where it is fixed or driven by a force.
+    /// What is moved, pushed or turned twice, or moved where it is fixed or driven by a force.
     pub fn check(&self, is_tool: impl Fn(&str) -> bool) -> Result<()> {
         check_repeats(self)?;
         check_fixed_moves(self)?;
+        torque::check(self)?;
         let mut of_tools = self.forces.iter().filter(|force| is_tool(&force.target.value));
         of_tools.try_for_each(|force| check_free_directions(self, force))
     }
@@ -181,7 +195,7 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
     if let (Some(axis), Some(item)) =
         ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis] && normal.is_none()), table.get("by"))
     {
-        let what = format!("moves in {}, which `directions` leaves free", letter(axis));
+        let what = format!("moves in {}, which `directions` leaves free", AXIS_NAMES[axis]);
         return Err(item.error(what, "make it 0, or add the direction"));
     }
     if let (Some(normal), Some(item)) = (normal, table.get("by"))
@@ -222,7 +236,7 @@ fn force(item: &Item, names: &Names, duration: f64) -> Result<Force> {
         }
     };
     if let Some(axis) = (0..3).find(|&axis| total[axis] != 0.0 && !directions[axis]) {
-        let what = format!("acts in {}, in which `directions` does not free the tool", letter(axis));
+        let what = format!("acts in {}, in which `directions` does not free the tool", AXIS_NAMES[axis]);
         return Err(total_item.error(what, "make it 0, or add the direction"));
     }
     let table = table.optional("table", |item| amplitude::read(item, duration))?;
@@ -247,12 +261,22 @@ fn body_force(item: &Item, names: &Names, duration: f64) -> Result<BodyForce> {
 fn spring(item: &Item, names: &Names) -> Result<Spring> {
     let table = item.table(&["set", "stiffness"])?;
     let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a spring holds nodes of a body")?;
-    let stiffness = table.require("stiffness", "[0.0, 0.0, 100.0]")?;
-    let along = stiffness.vector()?;
-    if along.min() < 0.0 || along.max() == 0.0 {
-        return Err(stiffness.error("must be 0 or more along x, y and z, and above 0 along one of them", ""));
+    Ok(Spring { set, stiffness: resisting(&table.require("stiffness", "[0.0, 0.0, 100.0]")?)? })
+}
+
+fn dashpot(item: &Item, names: &Names) -> Result<Dashpot> {
+    let table = item.table(&["set", "damping"])?;
+    let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a dashpot holds nodes of a body")?;
+    Ok(Dashpot { set, damping: resisting(&table.require("damping", "[0.0, 0.0, 10.0]")?)? })
+}
+
+/// Along x, y and z.
+fn resisting(item: &Item) -> Result<Vec3> {
+    let along = item.vector()?;
+    match along.min() < 0.0 || along.max() == 0.0 {
+        true => Err(item.error("must be 0 or more along x, y and z, and above 0 along one of them", "")),
+        false => Ok(along),
     }
-    Ok(Spring { set, stiffness: along })
 }
 
 /// A target is moved once and loaded once in a step.
@@ -275,7 +299,7 @@ fn check_fixed_moves(step: &Step) -> Result<()> {
     for movement in &step.moves {
         for fix in step.fix.iter().filter(|fix| fix.set.value == movement.target.value) {
             if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && fix.directions[axis]) {
-                let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, letter(axis));
+                let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, AXIS_NAMES[axis]);
                 return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
             }
         }
@@ -287,7 +311,7 @@ fn check_fixed_moves(step: &Step) -> Result<()> {
 fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
     for movement in step.moves.iter().filter(|movement| movement.target.value == force.target.value) {
         if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && force.directions[axis]) {
-            let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, letter(axis));
+            let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, AXIS_NAMES[axis]);
             return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
         }
     }
@@ -296,8 +320,4 @@ fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
 
 fn conflict(step: &Step, at: &Location, what: &str, help: &str) -> Error {
     Error::input(at, format!("step `{}` {what}", step.name.value), help)
-}
-
-fn letter(axis: usize) -> &'static str {
-    ["x", "y", "z"][axis]
 }

@@ -21,6 +21,12 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Tie>> {
             let what = format!("tie.{} repeats the faces of tie.{}", next.name.value, first.name.value);
             return Err(Error::input(&next.slave.at, what, "remove one of them"));
         }
+        let of_contact = root.named("contact")?.iter().any(|(name, _)| name.value == next.name.value);
+        if of_contact || names.is_target(&next.name.value) {
+            let what = format!("`{}` names a tie and a contact, tool or body", next.name.value);
+            let help = "rename one of them: the forces of both would have the same names in history.csv";
+            return Err(Error::input(&next.name.at, what, help));
+        }
         ties.push(next);
     }
     Ok(ties)
@@ -34,7 +40,6 @@ fn tie(name: Located<String>, item: &Item, names: &Names) -> Result<Tie> {
         let what = format!("ties `{}` to itself", slave.value);
         return Err(Error::input(&master.at, what, "name the faces that it is to be tied to"));
     }
-    let length =
-        |item: &Item| if item.is_string() { item.choice(&[("auto", None)]) } else { item.positive().map(Some) };
-    Ok(Tie { name, slave, master, tolerance: table.optional("tolerance", length)?.flatten() })
+    let tolerance = table.optional("tolerance", Item::positive_or_auto)?.flatten();
+    Ok(Tie { name, slave, master, tolerance })
 }

@@ -190,6 +190,29 @@ impl Polygon for Patch {
         [e, z.clamp(0.0, if self.count == 3 { e } else { 1.0 })]
     }
 
+    /// The minima themselves: where (C - x).C' = 0 for the edge C = x_k + (d - c) t + c t^2.
+    fn along_edge(&self, edge: usize, x: &Vec3, look: &mut dyn FnMut(f64)) {
+        let (from, to) = (self.nodes[edge], self.nodes[(edge + 1) % self.count as usize]);
+        let (r, c) = (from - x, self.coefficients[edge]);
+        let b = to - from - c;
+        let slope = [r.dot(&b), b.norm_squared() + 2.0 * r.dot(&c), 3.0 * b.dot(&c), 2.0 * c.norm_squared()];
+        let at = |t: f64| ((slope[3] * t + slope[2]) * t + slope[1]) * t + slope[0];
+        // Between its own extrema the slope rises or falls.
+        let [a, half, free] = [3.0 * slope[3], slope[2], slope[1]];
+        let root = (half * half - a * free).max(0.0).sqrt();
+        let turns = [-half - root, -half + root].map(|t| if a > 0.0 { (t / a).clamp(0.0, 1.0) } else { 1.0 });
+        for [mut low, mut high] in [[0.0, turns[0]], turns, [turns[1], 1.0]] {
+            if !(at(low) < 0.0 && at(high) > 0.0) {
+                continue;
+            }
+            while high - low > 1e-9 {
+                let middle = 0.5 * (low + high);
+                *(if at(middle) < 0.0 { &mut low } else { &mut high }) = middle;
+            }
+            look(low);
+        }
+    }
+
     fn bend(&self, y: &Vec3) -> [f64; 4] {
         let [c0, c1, c2, c3] = self.coefficients.map(|c| c.dot(y));
         if self.count == 3 {

@@ -52,6 +52,12 @@ pub trait Polygon: Parametric {
         [e.clamp(0.0, 1.0), z.clamp(0.0, 1.0)]
     }
 
+    /// Hands over places from 0 to 1 along an edge, of which one is near where the edge is nearest to `x`.
+    fn along_edge(&self, _edge: usize, _x: &Vec3, look: &mut dyn FnMut(f64)) {
+        const ALONG: usize = 20;
+        (1..ALONG).for_each(|k| look(k as f64 / ALONG as f64));
+    }
+
     /// How far beyond the domain `xi` lies; 0 inside.
     fn overshoot(&self, xi: [f64; 2]) -> f64 {
         self.sides(xi).iter().fold(0.0, |worst, side| f64::max(worst, -side))

@@ -33,6 +33,13 @@ pub struct Projection {
     pub xi: [f64; 2],
 }
 
+impl Projection {
+    /// x.
+    pub fn slave(&self) -> Vec3 {
+        self.point + self.normal * self.gap
+    }
+}
+
 crate::words!(Projection { gap, point, normal, normal_gradient, patch, xi });
 
 /// Where the distance to one piece is least.
@@ -49,9 +56,8 @@ const ITERATIONS: usize = 60;
 /// A Newton step this small leaves an error of its square.
 const LAST_NEWTON_STEP: f64 = 1e-8;
 const LAST_STEP: f64 = 1e-14;
-/// Samples along each parameter, and along each edge, that show whether a minimum was missed.
+/// Samples along each parameter that show whether a minimum was missed.
 const GRID: usize = 5;
-const ALONG: usize = 20;
 
 /// The local minimum of the distance from `x` that descent reaches from `start`, over the domain of `piece` extended
 /// beyond each edge by `extension`. `start` must lie in it.
@@ -169,10 +175,7 @@ pub fn closest_foot<P: Polygon + ?Sized>(piece: &P, extent: &Extent, x: &Vec3, s
     }
     for edge in 0..piece.count() {
         let (p, q) = (corners[edge], corners[(edge + 1) % piece.count()]);
-        for k in 1..ALONG {
-            let t = k as f64 / ALONG as f64;
-            look(std::array::from_fn(|a| p[a] + t * (q[a] - p[a])));
-        }
+        piece.along_edge(edge, x, &mut |t| look(std::array::from_fn(|a| p[a] + t * (q[a] - p[a]))));
     }
     best
 }

@@ -86,9 +86,9 @@ impl Candidates {
                     let stencil = ground.patch(*id).map_or(&[][..], |(_, stencil)| stencil);
                     stencil.iter().flat_map(|&n| of_master[n as usize]).filter(|&e| e != NONE)
                 };
-                if is_tool && of_master[0] != [NONE; 3] {
-                    let of_tool = of_master[0].into_iter().filter(|&e| e != NONE);
-                    groups.push(own.iter().copied().chain(of_tool).collect());
+                let of_tool = || of_master.iter().flatten().copied().filter(|&e| e != NONE);
+                if is_tool && of_tool().next().is_some() {
+                    groups.push(own.iter().copied().chain(of_tool()).collect());
                 }
                 let all = pair.friction > 0.0 || pair.faces.is_some();
                 let together = if all { ids.len().max(1) } else { 1 };

@@ -3,17 +3,17 @@
 //! Only what a step leaves free gets one, of contacts what is [`near`](super::near); the rest is -1, and neither row nor column
 //! exists. A node's displacements are numbered together, along the coordinate axes or, where conditions are inclined, along
 //! directions of its own ([`Axes`]); its multipliers follow, with friction along the same directions. The free motions of tools
-//! come last on rank 0. Numbers are contiguous by rank.
+//! come last on rank 0: the translations of all, then the rotations. Numbers are contiguous by rank.
 
 use super::axes::Axes;
 use super::near::Near;
-use crate::Vec3;
 use crate::contact::Movement;
 use crate::contact::moves::{alike, way};
 use crate::failure::Place;
 use crate::model::Model;
 use crate::model::ties::Joint;
 use crate::parallel::{any, number, starts};
+use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::{Multipliers, Node, Unknowns};
@@ -61,7 +61,7 @@ pub struct DofMap {
     pub tie: Vec<Vec<[i64; 3]>>,
     /// The slave nodes that have equations of contact.
     pub near: Near,
-    /// For each tool the equations of its free translations.
+    /// For each tool the equations of its free translations; then for each that of its rotation by a torque, in the first place.
     pub tool: Vec<[i64; 3]>,
     /// Global number of this rank's first equation.
     pub first: i64,
@@ -81,6 +81,8 @@ pub struct DofMap {
 pub struct ToolFreedom {
     /// Directions in which a force moves it.
     pub free: [bool; 3],
+    /// Whether a torque turns it.
+    pub turns: bool,
     /// How all its points move.
     pub movement: Movement,
 }
@@ -114,7 +116,7 @@ impl DofMap {
             multiplier: model.pairs.iter().map(|p| vec![[NONE; 3]; p.slaves.len()]).collect(),
             tie: model.joints.iter().map(|joint| vec![[NONE; 3]; joint.slaves.len()]).collect(),
             near,
-            tool: vec![[NONE; 3]; tools.len()],
+            tool: vec![[NONE; 3]; 2 * tools.len()],
             first: 0,
             count: 0,
             starts: Vec::new(),
@@ -164,6 +166,9 @@ impl DofMap {
                 for d in (0..3).filter(|&d| tool.free[d]) {
                     equations[d] = number();
                 }
+            }
+            for (equations, _) in map.tool[tools.len()..].iter_mut().zip(tools).filter(|(_, tool)| tool.turns) {
+                equations[0] = number();
             }
         }
         if map.is_inclined {
@@ -258,8 +263,13 @@ impl DofMap {
         for n in (0..part.owned).filter(|n| part.tie[*n] as usize == *n) {
             add(&self.node[n], [0, 1, 2].map(|d| self.axes.direction(n, d)), place(n as u32));
         }
-        for (equations, tool) in self.tool.iter().zip(&model.masters.tools) {
+        let (moved, turned) = self.tool.split_at(self.tool.len() / 2);
+        for (equations, tool) in moved.iter().zip(&model.masters.tools) {
             add(equations, [0, 1, 2].map(|d| Vec3::ith(d, 1.0)), tool.trial.translation);
+        }
+        // About a fixed axis a tool does not take part in the rigid motions of all.
+        for (equations, tool) in turned.iter().zip(&model.masters.tools) {
+            add(equations, [Vec3::zeros(); 3], tool.trial.translation);
         }
         for (pair, equations) in model.pairs.iter().zip(&self.multiplier) {
             for (slave, equations) in pair.slaves.iter().zip(equations) {
@@ -314,11 +324,11 @@ impl DofMap {
         let wanted = self.first + equation as i64;
         let find = |(t, equations): (usize, &[i64; 3])| Some((t, equations.iter().position(|&e| e == wanted)?));
         let (t, d) = self.tool.iter().enumerate().find_map(find)?;
-        Some(format!(
-            "the motion along {} of the force-driven tool `{}`",
-            ["x", "y", "z"][d],
-            model.masters.tools[t].name
-        ))
+        let tools = &model.masters.tools;
+        Some(match tools.get(t) {
+            Some(tool) => format!("the motion along {} of the force-driven tool `{}`", AXIS_NAMES[d], tool.name),
+            None => format!("the rotation of the tool `{}` by its torque", tools[t - tools.len()].name),
+        })
     }
 
     /// The node and component, or else the slave or tool, of a local equation, for messages.
@@ -328,7 +338,7 @@ impl DofMap {
         };
         let along = |d: usize| match self.axes.of(node as usize) {
             Some(axes) => format!("({:.3}, {:.3}, {:.3}) of", axes[(0, d)], axes[(1, d)], axes[(2, d)]),
-            None => format!("{} of", ["x", "y", "z"][d]),
+            None => format!("{} of", AXIS_NAMES[d]),
         };
         let what = direction.map_or("the force of a contact or tie at".into(), along);
         format!("{what} node {}{}", node_name(model, node), contact_status(model, node))

@@ -5,7 +5,7 @@ use crate::Mat3;
 use crate::contact::{Master, Masters, Movement};
 use mpi::topology::SimpleCommunicator;
 
-/// The nodes of the master of a pair that this rank sees; a tool has one.
+/// The nodes of the master of a pair that this rank sees; a tool has two, its translation and its rotation.
 #[derive(Clone, Debug, Default)]
 pub struct MasterNodes {
     /// Equations of each along its directions; [`NONE`](super::dofs::NONE) where there is none.
@@ -25,7 +25,7 @@ impl MasterNodes {
     ) -> Self {
         let equations = equations(comm, masters, master, dofs);
         if let Some(tool) = master.tool() {
-            return Self { equations, moves: vec![of_tools[tool]] };
+            return Self { equations, moves: vec![of_tools[tool]; 2] };
         }
         let ways = masters.gather(comm, master, &[], |n, d| of_node(n).ways[d]);
         let mut moves: Vec<Movement> = ways.into_iter().map(Movement::along_axes).collect();

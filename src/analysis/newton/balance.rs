@@ -38,7 +38,8 @@ struct Group {
 
 const FIELDS: usize = 8;
 
-/// Forces and residuals of an iterate, by sections of bodies, then contacts, then tools.
+/// Forces and residuals of an iterate, by sections of bodies, then contacts, then tools, then the torques of tools over their
+/// levers.
 #[derive(Clone, Debug, Default)]
 pub struct Balance {
     groups: Vec<Group>,
@@ -66,7 +67,7 @@ impl Balance {
         let mut augmentations: Vec<f64> = model.pairs.iter().map(largest_of).collect();
         max(comm, &mut augmentations);
         let pairs = augmentations.into_iter().map(|a| given.unwrap_or(share * a * model.size));
-        sections.chain(pairs).chain(model.masters.tools.iter().map(|_| largest)).collect()
+        sections.chain(pairs).chain((0..2 * model.masters.tools.len()).map(|_| largest)).collect()
     }
 
     pub fn new(model: &Model, dofs: &DofMap, seen: Vec<f64>, floors: Vec<f64>) -> Self {
@@ -113,7 +114,7 @@ impl Balance {
         self.groups[group].force = self.groups[group].force.max(force);
     }
 
-    /// A load on a node of a section, or the force that drives a tool, N.
+    /// A load on a node of a section, or the force, or the torque over its lever, that drives a tool, N.
     pub fn load(&mut self, group: usize, force: f64) {
         self.force(group, force);
         self.groups[group].load = self.groups[group].load.max(force);
@@ -255,11 +256,32 @@ impl Newton<'_> {
         if group < sections + self.system.model.pairs.len() {
             return self.epsilon() * groups[group].measure * groups[group].far;
         }
-        let tool = group - sections - self.system.model.pairs.len();
+        let tool = (group - sections - self.system.model.pairs.len()) % self.system.model.masters.tools.len();
         pairs
             .filter(|p| self.system.model.pairs[*p].master.tool() == Some(tool))
             .flat_map(|p| self.system.model.pairs[p].sections.iter().map(|&section| self.rounding(section)))
             .fold(0.0, f64::max)
+    }
+
+    /// Why a contact of a section leaves more by rounding than the section itself.
+    fn rounded_by(&self, section: usize) -> String {
+        let (first, Model { pairs, .. }) = (self.system.model.sections.len(), &*self.system.model);
+        let of = |p: usize| self.found.balance.groups[first + p].penalty * self.found.balance.groups[first + p].far;
+        let touching = (0..pairs.len()).filter(|p| self.touches(*p, section));
+        let Some(p) = touching.max_by(|a, b| of(*a).total_cmp(&of(*b))) else { return String::new() };
+        let (pair, far) = (&pairs[p], self.found.balance.groups[first + p].far);
+        match pair.asked.1 {
+            Some(_) => format!("the `penalty` of its contact `{}` is too large", pair.name),
+            None if pair.method.holds_multipliers() => format!(
+                "the penalty of its contact `{}` is too large with the method \"{}\": take \"augmented-lagrangian\", or give one",
+                pair.name,
+                pair.method.key()
+            ),
+            None => format!(
+                "what it touches in contact `{}` is too stiff for them, or too far, {far:.1e}, from the origin",
+                pair.name
+            ),
+        }
     }
 
     /// The largest residual that is let through, over the forces that it counts against.
@@ -288,10 +310,11 @@ impl Newton<'_> {
 
     /// Whether a contact may act on a section or a tool.
     fn touches(&self, p: usize, group: usize) -> bool {
-        let Model { sections, pairs, .. } = &*self.system.model;
+        let Model { sections, pairs, masters, .. } = &*self.system.model;
         let Pair { sections: own, master_sections, master, .. } = &pairs[p];
-        let tool = master.tool().map(|t| sections.len() + pairs.len() + t);
-        own.contains(&group) || master_sections.contains(&group) || tool == Some(group)
+        let first = sections.len() + pairs.len();
+        let of_tool = |t: usize| [first + t, first + masters.tools.len() + t].contains(&group);
+        own.contains(&group) || master_sections.contains(&group) || master.tool().is_some_and(of_tool)
     }
 
     /// The largest force of the contacts that touch a section or a tool, of those that bear more than rounding, N.
@@ -303,9 +326,12 @@ impl Newton<'_> {
 
     /// Whether a contact bears more than its gaps round to, or a share of what drives its tool, however little that is.
     fn is_real(&self, p: usize) -> bool {
-        let (balance, Model { sections, pairs, controls, .. }) = (&self.found.balance, &*self.system.model);
+        let (balance, Model { sections, pairs, masters, controls, .. }) = (&self.found.balance, &*self.system.model);
         let Group { force, penalty, far, .. } = balance.groups[sections.len() + p];
-        let driving = pairs[p].master.tool().map_or(0.0, |t| balance.groups[sections.len() + pairs.len() + t].load);
+        let first = sections.len() + pairs.len();
+        let driving =
+            |t: usize| balance.groups[first + t].load.max(balance.groups[first + masters.tools.len() + t].load);
+        let driving = pairs[p].master.tool().map_or(0.0, driving);
         let rounding =
             (self.epsilon() * penalty * far).max(self.strategy.tolerance * balance.floors[sections.len() + p]);
         force > rounding || driving > 0.0 && force > controls.rounding_cap * driving
@@ -380,7 +406,8 @@ impl Newton<'_> {
             sum.map_or(0.0, |s| s.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
         };
         let first_tool = model.sections.len() + model.pairs.len();
-        let groups = (0..model.sections.len()).chain(first_tool..first_tool + model.masters.tools.len());
+        let tools = model.masters.tools.len();
+        let groups = (0..model.sections.len()).chain(first_tool..first_tool + 2 * tools);
         // What its supports alone strain has forces, which the stiffness against a change of volume may have drowned.
         let by_supports = |g: usize| {
             let Group { force, residual, .. } = self.found.balance.groups[g];
@@ -396,12 +423,12 @@ impl Newton<'_> {
             (rounds || converged && rest > model.controls.rounding_cap * forces).then(|| {
                 let what = match model.sections.get(g) {
                     Some(section) => format!("body `{}`", model.bodies[section.body].name),
-                    None => format!("tool `{}`", model.masters.tools[g - first_tool].name),
+                    None => format!("tool `{}`", model.masters.tools[(g - first_tool) % tools].name),
                 };
                 let why = if g >= first_tool {
                     "what it touches is too stiff for them"
                 } else if self.rounding(g) > self.own_rounding(g) {
-                    "the `penalty` of its contact is too large"
+                    &self.rounded_by(g)
                 } else {
                     "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
                 };

@@ -51,7 +51,8 @@ impl Newton<'_> {
         let Model { part, masters, pairs, sections, .. } = &mut *self.system.model;
         let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, sections.len());
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
-        let mut on_tools = vec![0.0; 3 * masters.tools.len()];
+        let tools = masters.tools.len();
+        let mut on_tools = vec![Vec3::zeros(); 2 * tools];
         let mut nearest = vec![f64::NEG_INFINITY; pairs.len()];
         self.touching.left_out = 0.0;
         let (u, committed) = (&self.found.u, self.system.committed);
@@ -84,9 +85,12 @@ impl Newton<'_> {
                 trial.update(&e);
                 nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
                 let element = &self.touching.workspace.element;
+                let of_beside = element.beside.iter().copied().zip(element.beside_forces.iter().copied());
                 self.found.forces[node] += element.own;
-                for (&n, force) in element.beside.iter().zip(&element.beside_forces) {
-                    (0..3).for_each(|d| beside[3 * n as usize + d] += force[d]);
+                of_beside.clone().for_each(|(n, f)| (0..3).for_each(|d| beside[3 * n as usize + d] += f[d]));
+                if let Some(t) = pair.master.tool() {
+                    let moment = |(n, f): (u32, Vec3)| place(n).cross(&f);
+                    on_tools[tools + t] += moment((node as u32, element.own)) + of_beside.map(moment).sum::<Vec3>();
                 }
                 let force = e.force.amax();
                 balance.force(group + p, force);
@@ -108,7 +112,7 @@ impl Newton<'_> {
             let receiver = if pair.is_self() { Some(p) } else { pair.other };
             let mut receiver = receiver.map(|p| &mut pairs[p]);
             masters.scatter(self.system.comm, master, &on_master, |to, force| match to {
-                Receiver::Tool(t) => (0..3).for_each(|d| on_tools[3 * t + d] -= force[d]),
+                Receiver::Tool(t) => on_tools[t] -= force,
                 Receiver::Node(n) => {
                     let node = part.tie[n as usize];
                     forces[node as usize] += force;
@@ -124,17 +128,30 @@ impl Newton<'_> {
             part.halo
                 .add_to_owners(self.system.comm, 3, &beside, |n, f| forces[n as usize] += Vec3::from_column_slice(f));
         }
+        let mut on_tools: Vec<f64> = on_tools.iter().flatten().copied().collect();
         sum(self.system.comm, &mut on_tools);
         max(self.system.comm, &mut nearest);
         self.touching.clearances = nearest.into_iter().map(|clearance| -clearance).collect();
         self.add_tool_forces(&on_tools, r);
     }
 
-    /// Balance of the tools that forces drive, with the contact forces on all tools.
+    /// Balance of the tools that forces and torques drive, with the contact forces on all tools and their moments.
     fn add_tool_forces(&mut self, on_tools: &[f64], r: &mut [f64]) {
         let first = self.system.model.sections.len() + self.system.model.pairs.len();
-        for (t, force) in self.found.tool_forces.iter_mut().enumerate() {
-            *force = Vec3::from_column_slice(&on_tools[3 * t..3 * t + 3]);
+        for (force, on_tool) in self.found.tool_forces.iter_mut().zip(on_tools.as_chunks::<3>().0) {
+            *force = Vec3::from(*on_tool);
+        }
+        let tools = &self.system.model.masters.tools;
+        for t in 0..2 * tools.len() {
+            let force = match tools.get(t) {
+                Some(_) => self.found.tool_forces[t],
+                None => {
+                    Vec3::x()
+                        * tools[t - tools.len()]
+                            .trial
+                            .drive(&self.found.tool_forces[t - tools.len()], &self.found.tool_forces[t])
+                }
+            };
             let ramp = &self.system.conditions.tool_forces[t];
             let driving = ramp.at(self.s);
             for d in 0..3 {
@@ -269,10 +286,10 @@ impl Newton<'_> {
         self.guide_free_tools();
     }
 
-    /// A tool that nothing touches yet gets the stiffness with which its force drives it to the nearest slave node, and a little
-    /// into it.
+    /// A tool that nothing touches yet gets the stiffness with which its force, or torque, drives it to the nearest slave node,
+    /// and a little into it.
     fn guide_free_tools(&mut self) {
-        let pattern = &*self.system.pattern;
+        let (pattern, tools) = (&*self.system.pattern, self.system.model.masters.tools.len());
         for (t, equations) in self.system.dofs.tool.iter().enumerate() {
             for (row, equation) in equations.iter().filter_map(|&e| Some((self.system.dofs.local(e)?, e))) {
                 let entries = pattern.offsets[row] as usize..pattern.offsets[row + 1] as usize;
@@ -280,7 +297,8 @@ impl Newton<'_> {
                     continue;
                 }
                 let of_tool = self.system.model.pairs.iter().zip(&self.touching.clearances);
-                let distance = of_tool.filter(|(pair, _)| pair.master.tool() == Some(t)).map(|(_, distance)| *distance);
+                let distance =
+                    of_tool.filter(|(pair, _)| pair.master.tool() == Some(t % tools)).map(|(_, distance)| *distance);
                 let distance = distance.reduce(f64::min).unwrap_or(f64::INFINITY);
                 let force = self.system.conditions.tool_forces[t].at(self.s).norm();
                 let compliance = 1.0 / self.system.model.stiffness + if force > 0.0 { distance / force } else { 0.0 };

@@ -1,7 +1,7 @@
 //! One increment as a nonlinear problem: residual, Jacobian, convergence and step length for SNES.
 //!
-//! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, and the free translations of tools; all are
-//! lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
+//! Unknowns are the free displacements, the scaled multipliers λ' = λ / ε_n, the free translations of tools, and their rotations
+//! by torques times a length; all are lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
 //! the last converged increment. [`contact`] has the part of the contact elements, [`growth`] gives equations to slave nodes that
 //! come to touch, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
 //! from overshooting, [`drag`] what helps a jump along,
@@ -17,7 +17,7 @@ mod share;
 mod springs;
 mod ties;
 
-use super::conditions::Conditions;
+use super::conditions::{Conditions, ToolMotion};
 use crate::Vec3;
 use crate::contact::{Manner, Pair, Pose, Slave, Status};
 use crate::error::Error;
@@ -45,6 +45,9 @@ use std::time::Instant;
 /// their status, and touch.
 pub type Watcher<'a> = dyn FnMut(usize, f64, [usize; 2]) -> crate::error::Result<()> + 'a;
 
+/// Radians by which an iteration may turn a tool that a torque drives: a sixth of what an increment may.
+const MOST_TURN: f64 = 0.1;
+
 /// What an increment is sought with.
 pub struct System<'a> {
     pub comm: &'a SimpleCommunicator,
@@ -55,19 +58,20 @@ pub struct System<'a> {
     pub phases: &'a Phases,
     /// Poses of the tools at the start of the step.
     pub start_poses: &'a [Pose],
-    /// Converged displacements of the last increment, all local nodes.
+    /// Converged displacements of the last increment, all local nodes, and what dashpots bore at its end on owned nodes.
     pub committed: &'a [Vec3],
+    pub damped: &'a [Vec3],
 }
 
 /// An iterate, and what was found there.
 pub struct Evaluated {
     /// Displacements, all local nodes.
     pub u: Vec<Vec3>,
-    /// Translations of the tools along their free directions since the start of the step.
+    /// Translations of the tools along their free directions since the start of the step, then their rotations by torques.
     pub offsets: Vec<Vec3>,
     /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
     pub forces: Vec<Vec3>,
-    /// Contact force on each tool.
+    /// Contact force on each tool, then for each its moment about the origin.
     pub tool_forces: Vec<Vec3>,
     /// Sum of the internal forces of this rank on each body.
     internal: Vec<Vec3>,
@@ -178,7 +182,7 @@ impl<'a> Newton<'a> {
             u: committed.to_vec(),
             offsets: start.offsets.to_vec(),
             forces: vec![Vec3::zeros(); model.part.owned],
-            tool_forces: vec![Vec3::zeros(); model.masters.tools.len()],
+            tool_forces: vec![Vec3::zeros(); 2 * model.masters.tools.len()],
             internal: vec![Vec3::zeros(); model.bodies.len()],
             balance: Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec()),
             worst: (0, 0.0),
@@ -505,8 +509,9 @@ impl Problem for Newton<'_> {
         let judged = !std::mem::replace(&mut self.strategy.predicting, false);
         let part = if judged { 1.0 } else { self.shorten(x, step) };
         scale(step, part);
-        // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too.
-        let mut longest = [0.0, f64::NEG_INFINITY];
+        // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too; and the largest
+        // angle.
+        let mut longest = [0.0, f64::NEG_INFINITY, self.turning(step)];
         for pair in &self.system.model.pairs {
             longest[1] = longest[1].max(-pair.longest_step());
             for slave in &pair.slaves {
@@ -520,6 +525,7 @@ impl Problem for Newton<'_> {
         max(self.system.comm, &mut longest);
         let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
+        factor = factor.min(MOST_TURN / longest[2].max(MOST_TURN));
         for _ in 0..self.system.model.controls.step_halvings {
             if !self.would_invert(x, step, factor, !(self.line_search.is_wanted && judged)) {
                 break;
@@ -549,6 +555,15 @@ impl Newton<'_> {
         let unknowns =
             |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(pair, s, e)).collect();
         pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
+    }
+
+    /// The largest angle by which a step turns a tool that a torque drives.
+    fn turning(&self, step: &[f64]) -> f64 {
+        let dofs = &*self.system.dofs;
+        let own = dofs.tool[self.system.conditions.motions.len()..].iter().zip(&self.system.conditions.motions);
+        let angle =
+            |(equations, motion): (&[i64; 3], &ToolMotion)| Some(step[dofs.local(equations[0])?] / motion.axle?.lever);
+        own.filter_map(angle).fold(0.0, |most, angle| most.max(angle.abs()))
     }
 
     /// Whether an element is inverted at x - factor step, on any rank; with `solve`, or cannot be evaluated. Collective.

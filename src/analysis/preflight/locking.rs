@@ -47,7 +47,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         if has_tets > 0.0 {
             model.warnings.push(format!(
                 "body `{name}`: linear tetrahedra are too stiff for a material {reason}, and have no cure: mesh with \
-                 hexahedra, or, where no contact is, with tetrahedra of second order"
+                 hexahedra, or with tetrahedra of second order"
             ));
         }
         let cures = match section.element {

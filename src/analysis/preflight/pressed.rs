@@ -73,7 +73,7 @@ pub fn check(
 
 /// What acts on a body besides contacts, on all ranks.
 struct Support {
-    /// 1 along x, y, z where no node is prescribed or on a spring, by any component of a direction, else 0.
+    /// 1 along x, y, z where no node is prescribed or on a spring or dashpot, by any component of a direction, else 0.
     free: Vec3,
     /// Sum of the loads at the beginning and at the end of the step, and where tables turn, N.
     loads: Vec<Vec3>,
@@ -94,9 +94,9 @@ fn supports(
     let mut loads = vec![0.0f64; width * model.bodies.len()];
     for n in 0..model.part.owned {
         let b = united[model.part.body[n] as usize];
-        let spring = conditions.springs.get(&(n as u32)).copied().unwrap_or_default();
+        let resists = conditions.springs.get(&(n as u32)).copied().unwrap_or_default().resists();
         let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
-        for d in (0..3).filter(|&d| spring[d] > 0.0 || held.iter().any(|along| along[d].abs() > SLIGHT)) {
+        for d in (0..3).filter(|&d| resists[d] || held.iter().any(|along| along[d].abs() > SLIGHT)) {
             set[3 * b + d] = 1.0;
         }
         for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {

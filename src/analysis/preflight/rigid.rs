@@ -1,7 +1,7 @@
 //! Which rigid motions of the bodies and tools nothing holds.
 //!
 //! A body moves with the velocity v + ω x (x - c), c the middle of its box; a tool that a force drives translates along its
-//! free directions. Every support is a row: no velocity along a direction at a point. Every contact is one, too: no
+//! free directions, and one that a torque drives turns about its axis. Every support is a row: no velocity along a direction at a point. Every contact is one, too: no
 //! velocity of the two sides relative to each other along the normal, with friction that sticks along no direction.
 //!
 //! A motion is free when it moves no support and opens or closes no contact. Normals of meshed surfaces are not exact, so
@@ -10,11 +10,11 @@
 //! points, motions are free where x·K x < TILT² x·M x. M has a little of the unit matrix besides, for what moves no point;
 //! rotations are scaled by the half diagonal of the body.
 
-use crate::Vec3;
-use crate::contact::Pair;
+use crate::contact::{Axle, Pair};
 use crate::model::Model;
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, hull};
+use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -34,12 +34,18 @@ const SLIGHT: f64 = 1e-4;
 /// Velocities of a body: three translations, then three rotations.
 const OF_BODY: usize = 6;
 
+/// Velocities of a tool: three translations, and a rotation.
+const OF_TOOL: usize = 4;
+
+/// The free directions of a tool, and the axis about which it turns freely.
+type Driven = ([bool; 3], Option<Axle>);
+
 /// The rigid motions of a model, and what holds them on this rank.
 #[derive(Clone, Debug)]
 pub struct RigidMotions {
     bodies: Vec<(String, Vec3, f64)>,
-    /// Tools with the free directions of each.
-    tools: Vec<(String, [bool; 3])>,
+    /// Tools with the free directions of each, and the axis about which it turns freely.
+    tools: Vec<(String, Driven)>,
     /// Of supports, which are in both of the others, too.
     firm: DMatrix<f64>,
     held: DMatrix<f64>,
@@ -60,8 +66,8 @@ pub struct Free {
 }
 
 impl RigidMotions {
-    /// All bodies, and the tools along their `free` directions; nothing holds them yet. Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, free: &[[bool; 3]]) -> Self {
+    /// All bodies, and the tools as they are `driven`; nothing holds them yet. Collective.
+    pub fn new(comm: &SimpleCommunicator, model: &Model, driven: Vec<Driven>) -> Self {
         let part = &model.part;
         let middle = |b: usize| {
             let own = (0..part.owned).filter(|&n| part.body[n] as usize == b);
@@ -73,11 +79,11 @@ impl RigidMotions {
             (body.name.clone(), center, if size > 0.0 { size } else { 1.0 })
         };
         let bodies = model.bodies.iter().enumerate().map(named).collect();
-        Self::of(bodies, model.masters.tools.iter().map(|t| t.name.clone()).zip(free.iter().copied()).collect())
+        Self::of(bodies, model.masters.tools.iter().map(|t| t.name.clone()).zip(driven).collect())
     }
 
-    fn of(bodies: Vec<(String, Vec3, f64)>, tools: Vec<(String, [bool; 3])>) -> Self {
-        let count = OF_BODY * bodies.len() + 3 * tools.len();
+    fn of(bodies: Vec<(String, Vec3, f64)>, tools: Vec<(String, Driven)>) -> Self {
+        let count = OF_BODY * bodies.len() + OF_TOOL * tools.len();
         let zeros = || DMatrix::zeros(count, count);
         Self { bodies, tools, firm: zeros(), held: zeros(), moved: zeros() }
     }
@@ -98,9 +104,10 @@ impl RigidMotions {
             match master {
                 Side::Body(other) => row.extend(motions.velocity(other, x, along).iter().map(|(k, v)| (*k, -v))),
                 Side::Tool(t) => {
-                    let first = OF_BODY * motions.bodies.len() + 3 * t;
-                    let free = motions.tools[t].1;
+                    let first = OF_BODY * motions.bodies.len() + OF_TOOL * t;
+                    let (free, axle) = motions.tools[t].1;
                     row.extend((0..3).filter(|&d| free[d]).map(|d| (first + d, -along[d])));
+                    row.extend(axle.map(|axle| (first + 3, -axle.velocity(x).dot(along))));
                 }
             }
             row
@@ -160,7 +167,13 @@ impl RigidMotions {
 
     fn loose(&self, tilt: f64) -> Vec<Free> {
         let tools = OF_BODY * self.bodies.len();
-        let exists = |k: usize| k < tools || self.tools[(k - tools) / 3].1[(k - tools) % 3];
+        let exists = |k: usize| {
+            let of_tool = |k: usize| {
+                let (free, axle) = self.tools[k / OF_TOOL].1;
+                free.get(k % OF_TOOL).copied().unwrap_or(axle.is_some())
+            };
+            k < tools || of_tool(k - tools)
+        };
         let columns: Vec<usize> = (0..self.held.nrows()).filter(|&k| exists(k)).collect();
         let pick =
             |m: &DMatrix<f64>| DMatrix::from_fn(columns.len(), columns.len(), |i, j| m[(columns[i], columns[j])]);
@@ -195,11 +208,13 @@ impl RigidMotions {
                 free.push(Free { who: format!("body `{name}`"), is_tool: false, index, along, about });
             }
         }
-        for (index, (name, _)) in self.tools.iter().enumerate() {
-            let own = basis(motions, OF_BODY * self.bodies.len() + 3 * index, 3);
+        for (index, (name, (_, axle))) in self.tools.iter().enumerate() {
+            let own = basis(motions, OF_BODY * self.bodies.len() + OF_TOOL * index, OF_TOOL);
             let along = axes_of(&own.iter().map(|m| Vec3::new(m[0], m[1], m[2])).collect::<Vec<_>>());
-            if !along.is_empty() {
-                free.push(Free { who: format!("tool `{name}`"), is_tool: true, index, along, about: Vec::new() });
+            let turns = own.iter().any(|m| m[3].abs() > SLIGHT);
+            let about: Vec<_> = axle.iter().filter(|_| turns).map(|axle| (axle.axis, axle.point)).collect();
+            if !along.is_empty() || !about.is_empty() {
+                free.push(Free { who: format!("tool `{name}`"), is_tool: true, index, along, about });
             }
         }
         free
@@ -320,7 +335,7 @@ fn turn(axis: &Vec3, point: &Vec3) -> String {
 /// x, y or z, or the vector.
 fn name(v: &Vec3) -> String {
     match (0..3).find(|&d| v[d].abs() > 1.0 - TILT) {
-        Some(d) => ["x", "y", "z"][d].into(),
+        Some(d) => AXIS_NAMES[d].into(),
         None => format!("({:.3}, {:.3}, {:.3})", v.x, v.y, v.z),
     }
 }
@@ -339,7 +354,7 @@ mod tests {
     use super::*;
 
     fn motions(tools: &[[bool; 3]]) -> RigidMotions {
-        let tools = tools.iter().map(|free| ("t".to_string(), *free)).collect();
+        let tools = tools.iter().map(|free| ("t".to_string(), (*free, None))).collect();
         RigidMotions::of(vec![("a".into(), Vec3::new(1.0, 1.0, 1.0), 3f64.sqrt())], tools)
     }
 

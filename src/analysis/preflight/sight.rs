@@ -106,7 +106,7 @@ fn widen(
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
 fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
     let mut sums = vec![Vec3::zeros(); part.points.len()];
-    for facet in &part.sets[pair.set].facets {
+    for facet in part.pieces(&part.sets[pair.set].facets).iter() {
         let nodes = &facet.nodes[..facet.count as usize];
         let at = |k: usize| part.points[nodes[k % nodes.len()] as usize];
         let area = (at(2) - at(0)).cross(&(at(3) - at(1)));

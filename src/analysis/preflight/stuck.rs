@@ -41,7 +41,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
         moved.iter_mut().enumerate().for_each(|(n, u)| *u += conditions.moved(n, 1.0));
         let looks = looks(step);
         for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
-            *pose = pose.filter(|_| motion.free == [false; 3]);
+            *pose = pose.filter(|_| motion.free == [false; 3] && motion.axle.is_none());
         }
         for (pair, contact) in model.pairs.iter().zip(&contacts) {
             let Some(t) = pair.master.tool() else { continue };

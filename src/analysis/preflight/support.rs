@@ -16,6 +16,7 @@ use super::super::conditions::{Conditions, Ramp};
 use super::rigid::{Free, RigidMotions, Side, sides};
 use super::sight::Standing;
 use crate::Vec3;
+use crate::contact::Tool;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{max, sum};
@@ -32,9 +33,8 @@ pub fn check(
     let sides = sides(model, scene);
     let mut warnings = Vec::new();
     for (k, (step, conditions)) in scene.steps.iter().zip(steps).enumerate() {
-        let driven: Vec<[bool; 3]> = conditions.motions.iter().map(|m| m.free).collect();
         let still = |n: usize| model.part.points[n];
-        let mut held = supported(comm, model, conditions, &driven, still);
+        let mut held = supported(comm, model, conditions, true, still);
         for (p, pair) in model.pairs.iter().enumerate() {
             let state = |s: usize| {
                 Some((model.part.points[pair.slaves[s].node as usize], sights[p][s].normal()?, pair.friction > 0.0))
@@ -50,7 +50,7 @@ pub fn check(
         }
         let first = step.sizes().initial / step.duration;
         let drifts = drifts(comm, model, conditions, first);
-        let mut touched = supported(comm, model, conditions, &vec![[false; 3]; model.masters.tools.len()], still);
+        let mut touched = supported(comm, model, conditions, false, still);
         for (p, pair) in model.pairs.iter().enumerate() {
             let (body, side) = sides[p];
             let state = |s: usize| {
@@ -88,22 +88,28 @@ pub fn check(
     Ok(())
 }
 
-/// The supports and ties of a step, with tools that are free along some directions, and nodes where `place` has them. Collective.
+/// The supports and ties of a step, with tools as its forces and torques `drive` them, or still, and nodes where `place` has
+/// them. Collective.
 pub fn supported(
     comm: &SimpleCommunicator,
     model: &Model,
     conditions: &Conditions,
-    free: &[[bool; 3]],
+    drive: bool,
     place: impl Fn(usize) -> Vec3,
 ) -> RigidMotions {
-    let mut motions = RigidMotions::new(comm, model, free);
+    let of_tool = |(t, tool): (usize, &Tool)| match drive {
+        true => conditions.driven(t, &tool.committed),
+        false => ([false; 3], None),
+    };
+    let driven = model.masters.tools.iter().enumerate().map(of_tool).collect();
+    let mut motions = RigidMotions::new(comm, model, driven);
     for n in 0..model.part.owned {
         for along in (0..3).filter_map(|d| conditions.held_along(n, d)) {
             motions.hold(model.part.body[n] as usize, &place(n), &along);
         }
     }
-    for (&n, stiffness) in &conditions.springs {
-        for d in (0..3).filter(|&d| stiffness[d] > 0.0) {
+    for (&n, footing) in &conditions.springs {
+        for d in (0..3).filter(|&d| footing.resists()[d]) {
             motions.hold(model.part.body[n as usize] as usize, &place(n as usize), &Vec3::ith(d, 1.0));
         }
     }
@@ -146,6 +152,11 @@ fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> 
     } else {
         ""
     };
+    if free.iter().all(|f| f.is_tool && f.along.is_empty()) {
+        let help =
+            "a torque needs friction, or a tool that is not round about its axis; `move` it with `rotate` otherwise";
+        return Error::input(&step.name.at, what, help);
+    }
     if free.iter().all(|f| f.is_tool) {
         return Error::input(
             &step.name.at,

@@ -19,7 +19,7 @@ const BESIDE: f64 = 1e-6;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model, steps: &[Conditions]) -> Result<()> {
     for (step, conditions) in scene.steps.iter().zip(steps) {
         // Not a number where it is free.
-        let by = |n: u32, d: usize| conditions.prescribed[3 * n as usize + d].map_or(f64::NAN, |motion| motion.way());
+        let by = |n: u32, d: usize| conditions.movement(n).ways[d];
         for (joint, tie) in model.joints.iter().zip(&scene.ties) {
             let moves = joint.masters.fetch(comm, 3, by);
             let mut lost: Vec<(u32, f64)> = Vec::new();

@@ -6,6 +6,15 @@
 //!
 //! - A rigid tool is a master of one node, its translation, with the weight 1: only the place relative to it matters. With
 //!   N = ∂n/∂x, which has the curvature of the surface, and ∂g/∂x = n, the closest point moves by ∂x̄/∂x = 1 - nn - gN.
+//!   One that a torque turns about the axis a through p has a second node, of which only the first component counts: the
+//!   angle times a length L. The slave node's way on the tool by it is -w, w = a x (x - p)/L, and n, the path Δ and what is
+//!   carried turn with v = a/L. The moment of the contact force about the axis, over L, is w·F:
+//!
+//! ```text
+//!     dg = -n·w dq,   dn = (v x n - N w) dq,   dΔ = (v x Δ - (1 - nn - gN) w) dq
+//!     d(w·F) = w·dF + (F x v)·(dx - dp)
+//! ```
+//!
 //! - The patch of a deformable master has the nodes of its stencil, with the weights W_j of the [`Transfer`]. With the
 //!   variational ones, and without friction, all of it derives from a potential, and the exact tangent is symmetric; with
 //!   the others it is not. The tangent has the motion of the closest point and of the normal, from `motion`, the change of
@@ -34,6 +43,7 @@ mod tests_on_tools;
 
 use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes, Status};
 use super::method::Tangent;
+use super::pose::Axle;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
@@ -54,8 +64,9 @@ pub struct Site<'a> {
 /// What a slave node meets.
 #[derive(Clone, Copy, Debug)]
 pub enum Opposite<'a> {
-    /// A rigid tool, turned so far from its frame; its node 0 is its translation.
-    Tool(Mat3),
+    /// A rigid tool, turned so far from its frame, and the axis about which a torque turns it; its node 0 is its translation,
+    /// its node 1 that rotation.
+    Tool(Mat3, Option<Axle>),
     /// The patch with the closest point.
     Patch(Site<'a>),
 }
@@ -142,6 +153,14 @@ struct Column {
 struct Weight {
     transposed: Mat3,
     slopes: [Vec3; 2],
+    /// The derivative of W_i^T F by the place of the slave node relative to the first node of the master, besides.
+    by_place: Mat3,
+}
+
+impl Weight {
+    fn constant(transposed: Mat3) -> Self {
+        Self { transposed, slopes: [Vec3::zeros(); 2], by_place: Mat3::zeros() }
+    }
 }
 
 impl Site<'_> {
@@ -153,7 +172,7 @@ impl Site<'_> {
 impl Opposite<'_> {
     fn frame(&self) -> Mat3 {
         match self {
-            Self::Tool(turn) => *turn,
+            Self::Tool(turn, _) => *turn,
             Self::Patch(site) => site.frame(),
         }
     }
@@ -224,9 +243,13 @@ impl Element {
         self.own = response.load;
         let Some(contact) = contact.filter(|_| response.status != Status::Gap) else { return };
         match &contact.opposite {
-            Opposite::Tool(_) => {
+            Opposite::Tool(_, axle) => {
                 self.nodes.push(0);
                 self.forces.push(-response.load);
+                if let Some(axle) = axle {
+                    self.nodes.push(1);
+                    self.forces.push(Vec3::x() * -axle.velocity(&contact.projection.slave()).dot(&response.load));
+                }
             }
             Opposite::Patch(site) => {
                 site.patch.vary(site.positions, site.xi, &mut self.at_foot);
@@ -246,7 +269,7 @@ impl Element {
         let mut bends = false;
         if let Some(contact) = contact {
             match (&contact.opposite, method.tangent) {
-                (Opposite::Tool(_), tangent) => self.rigid(tangent, response, contact.projection),
+                (Opposite::Tool(_, axle), tangent) => self.rigid(tangent, response, (contact, axle.as_ref())),
                 (Opposite::Patch(site), Tangent::Exact) => {
                     bends = true;
                     self.exact(method.transfer, response, (contact, site));
@@ -270,7 +293,7 @@ impl Element {
             self.set(3, column, [width, 3], &constraint);
         }
         for i in 0..own {
-            let Weight { transposed, slopes } = self.weights[i];
+            let Weight { transposed, slopes, by_place } = self.weights[i];
             let row = first + 3 * i;
             self.set(row, 3, [3, width], &-(transposed * by_multiplier));
             for c in 0..self.columns.len() {
@@ -278,6 +301,9 @@ impl Element {
                 let mut block = transposed * force;
                 for (slope, parameter) in slopes.iter().zip(&parameters) {
                     block += slope * parameter.transpose();
+                }
+                if c < 2 {
+                    block += by_place * if c == 0 { 1.0 } else { -1.0 };
                 }
                 if bends && (1..=own).contains(&c) {
                     block += self.at_foot.second(i, c - 1);
@@ -333,17 +359,30 @@ impl Element {
         }
     }
 
-    /// Columns and weights of a tool, whose motion is the opposite of that of the slave node; with a fixed frame nothing turns
-    /// the normal, eqs. (68)-(70).
-    fn rigid(&mut self, tangent: Tangent, response: &Response, projection: &Projection) {
-        let p = projection;
+    /// Columns and weights of a tool, whose motion is the opposite of that of the slave node; with a fixed frame nothing but the
+    /// tool's own rotation turns the normal, eqs. (68)-(70).
+    fn rigid(&mut self, tangent: Tangent, response: &Response, (contact, axle): (&Contact, Option<&Axle>)) {
+        let p = contact.projection;
         let turn = if tangent == Tangent::Exact { p.normal_gradient } else { Mat3::zeros() };
         // It does not change with the path along n.
         let by_position = |by: &Slopes| by.gap * p.normal.transpose() + by.path + (by.normal - by.path * p.gap) * turn;
         let [force, constraint] = [&response.force_by, &response.constraint_by].map(by_position);
         self.columns.push(Column { force, constraint, ..Column::default() });
         self.columns.push(Column { force: -force, constraint: -constraint, ..Column::default() });
-        self.weights.push(Weight { transposed: Mat3::identity(), slopes: [Vec3::zeros(); 2] });
+        self.weights.push(Weight::constant(Mat3::identity()));
+        let Some(axle) = axle else { return };
+        let (by_angle, turn) = (axle.velocity(&p.slave()), axle.axis / axle.lever);
+        let [normal, path, carried] =
+            [p.normal, p.point - contact.place().origin, contact.carried()].map(|carried| turn.cross(&carried));
+        let turned = |by: &Slopes, place: &Mat3| {
+            let change = by.normal * normal + by.path * path + response.by_held * carried - place * by_angle;
+            Mat3::from_columns(&[change, Vec3::zeros(), Vec3::zeros()])
+        };
+        let [force, constraint] = [turned(&response.force_by, &force), turned(&response.constraint_by, &constraint)];
+        self.columns.push(Column { force, constraint, ..Column::default() });
+        let first_row = |v: &Vec3| Vec3::x() * v.transpose();
+        let by_place = first_row(&response.load.cross(&turn));
+        self.weights.push(Weight { by_place, ..Weight::constant(first_row(&by_angle)) });
     }
 
     /// Columns and weights of the exact tangent; adds the nodes of the slip origin's patch.
@@ -365,7 +404,7 @@ impl Element {
             self.columns.push(column(motion.of_node(self.at_foot.by_node(j))));
             let [weight, by_e, by_z] = self.at_foot.weight(transfer, j).map(|w| w.transpose());
             let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z) * force);
-            self.weights.push(Weight { transposed: weight, slopes });
+            self.weights.push(Weight { slopes, ..Weight::constant(weight) });
         }
         let Origin::Carried(site) = &contact.origin else { return };
         if constraint_by.path == Mat3::zeros() && contact.carried == Vec3::zeros() {
@@ -403,7 +442,7 @@ impl Element {
             let weight = self.at_foot.weight(transfer, j)[0];
             let (force, constraint) = (-apart * weight, -parting * weight);
             self.columns.push(Column { force, constraint, ..Column::default() });
-            self.weights.push(Weight { transposed: weight.transpose(), slopes: [Vec3::zeros(); 2] });
+            self.weights.push(Weight::constant(weight.transpose()));
         }
     }
 }

@@ -83,6 +83,26 @@ impl Pair {
         pair
     }
 
+    /// With triangles of the quadratic shape through nodes near the middles of their edges.
+    fn quadratic(mut self) -> Self {
+        for k in [self.now, self.before] {
+            if self.patches[k].is_quadratic {
+                continue;
+            }
+            let first = self.points.len();
+            self.patches[k].bend_through([first, first + 1, first + 2].map(|n| n as u64));
+            let (x, size) = (self.positions_of_corners(k), self.size());
+            let middle =
+                |e: usize| (x[e] + x[(e + 1) % 3]) * 0.5 + Vec3::new(0.05, -0.02, 0.1) * (noise(first + e) * size);
+            self.points.extend((0..3).map(middle));
+        }
+        self
+    }
+
+    fn positions_of_corners(&self, patch: usize) -> Vec<Vec3> {
+        self.patches[patch].nodes[..3].iter().map(|n| self.points[*n as usize]).collect()
+    }
+
     fn size(&self) -> f64 {
         let nodes = &self.patches[self.now].nodes;
         (self.points[nodes[1] as usize] - self.points[nodes[0] as usize]).norm()
@@ -177,7 +197,7 @@ fn matrix(e: &Element) -> DMatrix<f64> {
     DMatrix::from_row_slice(e.shape[0], e.shape[1], &e.matrix)
 }
 
-/// Surrounded patches and patches at ends, quadrilaterals and triangles, with the patch of the slip origin.
+/// Surrounded patches and patches at ends, quadrilaterals and triangles, linear and quadratic, with the patch of the slip origin.
 fn pairs() -> Vec<Pair> {
     let dome = |s: f64, t: f64| [3.0 * s, 3.0 * t, 0.4 * (s - s * s) + 0.5 * (t - t * t) + 0.2 * s * t];
     let bend: Vec<[f64; 2]> = (0..=6).map(|k| 0.3 * k as f64).map(|a| [-a.cos(), a.sin()]).collect();
@@ -188,6 +208,9 @@ fn pairs() -> Vec<Pair> {
             let mesh = grid(3, 3, triangles, dome);
             pairs.push(Pair::new(&mesh, Smoothing::Nagata, [one(now), one(before)]));
             pairs.push(Pair::new(&mesh, Smoothing::Facet, [one(now), one(before)]));
+            if triangles {
+                pairs.push(Pair::new(&mesh, Smoothing::Facet, [one(now), one(before)]).quadratic());
+            }
         }
         pairs.push(Pair::new(&strip(&bend, 1, triangles), Smoothing::Nagata, [one(3), one(2)]));
         pairs.push(Pair::new(&strip(&bend, 1, triangles), Smoothing::Nagata, [one(0), one(0)]));

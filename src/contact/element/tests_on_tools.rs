@@ -1,8 +1,8 @@
 //! The element on rigid tools: spheres, bores and planes.
 
 use super::*;
-use crate::contact::Compliance;
 use crate::contact::law::LAW;
+use crate::contact::{Compliance, Pose};
 
 /// The element of a slave node and a tool in blocks of three; without friction the multiplier is its first component.
 pub struct Blocks {
@@ -15,7 +15,7 @@ pub struct Blocks {
 
 /// The element with slip origin x̃ = `origin`. What the tool gets is the opposite of what the node gets.
 pub fn element(law: Law, multiplier: &Multiplier, at: &Projection, origin: Vec3, guide: &Guide) -> Blocks {
-    let (tool, origin) = (Opposite::Tool(Mat3::identity()), Origin::Fixed(origin));
+    let (tool, origin) = (Opposite::Tool(Mat3::identity(), None), Origin::Fixed(origin));
     let contact = Contact { projection: at, opposite: tool, origin, carried: Vec3::zeros() };
     let method = Method { law, transfer: Transfer::Bilinear, tangent: Tangent::Exact };
     let mut e = Element::default();
@@ -351,4 +351,64 @@ fn slipping_friction_obeys_coulomb_and_opposes_the_slip() {
     // On the slave acts -F; with a multiplier of zero the only tangential force is that of the slip.
     let pressed = at(-0.5 * p.normal);
     assert!((-pressed.force).dot(&pressed.slip) < 0.0);
+}
+
+/// All residuals of the element on a tool that is moved by three and turned by the fourth of `unknowns[6..]`, after those of the
+/// slave node and its multiplier; with friction or without.
+fn on_a_turned_tool(law: Law, master: Master, origin: Vec3, unknowns: &[f64]) -> (Vec<f64>, Element) {
+    let width = if law.friction == 0.0 { 1 } else { 3 };
+    let (x, by) = (Vec3::from_column_slice(&unknowns[..3]), Vec3::from_column_slice(&unknowns[3 + width..][..3]));
+    let lambda = Vec3::from_fn(|k, _| if k < width { unknowns[3 + k] * law.normal } else { 0.0 });
+    let axle = Axle { point: Vec3::new(0.4, -0.7, 0.3) + by, axis: Vec3::new(0.48, 0.6, 0.64), lever: 1.7 };
+    let pose = Pose::default().driven_by(&by).turned_by(&axle, unknowns[6 + width] / axle.lever);
+    let (r, p) = (pose.rotation, master.project(pose.inward(&x)));
+    let point = pose.outward(&p.point);
+    let at = Projection { point, normal: r * p.normal, normal_gradient: r * p.normal_gradient * r.transpose(), ..p };
+    let contact = Contact {
+        projection: &at,
+        opposite: Opposite::Tool(r, pose.axle_in_space()),
+        origin: Origin::Fixed(pose.outward(&origin)),
+        carried: Vec3::zeros(),
+    };
+    let method = Method { law, transfer: Transfer::Bilinear, tangent: Tangent::Exact };
+    let mut e = Element::default();
+    let response = e.tangent(&method, &Multiplier::Augmented(lambda), Some(&contact), &Guide::default());
+    let mut residuals: Vec<f64> = response.load.iter().copied().collect();
+    residuals.extend(response.constraint.iter().take(width));
+    residuals.extend(e.forces.iter().flatten());
+    (residuals, e)
+}
+
+#[test]
+fn the_tangent_of_a_tool_that_a_torque_turns_is_the_derivative_of_the_residual() {
+    for (master, friction) in
+        [Master::Sphere, Master::Bore, Master::Plane].into_iter().flat_map(|m| [(m, 0.0), (m, 0.3)])
+    {
+        let (law, width) = (Law { friction, ..LAW }, if friction == 0.0 { 1 } else { 3 });
+        for (status, x, lambda, origin) in &states(master)[1..] {
+            let mut unknowns = x.iter().copied().collect::<Vec<f64>>();
+            let lambda = if friction == 0.0 { Vec3::x() * -8.0 } else { *lambda };
+            unknowns.extend(lambda.iter().take(width).map(|l| l / law.normal));
+            unknowns.extend([0.0; 6]);
+            let (_, e) = on_a_turned_tool(law, master, *origin, &unknowns);
+            let (mut worst, mut skew) = (0.0f64, 0.0f64);
+            for column in 0..7 + width {
+                const H: f64 = 5e-4;
+                let at = |by: f64| {
+                    let mut moved = unknowns.clone();
+                    moved[column] += by;
+                    on_a_turned_tool(law, master, *origin, &moved).0
+                };
+                let [a, b, c, d] = [H, -H, 2.0 * H, -2.0 * H].map(at);
+                for row in 0..7 + width {
+                    let difference = (8.0 * (a[row] - b[row]) - (c[row] - d[row])) / (12.0 * H);
+                    worst = worst.max((e.matrix[row * e.shape[1] + column] - difference).abs() / law.normal);
+                    let [entry, mirrored] = [[row, column], [column, row]].map(|[i, j]| e.matrix[i * e.shape[1] + j]);
+                    skew = skew.max((entry - mirrored).abs() / law.normal);
+                }
+            }
+            assert!(worst < 5e-9, "{master:?} {status:?} {friction}: {worst:e}");
+            assert!(friction > 0.0 || skew < 1e-14, "{master:?}: {skew:e}");
+        }
+    }
 }

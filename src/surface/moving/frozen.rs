@@ -48,6 +48,7 @@ pub fn patches(
             normals: stencil.rules,
             corners,
             bulge: 1.0,
+            is_quadratic: false,
         }
     };
     Ok((0..facets.nodes.len()).map(patch).collect())

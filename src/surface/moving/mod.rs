@@ -51,6 +51,8 @@ pub struct MovingPatch {
     pub corners: [u32; 4],
     /// Share of the bulge of its edges that it takes: 1, or less to be nearer to the facet.
     pub bulge: f64,
+    /// It has the quadratic shape of its nodes: those in the middles of its edges come behind its corners.
+    pub is_quadratic: bool,
 }
 
 impl MovingPatch {
@@ -70,6 +72,22 @@ impl MovingPatch {
         frozen::patches(mesh, numbers, smoothing, feature_angle_deg, planes, controls)
     }
 
+    /// Gives a flat triangle the quadratic shape through the middles of its edges, too, by their global numbers. With m_k the
+    /// middle of edge k from x_i to x_j
+    ///
+    /// ```text
+    ///     c_k = 2 (x_i + x_j) - 4 m_k,     P = sum b_i (2 b_i - 1) x_i + sum 4 b_i b_j m_k
+    /// ```
+    pub fn bend_through(&mut self, middles: [u64; 3]) {
+        self.nodes.extend(middles);
+        self.is_quadratic = true;
+    }
+
+    /// Nodes that are the patch's own; the others are those that its normals depend on.
+    pub fn own(&self) -> usize {
+        if self.is_quadratic { 6 } else { self.count as usize }
+    }
+
     /// The patch with its nodes at `positions`.
     pub fn shape(&self, positions: &[Vec3]) -> Patch {
         let mut normals = Vec::with_capacity(self.normals.len());
@@ -77,6 +95,9 @@ impl MovingPatch {
             normals.push(rule.value(positions, &normals));
         }
         let mut patch = self.straight(positions);
+        if self.is_quadratic {
+            patch.coefficients = self.through_middles(positions);
+        }
         for k in (0..self.count as usize).filter(|k| self.is_curved(*k)) {
             let ([i, j], [m, n]) = (self.ends(k), self.end_normals(k));
             let c = edge::coefficient(&(positions[j] - positions[i]), &normals[m], &normals[n]);

@@ -48,11 +48,27 @@ pub fn samples(smoothing: Smoothing) -> Vec<(MovingPatch, Vec<Vec3>)> {
                 let mut x = positions(&patch, &mesh);
                 let size = (x[1] - x[0]).norm();
                 perturb(&mut x, 0.03 * size);
+                if smoothing == Smoothing::Facet && triangles {
+                    samples.push(quadratic(&patch, &x));
+                }
                 samples.push((patch, x));
             }
         }
     }
     samples
+}
+
+/// A facet with nodes near the middles of its edges, too.
+fn quadratic(patch: &MovingPatch, x: &[Vec3]) -> (MovingPatch, Vec<Vec3>) {
+    let (mut patch, mut x) = (patch.clone(), x.to_vec());
+    patch.bend_through([97, 98, 99]);
+    let size = (x[1] - x[0]).norm();
+    x.extend(
+        (0..3)
+            .map(|k| (x[k] + x[(k + 1) % 3]) * 0.5 + Vec3::new(0.1, -0.05, 0.2) * (noise(k + 7) * size))
+            .collect::<Vec<_>>(),
+    );
+    (patch, x)
 }
 
 /// A quarter of a dome, and the planes x = 0 and y = 0 in which it goes on.
@@ -136,6 +152,7 @@ fn rare_ends_have_their_derivatives() {
             normals: vec![mean(1), mean(2), NormalRule::End { node: 0, neighbours: end.collect(), directions }],
             corners: [2, 0, 1, 0],
             bulge: 0.7,
+            is_quadratic: false,
         };
         let x: Vec<Vec3> =
             [[0.0, 0.0, 0.0], [1.0, 0.1, 0.1], [0.3, 0.9, 0.2], [1.5, 1.6, -lean], [-0.7, 0.6, 0.1], [0.5, -1.0, 0.0]]

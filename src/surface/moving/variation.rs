@@ -28,7 +28,10 @@ pub struct Variation {
     /// Derivatives of P, tau_1 and tau_2 by the nodes, then by the normals.
     rows: Vec<[Mat3; 3]>,
     /// Those by the own nodes at fixed normals.
-    direct: [[Mat3; 3]; 4],
+    direct: [[Mat3; 3]; 6],
+    /// How many nodes are the patch's own, and whether it has their quadratic shape.
+    own: usize,
+    is_quadratic: bool,
     /// Weights of the own nodes and, with the share of the bulge, of the edge coefficients; their derivatives by xi.
     weights: [[f64; 3]; 4],
     bubbles: [[f64; 3]; 4],
@@ -78,9 +81,19 @@ impl MovingPatch {
                 to.rows[nodes + n][a] -= c.by_normals[1] * bubble;
             }
         }
+        if self.is_quadratic {
+            shape.coefficients = self.through_middles(positions);
+            for (k, bubble) in to.bubbles.iter().enumerate().take(count) {
+                let ends = self.ends(k).map(|i| (i, -2.0));
+                for (i, share) in ends.into_iter().chain([(count + k, 4.0)]) {
+                    (0..3).for_each(|a| to.rows[i][a] += Mat3::from_diagonal_element(share * bubble[a]));
+                }
+            }
+        }
         to.local = shape.local(xi);
-        to.direct = [[Mat3::zeros(); 3]; 4];
-        to.direct[..count].copy_from_slice(&to.rows[..count]);
+        (to.own, to.is_quadratic) = (self.own(), self.is_quadratic);
+        to.direct = [[Mat3::zeros(); 3]; 6];
+        to.direct[..to.own].copy_from_slice(&to.rows[..to.own]);
         for (l, link) in to.links.iter().enumerate().rev() {
             let rows = to.rows[nodes + l].map(|row| row * link.outer);
             for (a, part) in &link.parts {
@@ -139,6 +152,12 @@ impl MovingPatch {
         }
     }
 
+    /// The coefficients of the edges of a quadratic triangle.
+    pub(super) fn through_middles(&self, positions: &[Vec3]) -> [Vec3; 4] {
+        let of = |k: usize| (positions[k] + positions[(k + 1) % 3]) * 2.0 - positions[3 + k] * 4.0;
+        [of(0), of(1), of(2), Vec3::zeros()]
+    }
+
     pub(super) fn is_curved(&self, k: usize) -> bool {
         !self.normals.is_empty() && self.edges[k] != Edge::Sharp
     }
@@ -163,8 +182,10 @@ impl Variation {
     /// W_j and its derivatives by xi.
     pub fn weight(&self, transfer: Transfer, j: usize) -> [Mat3; 3] {
         match transfer {
+            // On a quadratic face linear weights would not be in balance with an even pressure.
+            _ if self.is_quadratic => self.rows[j],
             Transfer::Variational => self.rows[j],
-            _ if j >= 4 => [Mat3::zeros(); 3],
+            _ if j >= self.own => [Mat3::zeros(); 3],
             Transfer::Patch => self.direct[j],
             Transfer::Bilinear => self.weights[j].map(Mat3::from_diagonal_element),
         }

@@ -1,0 +1,150 @@
+//! Slave nodes inside the body that they are to meet, which came in past the faces that their contacts name: by the places of
+//! nodes and the volume of elements alone.
+//!
+//! Surfaces that are named are watched by [`crate::contact::watch`]. A node that goes beside them, over an end of the surface,
+//! may go into the body through a face that no contact names; no contact holds it there, and its forces are missing. So nodes
+//! that are not near a face of their contacts are looked for in the elements of the body. One is inside when all
+//! points around it are, as far away as smooth surfaces differ from faces, along directions in which it is free; one that was
+//! there before anything moved is meant so.
+
+use super::conditions::Conditions;
+use crate::contact::watch::Side;
+use crate::contact::{Ground, Pair, Sight};
+use crate::model::{Model, elements, locate};
+use crate::parallel::{max, number, sum};
+use crate::partition::parcels::{bounds, hull};
+use crate::surface::piece_set::tree::Tree;
+use crate::{Mat3, Vec3};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
+
+/// A slave node, by the indices of its pair and in it, far from the faces of all contacts with the body.
+type Suspect = (usize, usize);
+
+/// Slave nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
+pub(super) fn intruders(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    u: &[Vec3],
+    conditions: &Conditions,
+) -> Vec<(usize, usize)> {
+    let of_bodies = || model.pairs.iter().filter(|pair| !pair.is_self());
+    let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body).collect();
+    bodies.sort_unstable();
+    bodies.dedup();
+    bodies.into_iter().flat_map(|body| in_body(comm, model, body, u, conditions)).collect()
+}
+
+fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
+    let part = &model.part;
+    let now = |n: u32| part.points[n as usize] + u[part.tie[n as usize] as usize];
+    let own = || elements::of_body(model, body).flat_map(|e| part.solids[e].nodes().iter().copied());
+    let Some((low, high)) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
+    let is_near = |x: &Vec3| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
+    let node = |(p, s): Suspect| model.pairs[p].slaves[s].node;
+    let suspects: Vec<Suspect> = unseen(model, body).filter(|suspect| is_near(&now(node(*suspect)))).collect();
+    let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
+        let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
+        let mut held = held(comm, model, body, &points.concat(), place).into_iter();
+        let mut all = |points: &Vec<Vec3>| held.by_ref().take(points.len()).fold(true, |all, held| all && held);
+        suspects.into_iter().zip(&points).filter_map(|(suspect, points)| all(points).then_some(suspect)).collect()
+    };
+    let inside: Vec<Suspect> = keep(suspects, &|suspect| vec![now(node(suspect))], &now);
+    let margin = bulge(comm, model, body);
+    let around = |(p, s): Suspect| {
+        let pair = &model.pairs[p];
+        let n = pair.slaves[s].node;
+        around(&now(n), &free_axes(pair, n, conditions), margin + pair.controls.watch_deep * pair.facet_size)
+    };
+    let inside = keep(inside, &around, &now);
+    let initial = |n: u32| part.points[n as usize];
+    let began: Vec<Suspect> = keep(inside.clone(), &|suspect| vec![initial(node(suspect))], &initial);
+    inside.into_iter().filter(|suspect| !began.contains(suspect)).collect()
+}
+
+/// The slave nodes of contacts with a body that are near none of the faces that these name.
+fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
+    let mut of_node: BTreeMap<u32, Option<Suspect>> = BTreeMap::new();
+    let pairs = model.pairs.iter().enumerate();
+    for (p, pair) in pairs.filter(|(_, pair)| pair.master_body == Some(body) && !pair.is_self()) {
+        for (s, slave) in pair.slaves.iter().enumerate() {
+            let suspect = of_node.entry(slave.node).or_insert(Some((p, s)));
+            if is_seen(&slave.sighted) {
+                *suspect = None;
+            }
+        }
+    }
+    of_node.into_values().flatten()
+}
+
+/// Whether the watch saw a face before a slave node, or one behind which it has been since the beginning.
+fn is_seen(sight: &Sight) -> bool {
+    match sight.side {
+        Side::Inside => true,
+        Side::Beside => false,
+        Side::Front => sight.normal.is_some(),
+    }
+}
+
+/// How far the smooth surfaces of a body are from its faces, at most, where slave nodes are near. Collective.
+fn bulge(comm: &SimpleCommunicator, model: &Model, body: usize) -> f64 {
+    let of_pair = |pair: &Pair| match model.masters.of(pair.master) {
+        // An edge is c/4 from its chord, and the inside of a patch as much again.
+        Ground::Surface(surface, _) => {
+            let edges = surface.shapes().pieces().iter().flat_map(|patch| &patch.coefficients);
+            edges.map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
+        }
+        Ground::Tool(_) => 0.0,
+    };
+    let pairs = model.pairs.iter().filter(|pair| pair.master_body == Some(body));
+    let mut most = [pairs.map(of_pair).fold(0.0, f64::max)];
+    max(comm, &mut most);
+    most[0]
+}
+
+/// Directions in which a slave node may give way; all, if there are none.
+fn free_axes(pair: &Pair, node: u32, conditions: &Conditions) -> Vec<Vec3> {
+    let movement = conditions.movement(node);
+    let axes = |of: &Mat3, is_free: &dyn Fn(usize) -> bool| -> Vec<Vec3> {
+        (0..if pair.planar { 2 } else { 3 }).filter(|&d| is_free(d)).map(|d| of.column(d).into_owned()).collect()
+    };
+    let free = axes(&movement.axes, &|d| movement.ways[d].is_nan());
+    if free.is_empty() { axes(&Mat3::identity(), &|_| true) } else { free }
+}
+
+/// The corners of a square or cube around a point.
+fn around(x: &Vec3, axes: &[Vec3], by: f64) -> Vec<Vec3> {
+    let sign = |corner: usize, d: usize| if corner >> d & 1 == 1 { by } else { -by };
+    let at = |corner: usize| axes.iter().enumerate().fold(*x, |x, (d, axis)| x + axis * sign(corner, d));
+    (0..1 << axes.len()).map(at).collect()
+}
+
+/// Which of this rank's points are in an element of a body, on whatever rank, with nodes at `place`. Collective.
+fn held(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    body: usize,
+    points: &[Vec3],
+    place: &dyn Fn(u32) -> Vec3,
+) -> Vec<bool> {
+    let (first, total) = number(comm, points.len() as u64);
+    let own = first as usize..first as usize + points.len();
+    if total == 0 {
+        return Vec::new();
+    }
+    let mut all = vec![0.0; 3 * total as usize];
+    for (x, to) in points.iter().zip(all[3 * own.start..].chunks_mut(3)) {
+        to.copy_from_slice(x.as_slice());
+    }
+    sum(comm, &mut all);
+    let solids: Vec<usize> = elements::of_body(model, body).collect();
+    let solid = |k: usize| &model.part.solids[solids[k]];
+    let boxes: Vec<_> = (0..solids.len()).filter_map(|k| bounds(solid(k).nodes().iter().map(|&n| place(n)))).collect();
+    let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
+    let is_held =
+        |x: &Vec3| tree.iter().flat_map(|tree| tree.meeting(x, x)).any(|(k, _)| locate::holds(solid(k), place, x));
+    let mut found: Vec<f64> =
+        all.chunks(3).map(|x| if is_held(&Vec3::from_column_slice(x)) { 1.0 } else { 0.0 }).collect();
+    max(comm, &mut found);
+    found[own].iter().map(|held| *held > 0.0).collect()
+}

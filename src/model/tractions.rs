@@ -1,0 +1,72 @@
+//! Tractions at the nodes of a slave surface, from the forces there.
+//!
+//! On linear faces the traction is the force over the area that belongs to the node. On a quadratic triangle of area A an even
+//! traction t has the forces t A/3 in the middles of the edges and none at the corners. So a corner gives what force it has in
+//! equal parts to the middles of the edges that end there, and is given the mean of their tractions: tractions times areas
+//! add up to the force.
+
+use super::Model;
+use super::elements::add_nodal_areas;
+use crate::Vec3;
+use crate::contact::Pair;
+use crate::scene::Formulation;
+use mpi::topology::SimpleCommunicator;
+
+/// An edge: its ends, and the node in its middle.
+type Edge = ([usize; 2], usize);
+
+/// The tractions on the owned nodes of a slave surface, with displacements `u`; zero where there is no area. Tied nodes count for
+/// the node that they follow. Collective.
+pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
+    let part = &model.part;
+    let mut areas = vec![0.0; part.points.len()];
+    let facets = &part.sets[pair.set].facets;
+    add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
+    let mut tractions = vec![Vec3::zeros(); part.points.len()];
+    pair.slaves.iter().for_each(|slave| tractions[slave.node as usize] = slave.accepted.on_node());
+    let is_quadratic = |element| matches!(element, Formulation::Tet10 | Formulation::Tet10Sri);
+    let edges = edges(model, pair);
+    let mut ending = vec![0.0; part.points.len()];
+    edges.iter().flat_map(|(ends, _)| ends).for_each(|&n| ending[n] += 1.0);
+    let quadratic = pair.sections.iter().any(|&section| is_quadratic(model.sections[section].element));
+    if quadratic {
+        let mut given: Vec<Vec3> =
+            tractions.iter().zip(&ending).map(|(force, edges)| force / f64::max(*edges, 1.0)).collect();
+        share(comm, model, &mut given);
+        edges.iter().for_each(|([a, b], middle)| tractions[*middle] += given[*a] + given[*b]);
+    }
+    for n in 0..part.owned {
+        tractions[n] = if ending[n] > 0.0 || areas[n] == 0.0 { Vec3::zeros() } else { tractions[n] / areas[n] };
+    }
+    if quadratic {
+        share(comm, model, &mut tractions);
+        let at_middles = tractions.clone();
+        for (ends, middle) in &edges {
+            ends.iter().for_each(|&n| tractions[n] += at_middles[*middle] / ending[n]);
+        }
+    }
+    tractions.truncate(part.owned);
+    tractions
+}
+
+/// The edges of the quadratic faces of a slave surface that this rank sees, each once.
+fn edges(model: &Model, pair: &Pair) -> Vec<Edge> {
+    let part = &model.part;
+    let mut edges = Vec::new();
+    for facet in &part.sets[pair.set].facets {
+        let corners = &facet.nodes[..facet.count as usize];
+        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+            edges.extend(part.middles.at(a, b).map(|m| ([a.min(b) as usize, a.max(b) as usize], m as usize)));
+        }
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    edges
+}
+
+/// Gives nodes of other ranks the values of their owners. Collective.
+fn share(comm: &SimpleCommunicator, model: &Model, field: &mut [Vec3]) {
+    let mut flat: Vec<f64> = field.iter().flatten().copied().collect();
+    model.part.halo.update(comm, 3, &mut flat);
+    field.iter_mut().zip(flat.as_chunks::<3>().0).for_each(|(to, from)| *to = Vec3::from(*from));
+}

@@ -1,0 +1,155 @@
+//! Torques on tools: moments balance, at full slip and held below, and a knob turns by the angle that its torque makes.
+
+mod common;
+
+use common::{Bench, Run, assert_close, assert_small, nagata};
+
+type Vec3 = nalgebra::Vector3<f64>;
+
+/// A roller of radius 5 on a rubber pad of 16 x 6 x 4, pressed with 40 N, then turned about its axis along y.
+fn roller(steps: &str) -> String {
+    format!(
+        r#"
+body.pad.block = {{ box = {{ origin = [-8, -3, -4], size = [16, 6, 4] }}, elements = [16, 1, 2] }}
+body.pad.material = "rubber"
+material.rubber = {{ model = "neo-hookean", young = 20, poisson = 0.3 }}
+tool.roller.cylinder = {{ point = [0, 0, 5], axis = [0, 1, 0], radius = 5 }}
+contact.tread = {{ slave = "pad.zmax", master = "roller", friction = 0.4 }}
+output.history = ["pad.zmin"]
+output.checkpoint = {{ increments = 1 }}
+[[step]]
+name = "press"
+increments = 2
+fix = [{{ set = "pad.zmin" }}]
+move = [{{ target = "roller", by = [0, 0, -0.5] }}]
+{steps}
+"#
+    )
+}
+
+/// The moment of the contact forces on the slave about a line, from the fields.
+fn moment(run: &Run, increment: usize, contact: &str, (point, axis): (Vec3, Vec3)) -> f64 {
+    let grid = format!("contact.{contact}");
+    let (points, moved) = (run.points(&grid), run.vectors(increment, &grid, "displacement"));
+    let forces = run.vectors(increment, &grid, "force");
+    let all = points.iter().zip(&moved).zip(&forces);
+    all.map(|((x, u), f)| axis.dot(&(Vec3::from(*x) + Vec3::from(*u) - point).cross(&Vec3::from(*f)))).sum()
+}
+
+/// The force that keeps the roller down while something turns it about its axis.
+fn turned(name: &str, by: &str) -> String {
+    let force = r#"force = [{ target = "roller", total = [0, 0, -40], directions = "z" }]"#;
+    format!("[[step]]\nname = \"{name}\"\nincrements = 4\nkeep = true\n{force}\n{by}\n")
+}
+
+fn torque(total: f64, table: &str) -> String {
+    turned(
+        "turn",
+        &format!("torque = [{{ tool = \"roller\", total = {total:?}, point = [0, 0, 4.5], axis = [0, 2, 0]{table} }}]"),
+    )
+}
+
+/// Below full slip the friction of a cylinder, whose normal forces pass through the axis, bears the torque: the history and the
+/// fields say the same, on two ranks, with other methods and solvers, and in a run that goes on with a further step.
+#[test]
+fn moments_balance_on_a_roller() {
+    let turn = torque(50.0, ", table = [[0, 0], [0.5, 1], [1, 0.4]]");
+    let ease =
+        "[[step]]\nname = \"ease\"\nincrements = 2\nkeep = true\nmove = [{ target = \"roller\", by = [0.1, 0, 0] }]\n";
+    let bench = Bench::new(&roller(&format!("{turn}{ease}")));
+    let run = bench.solve(2, &[]);
+    let history = run.history();
+    for (row, share) in [(2, 0.5), (3, 1.0), (4, 0.7), (5, 0.4), (7, 0.4)] {
+        let [x, z] = ["ux", "uz"].map(|c| history.column(&format!("roller.{c}"))[row]);
+        assert_small("history", history.column("roller.moment")[row] / 50.0 - share, 1e-9);
+        // The origin of the roller's frame turns about its axis.
+        let angle = history.column("roller.angle")[row].to_radians();
+        let axis = Vec3::new(x + 5.0 * angle.sin(), 0.0, z + 5.0 * angle.cos());
+        assert_small("fields", moment(&run, row + 1, "tread", (axis, Vec3::y())) / 50.0 - share, 1e-9);
+    }
+    assert!(history.column("roller.angle")[3] > 0.5, "{:?}", history.column("roller.angle"));
+    let one = bench.solve(1, &[]).history();
+    assert_small("one rank", one.difference(&history), 1e-7);
+    for set in ["contact.tread.method=\"lagrange\"", "contact.tread.method=\"penalty\"", "solver.linear=\"iterative\""]
+    {
+        let other = bench.solve(1, &["--set", set]).history();
+        assert_small(set, other.last("roller.moment") / 20.0 - 1.0, 1e-8);
+    }
+    let shorter = Bench::new(&roller(&turn));
+    let first = shorter.solve(1, &[]);
+    shorter.write("scene.toml", &roller(&format!("{turn}{ease}")));
+    let out = first.out.to_str().unwrap();
+    let went_on = nagata(&shorter.path(""), 2, &["run", "scene.toml", "--restart", "--out", out], first.out.clone());
+    assert_eq!(went_on.code, 0, "{}", went_on.stderr);
+    assert_small("gone on", went_on.history().difference(&one), 1e-7);
+}
+
+/// At full slip the moment is M = μ r Σ P: so much of a torque a roller bears, and it spins beyond it.
+#[test]
+fn a_roller_spins_beyond_the_moment_of_full_slip() {
+    let rotate = "move = [{ target = \"roller\", rotate = { point = [0, 0, 4.5], axis = [0, 1, 0], angle = 60 } }]";
+    let run = Bench::new(&roller(&turned("turn", rotate))).solve(1, &[]);
+    let (last, grid) = (run.written(), "contact.tread");
+    let [forces, normals] = ["force", "normal"].map(|name| run.vectors(last, grid, name));
+    let pressed: f64 =
+        forces.iter().zip(&normals).map(|(f, n)| Vec3::from(*f).dot(&Vec3::from(*n))).filter(|p| *p > 0.0).sum();
+    let most = 0.4 * 5.0 * pressed;
+    let history = run.history();
+    let origin = Vec3::new(history.last("roller.ux"), 0.0, history.last("roller.uz"));
+    let arm = nalgebra::Rotation3::from_axis_angle(&Vec3::y_axis(), 60f64.to_radians()) * Vec3::new(0.0, 0.0, 5.0);
+    let axis = (origin + arm, Vec3::y());
+    // A little of the friction goes along the axis.
+    assert_close("full slip", moment(&run, last, "tread", axis).abs(), most, 1e-4);
+    // While it is pressed on in the same step, and after that.
+    for before in ["", &turned("load", "")] {
+        let driven = |share: f64| Bench::new(&roller(&format!("{before}{}", torque(share * most, ""))));
+        if !before.is_empty() {
+            driven(0.97).solve(1, &[]);
+        }
+        let spins = driven(1.05).run(2, &[]);
+        assert_eq!(spins.code, 1, "{}", spins.stdout);
+        assert!(spins.stderr.contains("the tool `roller` spins: its torque comes to "), "{}", spins.stderr);
+    }
+}
+
+/// A plate that sticks to a block turns by the angle at which, prescribed, it has the moment.
+#[test]
+fn a_torque_turns_by_the_angle_that_has_its_moment() {
+    let scene = |turn: &str| {
+        format!(
+            r#"
+body.block = {{ material = "m", block = {{ box = {{ origin = [-2, -2, -4], size = [4, 4, 4] }}, elements = [4, 4, 4] }} }}
+material.m = {{ model = "neo-hookean", young = 10, poisson = 0.3 }}
+tool.knob.plane = {{ point = [0, 0, 0], normal = [0, 0, -1] }}
+contact.top = {{ slave = "block.zmax", master = "knob", friction = 3 }}
+output.history = ["block.zmin"]
+[[step]]
+increments = 2
+fix = [{{ set = "block.zmin" }}]
+move = [{{ target = "knob", by = [0, 0, -0.4] }}]
+[[step]]
+increments = 4
+keep = true
+{turn}
+"#
+        )
+    };
+    let line = "point = [0.5, 0, 0], axis = [0, 0, -1]";
+    let driven = Bench::new(&scene(&format!("torque = [{{ tool = \"knob\", total = 6, {line} }}]"))).solve(2, &[]);
+    let angle = driven.history().last("knob.angle");
+    assert!(angle > 3.0, "{angle}");
+    let turn = format!("move = [{{ target = \"knob\", rotate = {{ {line}, angle = {angle:?} }} }}]");
+    let prescribed = Bench::new(&scene(&turn)).solve(1, &[]);
+    for component in ["ux", "uy", "fx", "fy", "fz"] {
+        let [a, b] = [&driven, &prescribed].map(|run| run.history().last(&format!("knob.{component}")));
+        assert_small(component, a - b, 1e-8);
+    }
+    let axis = (Vec3::new(0.5, 0.0, 0.0), -Vec3::z());
+    assert_close("moment", moment(&prescribed, prescribed.written(), "top", axis), 6.0, 1e-8);
+    let smooth = Bench::new(
+        &scene(&format!("torque = [{{ tool = \"knob\", total = 6, {line} }}]")).replace("friction = 3", "friction = 0"),
+    )
+    .run(2, &[]);
+    assert_eq!(smooth.code, 2, "{}", smooth.stderr);
+    assert!(smooth.stderr.contains("tool `knob` can turn about"), "{}", smooth.stderr);
+}
