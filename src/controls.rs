@@ -284,6 +284,8 @@ controls! {
     "watch" {
         watch_deep: f64 = 0.01, [1e-6, 1.0], "longest edge of the slave facets",
             "From there a penetration is one. Contact is at nodes: between them a facet that touches a radius of ten of its lengths is 1/80 of its length inside, and no finer is the shape of the body known.";
+        watch_segment: f64 = 0.25, [1e-6, 1.0], "longest edge of the slave facets",
+            "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",
             "Lift of the way of a node: by so much it may cut a corner. What turns more in one increment than its chord and this lift allow is no longer followed by it.";
         watch_along: f64 = 0.5, [0.0, 0.99], "cosine of the turn of the normal",

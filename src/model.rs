@@ -13,7 +13,9 @@ pub mod tractions;
 
 use crate::Vec3;
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, BodySurface, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact};
+use crate::contact::{
+    Avoided, BodySurface, Faces, Master, Masters, Meets, Pair, Slave, Tool, guidance, mates, self_contact,
+};
 use crate::controls::Controls;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::{Facet, Mesh, SolidShape, join};
@@ -167,6 +169,10 @@ impl Model {
             let size = model.longest_edge(comm, name);
             model.masters.surfaces.push(BodySurface::new(comm, name, given, patches, &model.part.starts, size));
         }
+        let of_surfaces = passes.iter().filter(|contact| contact.surface.is_some());
+        for (surface, contact) in model.masters.surfaces.iter_mut().zip(of_surfaces) {
+            surface.keeps_past = contact.discretization == Discretization::Segment && contact.friction > 0.0;
+        }
         let stiffness = agree(comm, elements::nodal_stiffness(&model))?;
         let volume = model.volume(comm);
         model.size = (volume / model.part.total_solids as f64).cbrt();
@@ -289,6 +295,9 @@ impl Model {
                 Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
             })
             .collect();
+        let slaves: Vec<Slave> = slaves;
+        let by_faces = contact.discretization == Discretization::Segment;
+        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves));
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
@@ -310,6 +319,7 @@ impl Model {
             tolerance: contact.tolerance,
             set: self.set_index[&contact.slave.value],
             slaves,
+            faces,
             reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
             facet_size,
             within_body,
@@ -620,12 +630,19 @@ fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
             wrong(side, "ties do not take", "mesh such bodies with hexahedra, or with tetrahedra of first order")?;
         }
     }
+    for contact in scene.contacts.iter().filter(|c| c.discretization == Discretization::Segment) {
+        for side in std::iter::once(&contact.slave).chain(contact.surface.map(|_| &contact.master)) {
+            let kind = "are not for contact from segment to segment";
+            wrong(side, kind, "use \"one-pass\", or mesh the body with hexahedra or linear tetrahedra")?;
+        }
+    }
     for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
         let kind = match contact.discretization {
             _ if contact.is_self() => "do not meet themselves",
             Discretization::OnePass => continue,
             Discretization::TwoPass => "are not for two passes",
             Discretization::NodeToNode => "are not for contact from node to node",
+            Discretization::Segment => continue,
         };
         for side in [&contact.slave, &contact.master] {
             wrong(side, kind, "let two surfaces meet in one pass, or mesh the body with hexahedra")?;

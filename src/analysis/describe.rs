@@ -67,7 +67,11 @@ pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = if let Master::Surface(_, Meets::Nodes) = pair.master { ", each on a node of the master" } else { "" };
+        let by = match pair.master {
+            Master::Surface(_, Meets::Nodes) => ", each on a node of the master",
+            _ if pair.faces.is_some() => ", from segment to segment",
+            _ => "",
+        };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
     text

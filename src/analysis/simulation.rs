@@ -5,14 +5,14 @@ use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, State, preflight};
-use crate::Vec3;
-use crate::contact::{Slave, Status};
+use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
 use crate::output::summary::{Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
+use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 
@@ -277,9 +277,16 @@ impl<'a> Simulation<'a> {
         masters.attend(self.comm, pairs, place);
         for pair in pairs {
             let ground = masters.of(pair.master);
+            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
             for s in 0..pair.slaves.len() {
                 let position = place(pair.slaves[s].node);
                 let projection = ground.project(pair, s, &position, (None, false));
+                let projection = match &segments {
+                    None => projection,
+                    Some(segments) => {
+                        segments.meet(pair, s, projection.as_ref(), &Mat3::identity()).map(|(mean, _)| mean)
+                    }
+                };
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.

@@ -227,6 +227,8 @@ fn reach(pair: &Pair, travel: f64) -> f64 {
 }
 
 fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'_> {
+    let in_the_mean = pair.faces.as_ref().map_or(0.0, |_| pair.controls.watch_segment * pair.facet_size);
+    let explained = explained + in_the_mean;
     Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel), controls: &pair.controls }
 }
 

@@ -37,6 +37,9 @@ pub struct BodySurface {
     pub fetches: usize,
     /// Positions of the near nodes at the last converged increment.
     pub before: Vec<Vec3>,
+    /// Points of slave faces ask where they were on it then.
+    pub keeps_past: bool,
+    past: PatchSet,
     share: Vec<MovingPatch>,
     share_nodes: Gather,
     /// By rising id.
@@ -83,6 +86,8 @@ impl BodySurface {
             facet_size,
             fetches: 0,
             before: Vec::new(),
+            keeps_past: false,
+            past: PatchSet::new(Vec::new()),
             share,
             share_nodes,
             near: Vec::new(),
@@ -116,11 +121,16 @@ impl BodySurface {
             self.seen = Some(Seen { reach, slaves: slaves.to_vec(), masters });
         }
         self.positions = gather(comm, &self.nodes, &place);
-        let shapes = self.near.iter().zip(&self.stencils).map(|(p, s)| p.shape(&pick(&self.positions, s)));
+        self.shapes.follow(self.shapes_at(&self.positions));
+        fetched
+    }
+
+    /// The near patches with their nodes at `positions`.
+    fn shapes_at(&self, positions: &[Vec3]) -> Vec<Patch> {
+        let shapes = self.near.iter().zip(&self.stencils).map(|(p, s)| p.shape(&pick(positions, s)));
         // A diverging iterate may be nowhere.
         let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
-        self.shapes.follow(shapes.filter(somewhere).collect());
-        fetched
+        shapes.filter(somewhere).collect()
     }
 
     /// The same within `reach` of all the slave nodes of its pair. Collective.
@@ -164,6 +174,14 @@ impl BodySurface {
     /// Remembers where the near nodes were at the last converged increment. Collective.
     pub fn remember(&mut self, comm: &SimpleCommunicator, before: impl Fn(u32) -> Vec3) {
         self.before = gather(comm, &self.nodes, before);
+        if self.keeps_past {
+            self.past.follow(self.shapes_at(&self.before));
+        }
+    }
+
+    /// The near patches as they were then.
+    pub fn shapes_before(&self) -> &PatchSet {
+        &self.past
     }
 
     /// Three values of each near node, from those that the owners have of their local nodes. Collective.

@@ -138,7 +138,7 @@ impl Guide {
     }
 
     /// The projector on the directions that are not held.
-    fn free(&self) -> Mat3 {
+    pub fn free(&self) -> Mat3 {
         let free = Mat3::from_diagonal(&Vec3::from(self.held.map(|held| if held { 0.0 } else { 1.0 })));
         self.axes * free * self.axes.transpose()
     }

@@ -4,6 +4,7 @@
 //! the mesh. Both say where a slave node meets them, from where its slip counts, what they remember of an accepted
 //! increment, how far they have moved, and who gets the forces. Another kind of master is a variant more, here.
 
+use super::element::frame;
 use super::method::Tangent;
 use super::pose::way_past;
 use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
@@ -11,7 +12,7 @@ use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{MovingPatch, Parametric, Polygon, Projection, Smoothing, Transfer};
+use crate::surface::{MovingPatch, Parametric, PatchSet, Polygon, Projection, Smoothing, Transfer};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -108,18 +109,18 @@ impl Masters {
     /// Lets every tool, at its trial pose, watch all the slave nodes of its pairs, which `place` puts in space. Says whether
     /// pieces had to be fetched. Collective.
     pub fn watch(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
-        self.watch_within(comm, pairs, |p| pairs[p].reach, place)
+        self.watch_within(comm, pairs, |p| pairs[p].sight_reach(), place)
     }
 
     /// Lets every surface follow its nodes at `place` (owned local nodes), and keeps track of all the slave nodes of its
     /// pair. Says whether patches were fetched. Collective.
     pub fn follow(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) -> bool {
-        self.follow_within(comm, pairs, |p| pairs[p].reach, place)
+        self.follow_within(comm, pairs, |p| pairs[p].sight_reach(), place)
     }
 
     /// All masters see the slave nodes of their pairs, with nodes at `place`. Collective.
     pub fn attend(&mut self, comm: &SimpleCommunicator, pairs: &[Pair], place: impl Fn(u32) -> Vec3) {
-        self.look_out(comm, pairs, |p| pairs[p].reach, place);
+        self.look_out(comm, pairs, |p| pairs[p].sight_reach(), place);
     }
 
     /// The same within a `reach` of each pair, whatever is its own. Collective.
@@ -355,10 +356,55 @@ impl<'a> Ground<'a> {
             }
         };
         let shapes = surface.shapes();
-        let found = shapes.closest_of(x, pair.reach, warm, &outlook)?;
-        let found = shapes.beside_edge(x, &found, pair.controls.edge_beside).unwrap_or(found);
+        let found = on_faces(shapes, pair, warm, &outlook)?;
         let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
         Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+    }
+
+    /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
+    /// starts at `warm`.
+    pub fn project_point(
+        &self,
+        pair: &Pair,
+        x: &Vec3,
+        outward: &Vec3,
+        warm: Option<(u32, [f64; 2])>,
+    ) -> Option<Projection> {
+        let found = match self {
+            Self::Tool(tool) => tool.project(x, pair.reach, (warm, false)),
+            Self::Surface(surface, _) => {
+                let outward = pair.within_body.then_some(outward);
+                on_faces(surface.shapes(), pair, warm, &Outlook { x, outward, avoided: None, facing: pair.facing })
+            }
+        };
+        found.filter(|p| outward.dot(&p.normal) < 0.0)
+    }
+
+    /// Where the slip of a point of a slave face counts from, which was at `before` at the last converged increment and meets the
+    /// master at `now`: where it was on the master as that was then. Out of reach then, as in [`Self::slip_origin`].
+    pub fn origin_of(&self, pair: &Pair, before: &Vec3, now: &Projection) -> SlipOrigin {
+        let start = Some((now.patch, now.xi));
+        match self {
+            Self::Tool(tool) => {
+                let place = tool.committed.inward(before);
+                let then = tool.surface.project(&place, pair.reach, (start, false));
+                SlipOrigin::Fixed(tool.trial.outward(&then.map_or(place, |p| p.point)))
+            }
+            Self::Surface(surface, _) => {
+                let then = surface.shapes_before().closest(before, pair.reach, start).map(|p| (p.patch, p.xi));
+                let (id, xi) = then.or_else(|| beside(surface, before, now)).unwrap_or((now.patch, now.xi));
+                SlipOrigin::Carried(id, xi)
+            }
+        }
+    }
+
+    /// Where a slip origin is now.
+    pub fn place_of(&self, origin: &SlipOrigin) -> Option<Vec3> {
+        match (origin, self) {
+            (SlipOrigin::Fixed(place), _) => Some(*place),
+            (SlipOrigin::Carried(id, xi), Self::Surface(surface, _)) => Some(surface.shapes().get(*id)?.point(*xi)),
+            _ => None,
+        }
     }
 
     /// Where a slave node was at the last converged increment, as seen from the master where it has the point `at` now.
@@ -377,7 +423,6 @@ impl<'a> Ground<'a> {
     /// reach then counts from its own place, carried along by the tool, or beside the patch that it is on `now`; slip sees
     /// no distance along the normal.
     pub fn slip_origin(&self, slave: &Slave, now: &Projection) -> SlipOrigin {
-        const BESIDE: f64 = 2.0;
         let surface = match self {
             Self::Tool(tool) => {
                 let origin = slave.committed.anchor.or(slave.committed.place);
@@ -391,10 +436,7 @@ impl<'a> Ground<'a> {
             return SlipOrigin::Fixed(place);
         }
         let kept = slave.committed.warm.filter(|(id, _)| surface.patch(*id).is_some());
-        let beside = || {
-            let shape = surface.shape_before(now.patch)?;
-            Some((now.patch, descend(&shape, &slave.committed.place?, &[BESIDE; 4], shape.center()).xi))
-        };
+        let beside = || beside(surface, &slave.committed.place?, now);
         let (id, xi) = kept.or_else(beside).unwrap_or((now.patch, now.xi));
         SlipOrigin::Carried(id, xi)
     }
@@ -453,6 +495,15 @@ impl<'a> Ground<'a> {
             Self::Tool(tool) => tool.committed.rotation,
             Self::Surface(surface, _) => at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity),
         }
+    }
+
+    /// The frame that carries a held force along at an iterate, from a point of then: of a tool, or of the patch.
+    pub(super) fn frame_at(&self, from: Option<(u32, [f64; 2])>) -> Mat3 {
+        let frame = match self {
+            Self::Tool(tool) => Some(tool.trial.rotation),
+            Self::Surface(surface, _) => from.and_then(|(id, xi)| Some(frame(&surface.shapes().get(id)?.local(xi)))),
+        };
+        frame.unwrap_or_else(Mat3::identity)
     }
 
     /// A place as it is remembered: in the frame of the tool, else in space.
@@ -516,6 +567,19 @@ impl<'a> Ground<'a> {
             Self::Surface(surface, _) => Past::Places(surface.places(comm, place)),
         }
     }
+}
+
+/// Where a node that was at `before` at the last converged increment was beside the patch that it is on `now`.
+fn beside(surface: &BodySurface, before: &Vec3, now: &Projection) -> Option<(u32, [f64; 2])> {
+    const BESIDE: f64 = 2.0;
+    let shape = surface.shape_before(now.patch)?;
+    Some((now.patch, descend(&shape, before, &[BESIDE; 4], shape.center()).xi))
+}
+
+/// The point of contact on faces of a body; outside a sharp edge on one of its sides.
+fn on_faces(shapes: &PatchSet, pair: &Pair, warm: Option<(u32, [f64; 2])>, outlook: &Outlook) -> Option<Projection> {
+    let found = shapes.closest_of(outlook.x, pair.reach, warm, outlook)?;
+    Some(shapes.beside_edge(outlook.x, &found, pair.controls.edge_beside).unwrap_or(found))
 }
 
 /// How a master has come to where it is.

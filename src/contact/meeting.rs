@@ -1,23 +1,40 @@
 //! The meeting of a slave node with its master at an iterate: where it is, and what its element is evaluated with.
 
-use super::element::{Contact, Element, Method, Opposite, Origin, Site};
+use super::element::{Contact, Element, Method, Opposite, Origin, Portion, Site, Spread};
 use super::master::{Ground, SlipOrigin};
 use super::moves::{Movement, alike};
-use super::{Guide, Multiplier, Pair, Response, Slave, touching};
+use super::segment::{Segments, Share};
+use super::{Guide, Mover, Multiplier, Pair, Response, Slave, touching};
 use crate::surface::Projection;
 use crate::{Mat3, Vec3};
 
 /// What the element of a slave node was evaluated with, kept for its tangent.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Meeting {
     method: Method,
     multiplier: Multiplier,
     /// The part of a held multiplier that the master carries along.
     carried: Vec3,
     /// On the master, unless that is out of reach or feels nothing of the node.
-    contact: Option<(Projection, SlipOrigin)>,
+    contact: Option<(Projection, Touch)>,
     /// Where neither can give way.
     pub guide: Guide,
+}
+
+/// How a slave node meets the master.
+#[derive(Clone, Debug)]
+enum Touch {
+    /// In its closest point.
+    Node(SlipOrigin),
+    /// In points of the faces around it.
+    Faces(Vec<Share>),
+}
+
+/// Where the nodes of the slave are, and the points of its faces where it has them.
+#[derive(Clone, Copy)]
+pub struct Ahead<'a> {
+    pub place: &'a dyn Fn(u32) -> Vec3,
+    pub segments: Option<&'a Segments>,
 }
 
 /// How a step moves a slave node and the nodes of its master.
@@ -27,52 +44,78 @@ pub struct Moves<'a> {
 }
 
 impl Meeting {
-    /// Finds slave node `s` of `pair`, at `position`, on the master, and notes in its trial where; `unknown` is λ'. In the
-    /// `first` iteration of a step a gap that is but rounding is closed.
+    /// Finds slave node `s` of `pair` on the master, and notes in its trial where; `unknown` is λ'. In the `first` iteration of a
+    /// step a gap that is but rounding is closed.
     pub fn new(
         pair: &mut Pair,
         ground: &Ground,
-        (s, position): (usize, &Vec3),
+        (s, ahead): (usize, &Ahead),
         moves: &Moves,
         unknown: &Vec3,
         first: bool,
     ) -> Self {
         let slave = &pair.slaves[s];
+        let position = &(ahead.place)(slave.node);
         let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
         let keeps = slave.trial.returns >= slave.trial.patience;
         let projection = ground.project(pair, s, position, (warm, keeps));
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
+        let guide = projection.map_or(Guide::default(), |p| guide(ground, &p, moves));
+        let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
+        let (projection, shares) = match met {
+            None => (projection, None),
+            Some(met) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(shares))),
+        };
         let slave = &mut pair.slaves[s];
         slave.trial.stand(projection, warm.map(|(patch, _)| patch));
-        let guide = projection.map_or(Guide::default(), |p| guide(ground, &p, moves));
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
-        let contact = felt.map(|p| (touching(p, closed), ground.slip_origin(slave, &p)));
-        let sigma = slave.local.at(position, |n| ground.position_of(n));
+        let touch = |p: &Projection| shares.map_or_else(|| Touch::Node(ground.slip_origin(slave, p)), Touch::Faces);
+        let contact = felt.map(|p| (touching(p, closed), touch(&p)));
+        let sigma = slave.local.at(|mover| match mover {
+            Mover::Slave(n) => Some((ahead.place)(n)),
+            Mover::Master(n) => ground.position_of(n),
+        });
         let multiplier = slave.multiplier(pair.method, unknown * slave.law.normal, sigma);
         (slave.trial.sigma, slave.trial.position) = (sigma, *position);
-        let from_last = contact.filter(|(_, origin)| match origin {
-            SlipOrigin::Carried(id, xi) => Some((*id, *xi)) == slave.committed.warm,
-            SlipOrigin::Fixed(_) => true,
+        let from_last = contact.as_ref().filter(|(_, touch)| match touch {
+            Touch::Node(SlipOrigin::Carried(id, xi)) => Some((*id, *xi)) == slave.committed.warm,
+            _ => true,
         });
-        let carried = from_last.map_or(Vec3::zeros(), |_| slave.held.carried);
+        let carried = from_last.map_or(Vec3::zeros(), |(_, touch)| match touch {
+            Touch::Node(_) => slave.held.carried,
+            Touch::Faces(_) => ground.frame_at(slave.committed.warm) * slave.held.carried,
+        });
+        if let (Some(segments), Some((_, Touch::Faces(shares)))) = (ahead.segments, &contact) {
+            let frictional = slave.law.friction > 0.0;
+            slave.met = shares.iter().flat_map(|share| segments.get(share).patches(frictional)).collect();
+            slave.met.sort_unstable();
+            slave.met.dedup();
+        }
         let method = Method { law: slave.law, transfer: ground.transfer(), tangent };
         Self { method, multiplier, carried, contact, guide }
     }
 
-    /// The patches of the master on which the element has nodes; with friction that of the slip origin, too.
-    pub fn patches(&self) -> impl Iterator<Item = u32> {
+    /// The patches of the master on which the element of a slave node has nodes; with friction those of slip origins, too.
+    pub fn patches<'a>(&'a self, slave: &'a Slave) -> impl Iterator<Item = u32> + 'a {
         let frictional = self.method.law.friction > 0.0;
-        let (on, origin) = self.contact.map_or((None, None), |(p, origin)| (Some(p.patch), Some(origin)));
+        let (on, origin) = match &self.contact {
+            Some((p, Touch::Node(origin))) => (Some(p.patch), Some(origin)),
+            _ => (None, None),
+        };
         let from = origin.and_then(|origin| match origin {
-            SlipOrigin::Carried(id, _) if frictional => Some(id),
+            SlipOrigin::Carried(id, _) if frictional => Some(*id),
             _ => None,
         });
-        on.into_iter().chain(from)
+        let met = match &self.contact {
+            Some((_, Touch::Faces(_))) => &slave.met[..],
+            _ => &[],
+        };
+        on.into_iter().chain(from).chain(met.iter().copied())
     }
 }
 
@@ -108,10 +151,38 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// Evaluates the element of a slave node, with its tangent if asked for.
-    pub fn evaluate(&mut self, ground: &Ground, meeting: &Meeting, with_tangent: bool) -> Response {
+    /// Evaluates the element of a slave node, with its tangent if asked for, and with the points of its faces where it meets the
+    /// master in these.
+    pub fn evaluate(
+        &mut self,
+        ground: &Ground,
+        (meeting, slave): (&Meeting, &Slave),
+        segments: Option<&Segments>,
+        with_tangent: bool,
+    ) -> Response {
         let Self { element, positions, origin } = self;
-        let contact = meeting.contact.as_ref().and_then(|(projection, from)| {
+        let (method, guide, multiplier) = (&meeting.method, &meeting.guide, &meeting.multiplier);
+        if let Some(segments) = segments {
+            let shares = match &meeting.contact {
+                Some((_, Touch::Faces(shares))) => &shares[..],
+                _ => &[],
+            };
+            let portions: Vec<Portion> = shares.iter().map(|share| segments.portion(share)).collect();
+            let spread = |(p, _): &(Projection, Touch)| Spread {
+                node: slave.node,
+                portions: &portions,
+                gap: p.gap,
+                normal: p.normal,
+                carried: meeting.carried,
+            };
+            let spread = meeting.contact.as_ref().map(spread);
+            return match with_tangent {
+                false => element.spread_residual(method, multiplier, (spread.as_ref(), ground), guide),
+                true => element.spread_tangent(method, multiplier, (spread.as_ref(), ground), guide),
+            };
+        }
+        let contact = meeting.contact.as_ref().and_then(|(projection, touch)| {
+            let Touch::Node(from) = touch else { return None };
             let opposite = match ground {
                 Ground::Tool(tool) => Opposite::Tool(tool.trial.rotation, tool.trial.axle_in_space()),
                 _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
@@ -122,37 +193,48 @@ impl Workspace {
             };
             Some(Contact { projection, opposite, origin, carried: meeting.carried })
         });
-        let (contact, guide, multiplier) = (contact.as_ref(), &meeting.guide, &meeting.multiplier);
         match with_tangent {
-            false => element.residual(&meeting.method, multiplier, contact, guide),
-            true => element.tangent(&meeting.method, multiplier, contact, guide),
+            false => element.residual(method, multiplier, contact.as_ref(), guide),
+            true => element.tangent(method, multiplier, contact.as_ref(), guide),
         }
     }
 
-    /// Keeps what the last tangent has for the local unknown of a slave node.
-    pub fn learn(&self, slave: &mut Slave, response: &Response, ground: &Ground) {
+    /// Keeps what the last tangent has for the local unknown of a slave node; other slave nodes are at `place`.
+    pub fn learn(&self, slave: &mut Slave, response: &Response, ground: &Ground, place: impl Fn(u32) -> Vec3) {
+        let element = &self.element;
         slave.local.learn(slave.trial.sigma, response);
-        let by = |node| -response.inverse * self.element.constraint_by(node, slave.law.friction);
-        slave.local.by.push((None, by(None), slave.trial.position));
-        for (j, &n) in self.element.nodes.iter().enumerate() {
-            slave.local.by.push((Some(ground.number(n)), by(Some(j)), ground.position(n)));
+        let by = |node| -response.inverse * element.constraint_by(node, slave.law.friction);
+        slave.local.by.push((Mover::Slave(slave.node), by(None), slave.trial.position));
+        for (j, &n) in element.beside.iter().enumerate() {
+            slave.local.by.push((Mover::Slave(n), by(Some(j)), place(n)));
+        }
+        for (j, &n) in element.nodes.iter().enumerate() {
+            let by = by(Some(element.beside.len() + j));
+            slave.local.by.push((Mover::Master(ground.number(n)), by, ground.position(n)));
         }
     }
 
-    /// Has the matrix along the directions of the slave node, if it has its own, with friction its `width` multipliers too,
-    /// and along those of the nodes of a master `at` each.
-    pub fn turn(&mut self, slave: Option<&Mat3>, width: usize, at: impl Fn(u32) -> Mat3) {
+    /// Has the matrix along the directions `of` the slave nodes that have their own, those of slave node `own` with friction for its
+    /// `width` multipliers too, and along those of the nodes of a master `at` each.
+    pub fn turn<'a>(&mut self, own: u32, width: usize, of: impl Fn(u32) -> Option<&'a Mat3>, at: impl Fn(u32) -> Mat3) {
         let element = &mut self.element;
-        if let Some(axes) = slave {
+        if let Some(axes) = of(own) {
             element.turn(0, axes);
             if width == 3 {
                 element.turn(3, axes);
             }
         }
+        let first = 3 + width;
+        for j in 0..element.beside.len() {
+            if let Some(axes) = of(element.beside[j]) {
+                element.turn(first + 3 * j, axes);
+            }
+        }
+        let first = first + 3 * element.beside.len();
         for j in 0..element.nodes.len() {
             let axes = at(element.nodes[j]);
             if axes != Mat3::identity() {
-                element.turn(3 + width + 3 * j, &axes);
+                element.turn(first + 3 * j, &axes);
             }
         }
     }

@@ -12,6 +12,8 @@ pub enum Discretization {
     TwoPass,
     /// Each node of the slave out of the node of the master that it lies on, for small sliding on conforming meshes.
     NodeToNode,
+    /// The slave's faces, in the mean around each node.
+    Segment,
 }
 
 /// How contact is enforced.

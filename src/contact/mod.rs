@@ -11,6 +11,7 @@
 //! - [`body_surface`]: a deformable master surface that moves with its nodes, wherever they are owned
 //! - [`method`]: how contact is described and enforced, by name
 //! - [`mates`]: contact from node to node
+//! - [`segment`]: contact from segment to segment
 //! - [`watch`]: whether a node went through the master, by its place alone
 //! - [`guidance`]: whether slave and master are the right way round
 //! - [`stiffness`]: how stiffly bodies resist contact forces, the unit of penalties
@@ -26,6 +27,7 @@ pub mod meeting;
 pub mod method;
 pub mod moves;
 pub mod pose;
+pub mod segment;
 pub mod self_contact;
 pub mod stiffness;
 pub mod tool;
@@ -38,6 +40,7 @@ pub use mates::Mate;
 pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
 pub use moves::Movement;
 pub use pose::{Axle, Pose, Rotation};
+pub use segment::{Faces, Segments};
 pub use self_contact::{Avoided, Outlook};
 pub use tool::Tool;
 pub use watch::Sight;
@@ -73,6 +76,8 @@ pub struct Pair {
     /// Index of the slave surface in the part's sets.
     pub set: usize,
     pub slaves: Vec<Slave>,
+    /// From segment to segment the slave's faces.
+    pub faces: Option<Faces>,
     /// Distance from the master within which a slave node is projected.
     pub reach: f64,
     /// Longest edge of the slave facets.
@@ -106,6 +111,11 @@ impl Pair {
             (Some(outward), Some(avoided)) => avoided.may_meet(outward, patch),
             _ => true,
         }
+    }
+
+    /// Distance from the slave nodes within which the master must be known: points of the faces around them are farther away.
+    pub fn sight_reach(&self) -> f64 {
+        self.reach + self.faces.as_ref().map_or(0.0, |_| self.facet_size)
     }
 
     /// The slave at an owned node, if there is one.
@@ -242,6 +252,8 @@ pub struct Slave {
     /// What the watch saw of it at the last converged increment, and of the one that is judged.
     pub sight: Sight,
     pub sighted: Sight,
+    /// The patches of a body that its points were on at the last iterate, with their slip origins.
+    pub met: Vec<u32>,
 }
 
 /// What a slave node remembers of the last converged increment.
@@ -281,17 +293,23 @@ crate::words!(Held { gap, tangential, carried });
 pub struct Local {
     /// σ where the positions are those of then.
     pub force: Vec3,
-    /// Derivatives by the positions of the slave node and of master nodes, by their numbers, with these positions.
-    pub by: Vec<(Option<u64>, Mat3, Vec3)>,
+    /// Derivatives by the positions of nodes, with these positions.
+    pub by: Vec<(Mover, Mat3, Vec3)>,
+}
+
+/// A node that a slave node's contact depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mover {
+    /// A node of the slave, by its local number.
+    Slave(u32),
+    /// A node of the master, by its number whatever the rank sees.
+    Master(u64),
 }
 
 impl Local {
     /// σ at other positions.
-    pub fn at(&self, slave: &Vec3, node: impl Fn(u64) -> Option<Vec3>) -> Vec3 {
-        let moved = |(n, by, then): &(Option<u64>, Mat3, Vec3)| {
-            let now = n.map_or(Some(*slave), &node).unwrap_or(*then);
-            by * (now - then)
-        };
+    pub fn at(&self, place: impl Fn(Mover) -> Option<Vec3>) -> Vec3 {
+        let moved = |(mover, by, then): &(Mover, Mat3, Vec3)| by * (place(*mover).unwrap_or(*then) - then);
         self.force + self.by.iter().map(moved).sum::<Vec3>()
     }
 
@@ -418,6 +436,7 @@ impl Slave {
             borne: None,
             sight,
             sighted,
+            met: Vec::new(),
         }
     }
 
@@ -430,7 +449,7 @@ impl Slave {
 
     /// Bytes that it takes, with what it was last evaluated with.
     pub fn bytes(&self) -> usize {
-        let local = self.local.by.capacity() * size_of::<(Option<u64>, Mat3, Vec3)>();
+        let local = self.local.by.capacity() * size_of::<(Mover, Mat3, Vec3)>();
         size_of::<Self>() + local + size_of::<Option<meeting::Meeting>>()
     }
 

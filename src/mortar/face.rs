@@ -77,7 +77,7 @@ impl Corners<Vec2> {
 }
 
 /// Bilinear shape functions on the unit square, and their derivatives.
-fn bilinear(xi: &Vec2) -> [[f64; 4]; 3] {
+pub fn bilinear(xi: &Vec2) -> [[f64; 4]; 3] {
     let ([s, t], [r, q]) = ([xi.x, xi.y], [1.0 - xi.x, 1.0 - xi.y]);
     [[r * q, s * q, s * t, r * t], [-q, q, t, -t], [-r, -s, s, r]]
 }

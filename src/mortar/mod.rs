@@ -24,7 +24,7 @@
 //! to the master's as ∫ Φ_k dA, as far as the rule is exact.
 //!
 //! - `polygon`: convex polygons in a plane: what two have in common
-//! - `rule`: Gauss points of a triangle
+//! - [`rule`]: Gauss points of a triangle
 //! - [`face`]: shape functions of a face, and where a point is in it
 //! - [`mod@overlap`]: the points of a slave face that a master face covers
 //! - [`interpolation`]: (1) and (2) for two whole surfaces
@@ -33,7 +33,7 @@ pub mod face;
 pub mod interpolation;
 pub mod overlap;
 mod polygon;
-mod rule;
+pub mod rule;
 
 pub use face::Corners;
 pub use interpolation::{Interpolation, Row, interpolate};

@@ -37,4 +37,19 @@ impl Halo {
             field[of_node(node)].copy_from_slice(values);
         }
     }
+
+    /// Hands the halo entries of a node field, `width` a node, to the owners: `add` gets an owned node and its values, once from
+    /// each rank that sees it. Collective.
+    pub fn add_to_owners(
+        &self,
+        comm: &SimpleCommunicator,
+        width: usize,
+        field: &[f64],
+        mut add: impl FnMut(u32, &[f64]),
+    ) {
+        let of_node = |n: u32| &field[n as usize * width..(n as usize + 1) * width];
+        let sent: Vec<f64> = self.receive.iter().flat_map(|&n| of_node(n)).copied().collect();
+        let received = self.route.send_back(comm, width, &sent);
+        self.send.iter().zip(received.chunks_exact(width)).for_each(|(&node, values)| add(node, values));
+    }
 }

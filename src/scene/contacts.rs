@@ -2,7 +2,9 @@
 
 use super::reader::{Item, Table};
 use super::references::Names;
-use super::{Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer};
+use super::{
+    Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Step, Tangent, Transfer, body_of,
+};
 use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
@@ -44,6 +46,21 @@ fn check(next: &Contact, others: &[Contact], names: &Names) -> Result<()> {
     Ok(())
 }
 
+/// Refuses torques on tools that are met from segment to segment, of which the tangent does not know.
+pub(super) fn check_torques(contacts: &[Contact], steps: &[Step]) -> Result<()> {
+    let by_faces = |tool: &str| {
+        let mut segments = contacts.iter().filter(|c| c.discretization == Discretization::Segment);
+        segments.any(|contact| contact.master.value == tool)
+    };
+    match steps.iter().flat_map(|step| &step.torques).find(|torque| by_faces(&torque.tool.value)) {
+        None => Ok(()),
+        Some(torque) => {
+            let what = format!("a torque on `{}`, whose contact is from segment to segment", torque.tool.value);
+            Err(Error::input(&torque.tool.at, what, "use \"one-pass\", or turn the tool by `rotate`"))
+        }
+    }
+}
+
 fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
     let table = item.table(&[KEYS.as_slice(), OF_SURFACE.as_slice()].concat())?;
     let friction = |item: &Item| {
@@ -80,6 +97,17 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
     }
+    let segments = discretization == Discretization::Segment;
+    let is_within = body_of(&master.value) == body_of(&slave.value);
+    if let Some(item) = table.get("discretization").filter(|_| segments && is_within) {
+        return Err(item.error("\"segment\" does not work within one body", "use \"one-pass\""));
+    }
+    if let Some(item) = table.get("method").filter(|_| segments && method == Enforcement::Uzawa) {
+        return Err(item.error("does not settle with \"segment\"", "use \"augmented-lagrangian\""));
+    }
+    if let Some(item) = table.get("tangent").filter(|_| segments) {
+        return Err(item.error("means nothing with \"segment\"", "its tangent is always exact; remove it"));
+    }
     // From node to node the frame does stand still.
     let tangent = if discretization == Discretization::NodeToNode { Tangent::FixedFrame } else { Tangent::default() };
     Ok(Contact {
@@ -105,10 +133,13 @@ fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {
         ("one-pass", Discretization::OnePass),
         ("two-pass", Discretization::TwoPass),
         ("node-to-node", Discretization::NodeToNode),
+        ("segment", Discretization::Segment),
     ];
     match item.choice(&known)? {
-        Discretization::OnePass => Ok(Discretization::OnePass),
-        _ if is_tool => Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\"")),
+        whole @ (Discretization::OnePass | Discretization::Segment) => Ok(whole),
+        _ if is_tool => {
+            Err(item.error("needs a master with nodes", "a tool has none; use \"one-pass\" or \"segment\""))
+        }
         other => Ok(other),
     }
 }

@@ -124,6 +124,8 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     faults.finish()?;
     let (bodies, materials, mut steps, solver) = (bodies?, materials?, steps?, solver?);
     gravity::weigh(&mut steps, &bodies, &materials)?;
+    let contacts = contacts?;
+    contacts::check_torques(&contacts, &steps)?;
     Ok(Scene {
         title: title?.map_or_else(|| name.clone(), str::to_string),
         name,
@@ -131,7 +133,7 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
         materials,
         tools: tools?,
         bodies,
-        contacts: contacts?,
+        contacts,
         ties: ties?,
         steps: steps.into_iter().map(|step| step.at_pace(solver.pace)).collect(),
         output: output?,

@@ -11,9 +11,10 @@
 use super::dofs::{DofMap, NONE};
 use super::masters::equations;
 use crate::Vec3;
+use crate::contact::segment::Face;
 use crate::contact::{Masters, Pair, Slave, Status};
 use crate::partition::Bounds;
-use crate::partition::parcels::grown;
+use crate::partition::parcels::{bounds, grown};
 use mpi::topology::SimpleCommunicator;
 
 /// The candidates of all slave nodes of this rank.
@@ -36,13 +37,19 @@ impl Candidates {
                     if let Some(mate) = &slave.mate {
                         return vec![mate.patch];
                     }
-                    let x = place(slave.node);
-                    let (low, high) = ahead(slave, facet);
-                    let found = shapes.within(&(x + low), &(x + high));
+                    let (low, high) = match &pair.faces {
+                        None => {
+                            let (x, (low, high)) = (place(slave.node), ahead(slave, facet));
+                            (x + low, x + high)
+                        }
+                        Some(faces) => around(faces.around(s), facet, &place),
+                    };
+                    let found = shapes.within(&low, &high);
                     let found = found.iter().map(|&k| &shapes.pieces()[k as usize]);
                     let mut ids: Vec<u32> = found.filter(|patch| pair.may_meet(s, patch)).map(|p| p.id).collect();
                     let touching = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap);
                     ids.extend(touching.map(|p| p.patch));
+                    ids.extend(&slave.met);
                     if !ids.is_empty() && pair.friction > 0.0 {
                         ids.extend(slave.committed.warm.map(|(id, _)| id));
                     }
@@ -71,7 +78,10 @@ impl Candidates {
             let is_tool = pair.master.tool().is_some();
             for (s, (slave, ids)) in pair.slaves.iter().zip(of_pair).enumerate().filter(|(s, _)| dofs.near[p][*s]) {
                 let own = dofs.node[slave.node as usize].iter().chain(&dofs.multiplier[p][s]);
-                let own: Vec<i64> = own.copied().filter(|&e| e != NONE).collect();
+                let beside = pair.faces.iter().flat_map(|faces| faces.beside(s)).flat_map(|n| dofs.node[n as usize]);
+                let mut own: Vec<i64> = own.copied().chain(beside).filter(|&e| e != NONE).collect();
+                own.sort_unstable();
+                own.dedup();
                 let of_patch = |id: &u32| {
                     let stencil = ground.patch(*id).map_or(&[][..], |(_, stencil)| stencil);
                     stencil.iter().flat_map(|&n| of_master[n as usize]).filter(|&e| e != NONE)
@@ -80,7 +90,11 @@ impl Candidates {
                 if is_tool && of_tool().next().is_some() {
                     groups.push(own.iter().copied().chain(of_tool()).collect());
                 }
-                let together = if pair.friction > 0.0 { ids.len().max(1) } else { 1 };
+                let all = pair.friction > 0.0 || pair.faces.is_some();
+                let together = if all { ids.len().max(1) } else { 1 };
+                if pair.faces.is_some() && ids.is_empty() {
+                    groups.push(own.clone());
+                }
                 for ids in ids.chunks(together) {
                     let mut group: Vec<i64> = ids.iter().flat_map(of_patch).chain(own.iter().copied()).collect();
                     group.sort_unstable();
@@ -91,6 +105,14 @@ impl Candidates {
         }
         groups
     }
+}
+
+/// Box in which the candidates of a slave node with these faces lie.
+fn around<'a>(faces: impl Iterator<Item = &'a Face>, facet: f64, place: impl Fn(u32) -> Vec3) -> Bounds {
+    const BESIDE: f64 = 0.5;
+    let corners = faces.flat_map(|face| face.corners.all()).map(|&n| place(n));
+    let all = bounds(corners).unwrap_or((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)));
+    grown(all, BESIDE * facet)
 }
 
 /// Box, relative to the slave node, in which its candidates lie.

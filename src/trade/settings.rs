@@ -293,12 +293,17 @@ fn element(scene: &Scene) -> Setting {
     setting
 }
 
+/// Whether there is a choice.
+fn has_tangents(discretization: Discretization) -> bool {
+    matches!(discretization, Discretization::OnePass | Discretization::TwoPass)
+}
+
 fn tangent(scene: &Scene) -> Setting {
     let mut setting = Setting::new("tangent");
     let exact = scene
         .contacts
         .iter()
-        .filter(|contact| contact.tangent == Tangent::Exact && contact.discretization != Discretization::NodeToNode);
+        .filter(|contact| contact.tangent == Tangent::Exact && has_tangents(contact.discretization));
     let exact = exact.map(|contact| format!("contact.{}.tangent=fixed-frame", contact.name.value)).collect();
     setting.add("tangents: fixed-frame", exact, 1.2);
     setting

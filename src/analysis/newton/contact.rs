@@ -6,19 +6,25 @@
 
 use super::Newton;
 use crate::Vec3;
-use crate::contact::meeting::{Meeting, Moves, Workspace};
-use crate::contact::{Receiver, Status};
+use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
+use crate::contact::{Receiver, Segments, Status};
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
 
+/// Residual, over the forces that it counts against, below which the points of segments between bodies stand still: the tangent
+/// is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this.
+const SETTLED: f64 = 1e-6;
+
 /// What contact works with besides the model.
 #[derive(Default)]
 pub(super) struct Touching {
     /// What each slave node of each pair was evaluated with.
     meetings: Vec<Vec<Option<Meeting>>>,
+    /// The points of the faces of pairs that meet from segment to segment.
+    segments: Vec<Option<Segments>>,
     /// For each pair the nodes of its master.
     nodes: Vec<MasterNodes>,
     /// Least distance of the slave nodes of each pair from its master, at most the reach; 0 in contact.
@@ -31,7 +37,8 @@ pub(super) struct Touching {
 impl Touching {
     pub fn new(model: &Model) -> Self {
         let meetings = model.pairs.iter().map(|p| vec![None; p.slaves.len()]).collect();
-        Self { meetings, clearances: vec![0.0; model.pairs.len()], ..Self::default() }
+        let segments = vec![None; model.pairs.len()];
+        Self { meetings, segments, clearances: vec![0.0; model.pairs.len()], ..Self::default() }
     }
 }
 
@@ -48,28 +55,42 @@ impl Newton<'_> {
         let mut on_tools = vec![Vec3::zeros(); 2 * tools];
         let mut nearest = vec![f64::NEG_INFINITY; pairs.len()];
         self.touching.left_out = 0.0;
+        let (u, committed) = (&self.found.u, self.system.committed);
+        let place = |n: u32| {
+            let n = n as usize;
+            part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
+        };
+        let then = |n: u32| part.points[n as usize] + committed[n as usize];
+        let stand_still = self.course.trace.last().is_some_and(|residual| *residual < SETTLED);
+        let mut beside = vec![0.0; if pairs.iter().any(|p| p.faces.is_some()) { 3 * part.points.len() } else { 0 }];
         for p in 0..pairs.len() {
             let pair = &mut pairs[p];
             let ground = masters.of(pair.master);
+            let still = self.touching.segments[p].as_ref().filter(|_| stand_still);
+            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, Some(&then), still));
             let mut on_master = vec![Vec3::zeros(); ground.count()];
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node as usize;
-                let position =
-                    part.points[node] + self.found.u[node] + ahead.map_or(Vec3::zeros(), |ahead| ahead[node]);
                 let equations = dofs.multiplier[p][s].map(|e| dofs.local(e));
                 let unknown = Vec3::from_fn(|d, _| equations[d].map_or(0.0, |k| x[k]));
                 let unknown = dofs.axes.outward_of(pair, node as u32, &unknown);
                 let slave_moves = self.system.conditions.movement(node as u32);
                 let moves = Moves { slave: slave_moves, master: &self.touching.nodes[p].moves };
-                let meeting = Meeting::new(pair, &ground, (s, &position), &moves, &unknown, first);
-                let e = self.touching.workspace.evaluate(&ground, &meeting, false);
+                let ahead = Ahead { place: &place, segments: segments.as_ref() };
+                let meeting = Meeting::new(pair, &ground, (s, &ahead), &moves, &unknown, first);
+                let workspace = &mut self.touching.workspace;
+                let e = workspace.evaluate(&ground, (&meeting, &pair.slaves[s]), segments.as_ref(), false);
                 self.touching.meetings[p][s] = Some(meeting);
                 let trial = &mut pair.slaves[s].trial;
                 trial.update(&e);
                 nearest[p] = nearest[p].max(-trial.projection.map_or(pair.reach, |p| p.gap.max(0.0)));
-                self.found.forces[node] += e.load;
+                let element = &self.touching.workspace.element;
+                let of_beside = element.beside.iter().copied().zip(element.beside_forces.iter().copied());
+                self.found.forces[node] += element.own;
+                of_beside.clone().for_each(|(n, f)| (0..3).for_each(|d| beside[3 * n as usize + d] += f[d]));
                 if let Some(t) = pair.master.tool() {
-                    on_tools[tools + t] += position.cross(&e.load);
+                    let moment = |(n, f): (u32, Vec3)| place(n).cross(&f);
+                    on_tools[tools + t] += moment((node as u32, element.own)) + of_beside.map(moment).sum::<Vec3>();
                 }
                 let force = e.force.amax();
                 balance.force(group + p, force);
@@ -84,9 +105,9 @@ impl Newton<'_> {
                         r[*k] += residual;
                     }
                 }
-                let element = &self.touching.workspace.element;
                 element.nodes.iter().zip(&element.forces).for_each(|(&n, f)| on_master[n as usize] += f);
             }
+            self.touching.segments[p] = segments;
             let (master, forces) = (pair.master, &mut self.found.forces);
             let receiver = if pair.is_self() { Some(p) } else { pair.other };
             let mut receiver = receiver.map(|p| &mut pairs[p]);
@@ -100,6 +121,12 @@ impl Newton<'_> {
                     }
                 }
             });
+        }
+        if !beside.is_empty() {
+            let forces = &mut self.found.forces;
+            forces.iter_mut().zip(beside.as_chunks::<3>().0).for_each(|(force, f)| *force += Vec3::from(*f));
+            part.halo
+                .add_to_owners(self.system.comm, 3, &beside, |n, f| forces[n as usize] += Vec3::from_column_slice(f));
         }
         let mut on_tools: Vec<f64> = on_tools.iter().flatten().copied().collect();
         sum(self.system.comm, &mut on_tools);
@@ -175,7 +202,8 @@ impl Newton<'_> {
         for (p, pair) in pairs.iter().enumerate() {
             let ground = masters.of(pair.master);
             for (s, _) in pair.slaves.iter().enumerate().filter(|(_, s)| s.trial.status != Status::Gap) {
-                let mut patches = self.touching.meetings[p][s].iter().flat_map(Meeting::patches);
+                let slave = &pair.slaves[s];
+                let mut patches = self.touching.meetings[p][s].iter().flat_map(|meeting| meeting.patches(slave));
                 let is_new = |id: u32| ground.patch(id).is_some() && !self.system.pattern.candidates.has(p, s, id);
                 lacks |= patches.any(is_new);
             }
@@ -202,14 +230,17 @@ impl Newton<'_> {
     pub(super) fn constraint(&mut self, p: usize, s: usize) -> Vec3 {
         let Model { masters, pairs, .. } = &*self.system.model;
         let Some(meeting) = &self.touching.meetings[p][s] else { return Vec3::zeros() };
-        self.touching.workspace.evaluate(&masters.of(pairs[p].master), meeting, false).constraint
+        let (ground, segments) = (masters.of(pairs[p].master), self.touching.segments[p].as_ref());
+        self.touching.workspace.evaluate(&ground, (meeting, &pairs[p].slaves[s]), segments, false).constraint
     }
 
     /// Tangents of the contact elements. Collective.
     pub(super) fn add_contact_tangent(&mut self) {
         let (dofs, pattern, values) = (&*self.system.dofs, &*self.system.pattern, &mut self.values);
         let mut foreign = vec![0.0; pattern.foreign.len()];
-        let Model { masters, pairs, .. } = &mut *self.system.model;
+        let Model { part, masters, pairs, .. } = &mut *self.system.model;
+        let u = &self.found.u;
+        let place = |n: u32| part.points[n as usize] + u[n as usize];
         let mut equations = Vec::new();
         for (p, pair) in pairs.iter_mut().enumerate() {
             let ground = masters.of(pair.master);
@@ -217,14 +248,16 @@ impl Newton<'_> {
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
                 let Some(meeting) = &self.touching.meetings[p][s] else { continue };
                 let workspace = &mut self.touching.workspace;
-                let e = workspace.evaluate(&ground, meeting, true);
+                let segments = self.touching.segments[p].as_ref();
+                let e = workspace.evaluate(&ground, (meeting, slave), segments, true);
                 let multiplier = dofs.multiplier[p][s];
                 if pair.method.holds_multipliers() {
-                    workspace.learn(slave, &e, &ground);
+                    workspace.learn(slave, &e, &ground, place);
                 }
                 if dofs.is_inclined {
                     let width = if pair.friction > 0.0 { 3 } else { 1 };
-                    workspace.turn(dofs.axes.of(slave.node as usize), width, |n| moves[n as usize].axes);
+                    let of = |n: u32| dofs.axes.of(n as usize);
+                    workspace.turn(slave.node, width, of, |n| moves[n as usize].axes);
                 }
                 if !pair.method.holds_multipliers() && pair.friction > 0.0 {
                     workspace.hold(multiplier.map(|e| e != NONE), meeting);
@@ -233,6 +266,7 @@ impl Newton<'_> {
                 equations.clear();
                 equations.extend(dofs.node[slave.node as usize]);
                 equations.extend(&multiplier[..if pair.friction > 0.0 { 3 } else { 1 }]);
+                equations.extend(element.beside.iter().flat_map(|&n| dofs.node[n as usize]));
                 equations.extend(element.nodes.iter().flat_map(|&n| of_master[n as usize]));
                 let columns = element.shape[1];
                 for (&row, entries) in equations.iter().zip(element.matrix.chunks(columns)).filter(|(r, _)| **r != NONE)

@@ -25,13 +25,19 @@
 //!     dF = F,g dg + F,n dn + F,Δ d(x̄ - x̃) + F,λ dλ       d(-W_j^T F) = -W_j^T dF - (dW_j)^T F
 //! ```
 //!
+//! From segment to segment the slave node meets the master in many points, and the element has the other nodes of its faces,
+//! too: `spread`.
+//!
 //! Geometry always has the full dependence on the nodes, whatever the transfer. A tangential force that is held is carried
 //! along by the tool, or by the patch of the slip origin: its components stand still in the frame of the tangents and the
 //! normal there.
 
 mod motion;
+mod spread;
 #[cfg(test)]
 mod tests_on_patches;
+#[cfg(test)]
+mod tests_on_spread;
 #[cfg(test)]
 mod tests_on_tools;
 
@@ -42,6 +48,7 @@ use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
 use motion::{Motion, Part};
+pub use spread::{Bed, Portion, Spread};
 
 /// A point that moves with a patch.
 #[derive(Clone, Copy, Debug)]
@@ -85,6 +92,16 @@ pub struct Contact<'a> {
     pub carried: Vec3,
 }
 
+/// A multiplier with the part of a held λ_t that the master carries along.
+fn with_carried(multiplier: &Multiplier, carried: Vec3) -> Multiplier {
+    match *multiplier {
+        Multiplier::Held { gap, tangential, force } => {
+            Multiplier::Held { gap, tangential: tangential + carried, force }
+        }
+        unknown => unknown,
+    }
+}
+
 /// Tangents and unit normal of a patch, as columns.
 pub fn frame(local: &Local) -> Mat3 {
     Mat3::from_columns(&[local.tangents[0], local.tangents[1], local.area_vector().normalize()])
@@ -106,8 +123,13 @@ pub struct Element {
     pub nodes: Vec<u32>,
     /// Residuals -W_j^T F of the nodes with rows.
     pub forces: Vec<Vec3>,
-    /// Rows: slave 3, multiplier or local unknown 3 (1 without friction), each of `forces` 3. Columns: slave, λ' = λ / ε_n,
-    /// each of `nodes`. A local unknown is eliminated from all rows but its own. Row by row. Rows and columns of what a guide holds mean nothing.
+    /// Residual of the slave node.
+    pub own: Vec3,
+    /// Other nodes of the slave, with their residuals.
+    pub beside: Vec<u32>,
+    pub beside_forces: Vec<Vec3>,
+    /// Rows: slave 3, multiplier or local unknown 3 (1 without friction), each of `beside` and of `forces` 3. Columns: slave,
+    /// λ' = λ / ε_n, each of `beside` and of `nodes`. A local unknown is eliminated from all rows but its own. Row by row. Rows and columns of what a guide holds mean nothing.
     pub matrix: Vec<f64>,
     /// Rows and columns of `matrix`.
     pub shape: [usize; 2],
@@ -115,6 +137,7 @@ pub struct Element {
     at_origin: Variation,
     columns: Vec<Column>,
     weights: Vec<Weight>,
+    sums: spread::Sums,
 }
 
 /// What changes with a node: dF, the residual of the multiplier and, along the free parameters, dξ (rows).
@@ -184,13 +207,7 @@ impl Element {
     ) -> Response {
         let place = contact.map(Contact::place);
         let carried = contact.filter(|c| c.carried != Vec3::zeros()).map_or(Vec3::zeros(), Contact::carried);
-        let multiplier = match *multiplier {
-            Multiplier::Held { gap, tangential, force } => {
-                Multiplier::Held { gap, tangential: tangential + carried, force }
-            }
-            unknown => unknown,
-        };
-        let response = law::respond(method.law, &multiplier, place.as_ref(), guide);
+        let response = law::respond(method.law, &with_carried(multiplier, carried), place.as_ref(), guide);
         self.spread(method.transfer, &response, contact);
         response
     }
@@ -212,10 +229,18 @@ impl Element {
         response
     }
 
-    /// The forces on the master nodes.
-    fn spread(&mut self, transfer: Transfer, response: &Response, contact: Option<&Contact>) {
+    /// Takes all nodes away.
+    fn clear(&mut self) {
         self.nodes.clear();
         self.forces.clear();
+        self.beside.clear();
+        self.beside_forces.clear();
+    }
+
+    /// The forces on the master nodes.
+    fn spread(&mut self, transfer: Transfer, response: &Response, contact: Option<&Contact>) {
+        self.clear();
+        self.own = response.load;
         let Some(contact) = contact.filter(|_| response.status != Status::Gap) else { return };
         match &contact.opposite {
             Opposite::Tool(_, axle) => {
@@ -304,7 +329,7 @@ impl Element {
         }
     }
 
-    /// The derivative of the residual of the multiplier by the slave node, or by `nodes`, in the matrix.
+    /// The derivative of the residual of the multiplier by the slave node, or by one of `beside` and then `nodes`, in the matrix.
     pub fn constraint_by(&self, node: Option<usize>, friction: f64) -> Mat3 {
         let width = if friction == 0.0 { 1 } else { 3 };
         let first = node.map_or(0, |j| 3 + width + 3 * j);

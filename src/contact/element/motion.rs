@@ -29,6 +29,18 @@ pub struct Part {
     pub parameters: [Vec3; 2],
 }
 
+impl Part {
+    /// So much of it.
+    pub fn times(&self, factor: f64) -> Self {
+        Self {
+            point: self.point * factor,
+            gap: self.gap * factor,
+            normal: self.normal * factor,
+            parameters: self.parameters.map(|by| by * factor),
+        }
+    }
+}
+
 /// What the motion of a foot is made of.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {

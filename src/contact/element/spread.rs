@@ -1,0 +1,366 @@
+//! The element of a slave node that meets the master in the points of the faces around it, with their weights w_q: residual and
+//! tangent.
+//!
+//! With gap, normal and path as the [means](super::super::segment) of those of the points, all of which move by
+//! `motion`, the force F is that of the law, and the point q bears, linear in F,
+//!
+//! ```text
+//!     f_q = w_q B_q F,   B_q = I + (n_q - n) n^T       R_a = Σ_q T_qa f_q,   T_qa = N_a I on the slave, -W_j^T on the master
+//!
+//!     dR_a = (Σ_q w_q T_qa B_q) dF + [Σ_q w_q T_qa ((n_q - n) F^T - F_n I)] dn + Σ_q w_q F_n T_qa dn_q + Σ_q dT_qa f_q
+//! ```
+//!
+//! with F_n = F·n. The mean normal has no component along directions that are held: dn = (I - nn)/|P m| P dm with m = Σ w_q n_q.
+//! A tangential force that is held goes with the tool; with a patch it stands still in the tangent.
+
+use super::motion::{Motion, Part};
+use super::{Element, Method, with_carried};
+use crate::contact::law::{self, Guide, Multiplier, Place, Response, Status};
+use crate::contact::master::{Ground, SlipOrigin};
+use crate::surface::{MovingPatch, Projection, Transfer};
+use crate::{Mat3, Vec3};
+
+/// Patches and where their nodes are.
+pub trait Bed {
+    /// A patch that moves with nodes, with which of these it has; a tool, whose node 0 is its translation, has none.
+    fn patch(&self, id: u32) -> Option<(&MovingPatch, &[u32])>;
+    fn position(&self, node: u32) -> Vec3;
+}
+
+impl Bed for Ground<'_> {
+    fn patch(&self, id: u32) -> Option<(&MovingPatch, &[u32])> {
+        Ground::patch(self, id)
+    }
+
+    fn position(&self, node: u32) -> Vec3 {
+        Ground::position(self, node)
+    }
+}
+
+/// A point of a face, with its share in a slave node's contact.
+#[derive(Clone, Copy, Debug)]
+pub struct Portion<'a> {
+    /// w_q.
+    pub weight: f64,
+    /// The nodes that move the face, and N_a.
+    pub nodes: &'a [u32],
+    pub shapes: &'a [f64],
+    pub at: &'a Projection,
+    pub origin: SlipOrigin,
+    /// Where that is.
+    pub start: Vec3,
+}
+
+/// What a slave node meets.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread<'a> {
+    pub node: u32,
+    pub portions: &'a [Portion<'a>],
+    /// Gap and normal.
+    pub gap: f64,
+    pub normal: Vec3,
+    /// With a multiplier that is held, a part of λ_t, in space.
+    pub carried: Vec3,
+}
+
+/// Sums over points by node, the slave's before the master's.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums {
+    /// dg (a row), dm and dΔ.
+    gap: Vec<Vec3>,
+    normal: Vec<Mat3>,
+    path: Vec<Mat3>,
+    /// Σ w T B, Σ w T (n_q - n) and Σ w T.
+    bearing: Vec<Mat3>,
+    leaning: Vec<Vec3>,
+    share: Vec<Mat3>,
+    /// The last two terms of dR, rows by columns.
+    own: Vec<Mat3>,
+    positions: Vec<Vec3>,
+    columns: Vec<(usize, Part)>,
+    rows: Vec<(usize, Mat3)>,
+}
+
+impl Spread<'_> {
+    fn place(&self) -> Place {
+        let mean = |of: &dyn Fn(&Portion) -> Vec3| self.portions.iter().map(|p| of(p) * p.weight).sum::<Vec3>();
+        let (point, origin) = (mean(&|p| p.at.point), mean(&|p| p.start));
+        Place { gap: self.gap, normal: self.normal, point, origin }
+    }
+
+    /// B_q F.
+    fn bears(&self, point: &Portion, force: &Vec3) -> Vec3 {
+        force + (point.at.normal - self.normal) * self.normal.dot(force)
+    }
+}
+
+/// Where a value stands in a list, in which it is put if need be.
+fn index(list: &mut Vec<u32>, value: u32) -> usize {
+    list.iter().position(|v| *v == value).unwrap_or_else(|| {
+        list.push(value);
+        list.len() - 1
+    })
+}
+
+impl Element {
+    /// The response of the slave node, with what its points bear together for the force. Fills the nodes and their residuals.
+    pub fn spread_residual(
+        &mut self,
+        method: &Method,
+        multiplier: &Multiplier,
+        (spread, bed): (Option<&Spread>, &dyn Bed),
+        guide: &Guide,
+    ) -> Response {
+        let response = self.respond(method, multiplier, (spread, bed), guide);
+        summed(response, spread)
+    }
+
+    /// The response and the tangent. Fills all.
+    pub fn spread_tangent(
+        &mut self,
+        method: &Method,
+        multiplier: &Multiplier,
+        (spread, bed): (Option<&Spread>, &dyn Bed),
+        guide: &Guide,
+    ) -> Response {
+        let response = self.respond(method, multiplier, (spread, bed), guide);
+        let width = if method.law.friction == 0.0 { 1 } else { 3 };
+        match spread.filter(|_| response.status != Status::Gap) {
+            None => self.assemble(method, width, &response, None),
+            Some(spread) => {
+                self.add_points(method.transfer, &response, (spread, bed));
+                self.assemble_points(method, width, (&response, spread), guide);
+            }
+        }
+        if response.inverse != Mat3::zeros() {
+            self.condense(width, &(response.inverse / method.law.normal));
+        }
+        summed(response, spread)
+    }
+
+    fn respond(
+        &mut self,
+        method: &Method,
+        multiplier: &Multiplier,
+        (spread, bed): (Option<&Spread>, &dyn Bed),
+        guide: &Guide,
+    ) -> Response {
+        let (place, carried) = (spread.map(Spread::place), spread.map_or(Vec3::zeros(), |spread| spread.carried));
+        let response = law::respond(method.law, &with_carried(multiplier, carried), place.as_ref(), guide);
+        self.clear();
+        self.own = Vec3::zeros();
+        let Some(spread) = spread.filter(|_| response.status != Status::Gap) else { return response };
+        for point in spread.portions {
+            let force = spread.bears(point, &response.load) * point.weight;
+            for (node, shape) in point.nodes.iter().zip(point.shapes) {
+                let share = force * *shape;
+                if *node == spread.node {
+                    self.own += share;
+                    continue;
+                }
+                let k = index(&mut self.beside, *node);
+                self.beside_forces.resize(self.beside.len(), Vec3::zeros());
+                self.beside_forces[k] += share;
+            }
+            let mut add = |node: u32, force: Vec3| {
+                let k = index(&mut self.nodes, node);
+                self.forces.resize(self.nodes.len(), Vec3::zeros());
+                self.forces[k] += force;
+            };
+            match bed.patch(point.at.patch) {
+                None => add(0, -force),
+                Some((patch, stencil)) => {
+                    let positions = &mut self.sums.positions;
+                    positions.clear();
+                    positions.extend(stencil.iter().map(|&n| bed.position(n)));
+                    patch.vary(positions, point.at.xi, &mut self.at_foot);
+                    for (j, &node) in stencil.iter().enumerate() {
+                        add(node, -self.at_foot.weight(method.transfer, j)[0].tr_mul(&force));
+                    }
+                }
+            }
+        }
+        response
+    }
+
+    /// The sums over the points.
+    fn add_points(&mut self, transfer: Transfer, response: &Response, (spread, bed): (&Spread, &dyn Bed)) {
+        let by_path = response.constraint_by.path != Mat3::zeros() || response.force_by.path != Mat3::zeros();
+        let origins = spread.portions.iter().filter_map(|point| match point.origin {
+            SlipOrigin::Carried(id, xi) if by_path => Some((point.weight, id, xi)),
+            _ => None,
+        });
+        for (_, id, _) in origins.clone() {
+            for node in bed.patch(id).iter().flat_map(|(_, stencil)| *stencil) {
+                index(&mut self.nodes, *node);
+            }
+        }
+        self.forces.resize(self.nodes.len(), Vec3::zeros());
+        let slaves = 1 + self.beside.len();
+        let count = slaves + self.nodes.len();
+        let mut sums = std::mem::take(&mut self.sums);
+        sums.clear(count);
+        for point in spread.portions {
+            self.vary_point(transfer, response, (spread, point), bed, &mut sums);
+        }
+        for (weight, id, xi) in origins {
+            let Some((patch, stencil)) = bed.patch(id) else { continue };
+            sums.positions.clear();
+            sums.positions.extend(stencil.iter().map(|&n| bed.position(n)));
+            patch.vary(&sums.positions, xi, &mut self.at_origin);
+            for (j, node) in stencil.iter().enumerate() {
+                let k = slaves + index(&mut self.nodes, *node);
+                sums.path[k] -= self.at_origin.by_node(j)[0] * weight;
+            }
+        }
+        self.sums = sums;
+    }
+
+    /// Adds a point to the sums.
+    fn vary_point(
+        &mut self,
+        transfer: Transfer,
+        response: &Response,
+        (spread, point): (&Spread, &Portion),
+        bed: &dyn Bed,
+        sums: &mut Sums,
+    ) {
+        let slaves = 1 + self.beside.len();
+        let (w, n, p) = (point.weight, spread.normal, point.at);
+        let normal_force = n.dot(&response.force);
+        let force = spread.bears(point, &response.force) * w;
+        let place_of = |beside: &[u32], node: u32| match node == spread.node {
+            true => 0,
+            false => 1 + beside.iter().position(|b| *b == node).unwrap_or_default(),
+        };
+        sums.columns.clear();
+        sums.rows.clear();
+        let with_patch = bed.patch(p.patch);
+        let of_slave = match with_patch {
+            None => {
+                let turn = p.normal_gradient;
+                let along = Mat3::identity() - p.normal * p.normal.transpose() - turn * p.gap;
+                let part = Part { point: along, gap: p.normal, normal: turn, parameters: [Vec3::zeros(); 2] };
+                sums.columns.push((slaves, part.times(-1.0)));
+                sums.rows.push((slaves, -Mat3::identity()));
+                part
+            }
+            Some((patch, stencil)) => {
+                sums.positions.clear();
+                sums.positions.extend(stencil.iter().map(|&n| bed.position(n)));
+                patch.vary(&sums.positions, p.xi, &mut self.at_foot);
+                let motion = Motion::new(&patch.straight(&sums.positions), &self.at_foot.local, p);
+                patch.bend(transfer, &force, &mut self.at_foot);
+                let first = sums.columns.len();
+                for (j, node) in stencil.iter().enumerate() {
+                    let k = slaves + self.nodes.iter().position(|n| n == node).unwrap_or_default();
+                    sums.columns.push((k, motion.of_node(self.at_foot.by_node(j))));
+                    let weight = self.at_foot.weight(transfer, j);
+                    sums.rows.push((k, -weight[0].transpose()));
+                }
+                let of_slave = motion.of_slave();
+                // -(dW_j)^T f
+                for j in 0..stencil.len() {
+                    let row = sums.rows[first + j].0;
+                    let [_, by_e, by_z] = self.at_foot.weight(transfer, j);
+                    let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z).tr_mul(&force));
+                    let turned =
+                        |part: &Part| slopes.iter().zip(&part.parameters).map(|(s, d)| s * d.transpose()).sum::<Mat3>();
+                    for (k, (column, part)) in sums.columns[first..].iter().enumerate() {
+                        sums.own[row * sums.gap.len() + column] -= turned(part) + self.at_foot.second(j, k);
+                    }
+                    let by_slave = turned(&of_slave);
+                    for (node, shape) in point.nodes.iter().zip(point.shapes) {
+                        sums.own[row * sums.gap.len() + place_of(&self.beside, *node)] -= by_slave * *shape;
+                    }
+                }
+                of_slave
+            }
+        };
+        for (node, shape) in point.nodes.iter().zip(point.shapes).filter(|(_, shape)| **shape != 0.0) {
+            let k = place_of(&self.beside, *node);
+            sums.columns.push((k, of_slave.times(*shape)));
+            sums.rows.push((k, Mat3::from_diagonal_element(*shape)));
+        }
+        for (k, part) in &sums.columns {
+            sums.gap[*k] += part.gap * w;
+            sums.normal[*k] += part.normal * w;
+            sums.path[*k] += part.point * w;
+        }
+        let apart = p.normal - n;
+        for (k, share) in &sums.rows {
+            let leaning = share * apart * w;
+            sums.leaning[*k] += leaning;
+            sums.share[*k] += share * w;
+            sums.bearing[*k] += share * w + leaning * n.transpose();
+        }
+        for (row, share) in &sums.rows {
+            let bears = share * (w * normal_force);
+            for (column, part) in &sums.columns {
+                sums.own[row * sums.gap.len() + column] += bears * part.normal;
+            }
+        }
+    }
+
+    /// The tangent from the sums.
+    fn assemble_points(
+        &mut self,
+        method: &Method,
+        width: usize,
+        (response, spread): (&Response, &Spread),
+        guide: &Guide,
+    ) {
+        let sums = std::mem::take(&mut self.sums);
+        let (count, epsilon, n) = (sums.gap.len(), method.law.normal, spread.normal);
+        let size = 3 * count + width;
+        self.shape = [size; 2];
+        self.matrix.clear();
+        self.matrix.resize(size * size, 0.0);
+        let start = |k: usize| if k == 0 { 0 } else { 3 * k + width };
+        let (by, constraint_by) = (&response.force_by, &response.constraint_by);
+        self.set(3, 3, [width; 2], &(constraint_by.multiplier * epsilon));
+        let free = guide.free();
+        let mean: Vec3 = spread.portions.iter().map(|point| point.at.normal * point.weight).sum();
+        let turn = (Mat3::identity() - n * n.transpose()) * free / (free * mean).norm();
+        let normal_force = n.dot(&response.force);
+        let turned: Vec<Mat3> = sums.normal.iter().map(|by| turn * by).collect();
+        let mut by_column = Vec::with_capacity(count);
+        for k in 0..count {
+            let change =
+                |by: &law::Slopes| by.gap * sums.gap[k].transpose() + by.normal * turned[k] + by.path * sums.path[k];
+            by_column.push(change(by));
+            self.set(3, start(k), [width, 3], &change(constraint_by));
+        }
+        for r in 0..count {
+            let leans = sums.leaning[r] * response.force.transpose() - sums.share[r] * normal_force;
+            self.set(start(r), 3, [3, width], &(sums.bearing[r] * by.multiplier * epsilon));
+            for c in 0..count {
+                let block = sums.bearing[r] * by_column[c] + leans * turned[c] + sums.own[r * count + c];
+                self.set(start(r), start(c), [3, 3], &block);
+            }
+        }
+        self.sums = sums;
+    }
+}
+
+impl Sums {
+    fn clear(&mut self, count: usize) {
+        self.gap.clear();
+        self.gap.resize(count, Vec3::zeros());
+        self.leaning.clear();
+        self.leaning.resize(count, Vec3::zeros());
+        for by_node in [&mut self.normal, &mut self.path, &mut self.bearing, &mut self.share] {
+            by_node.clear();
+            by_node.resize(count, Mat3::zeros());
+        }
+        self.own.clear();
+        self.own.resize(count * count, Mat3::zeros());
+    }
+}
+
+/// The response with the sum of what the points bear for the force.
+fn summed(response: Response, spread: Option<&Spread>) -> Response {
+    let Some(spread) = spread.filter(|_| response.status != Status::Gap) else { return response };
+    let bears = |point: &Portion| spread.bears(point, &response.force) * point.weight;
+    Response { force: spread.portions.iter().map(bears).sum(), ..response }
+}

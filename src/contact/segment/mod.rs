@@ -1,0 +1,155 @@
+//! Contact from segment to segment: the slave's faces are kept out of the master in the mean around each slave node.
+//!
+//! Each slave node i has one multiplier and the [law](super::law) of contact, as from node to surface. What it meets is not its
+//! own closest point, but that of all integration points q of the faces around it, each on the master by the same projection
+//! (Puso and Laursen, A mortar segment-to-segment contact method for large deformation solid mechanics, Comput. Methods Appl.
+//! Mech. Engrg. 193, 2004, on smooth masters):
+//!
+//! ```text
+//!     w_iq = w_q N_i(ξ_q) / Σ_q w_q N_i(ξ_q)
+//!     g_i = Σ_q w_iq g_q      n_i = Σ_q w_iq n_q / |Σ_q w_iq n_q|      Δ_i = Σ_q w_iq (x̄_q - x̃_q)            (1)
+//!     f_iq = w_iq (F_n n_q + F_t)    with F_n = F·n_i,  F_t = F - F_n n_i                                  (2)
+//! ```
+//!
+//! with the shape functions N of the face, of which x_q = Σ_a N_a(ξ_q) x_a. The force f_iq acts on the master at x̄_q and its
+//! opposite on the slave at x_q, so that forces add up to nothing; so do moments without friction, for f_iq is along x_q - x̄_q,
+//! and with friction but for F_t g_q. Without friction f_iq is the derivative of λ_n g_i at weights that stand still. As a
+//! pressure p makes the multipliers p ∫ N_i dA, which make p w_q in the points, unlike meshes pass an even pressure on as exactly
+//! as the points integrate:
+//!
+//! - On a body they are those of the overlap of slave and master faces in the mean plane of the slave face ([`crate::mortar`]),
+//!   exact for flat faces that are parallelograms or triangles. The faces only say where the points are; they are projected
+//!   onto the master's smooth surface then.
+//! - On a tool they are Gauss points of the slave faces.
+//!
+//! Weights count areas of the initial mesh: so they stand still on a tool, where the tangent is exact. On a body points and
+//! weights are found anew at each iterate, and stand still in the tangent. What they have in common is integrated whatever the
+//! overlap, so that only the error of the rule is left out; yet that makes convergence linear, by a factor of some hundredths.
+//! So they are kept from where little is left of the residual.
+//!
+//! Slip of a point counts from where the same point of the slave was on the master at the last converged increment, as both
+//! were then: no point has a history. Points that nothing of the master is opposite to do not count; where less than
+//! [`LEAST`] of what belongs to a node is left, the node is in the gap.
+//!
+//! The functions of the multipliers are the N_i themselves, which are positive, as is each w_iq. Dual functions, which are
+//! not, leave the chatter of the ironing with a rigid indenter as it is, and with an elastic one the iteration goes to and fro.
+//! So do more Gauss points than 3 by 3 on a tool leave it.
+//!
+//! - here: the faces around the slave nodes of a rank
+//! - [`points`]: integration points, and what a slave node meets
+
+pub mod points;
+
+pub use points::{Point, Segments, Share};
+
+use super::Slave;
+use crate::mortar::Corners;
+use crate::mortar::face::bilinear;
+use crate::mortar::rule::{on_line, on_triangle};
+use crate::partition::{Part, PartFacet};
+use crate::{Vec2, Vec3};
+
+/// Share of what belongs to a node below which it is in the gap.
+pub const LEAST: f64 = 0.1;
+/// Gauss points along a side of a face, on a tool.
+const POINTS: usize = 3;
+
+/// Where a rule has a point in a face, and its part of the initial area.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot {
+    pub shapes: [f64; 4],
+    pub weight: f64,
+}
+
+/// A slave face.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// Local nodes at its corners.
+    pub corners: Corners<u32>,
+    /// Those whose displacements they have.
+    pub nodes: [u32; 4],
+    /// In its mean plane, of the initial mesh.
+    area: f64,
+    spots: Vec<Spot>,
+    /// The integrals of the shape functions.
+    whole: [f64; 4],
+}
+
+/// The faces around the owned nodes of a slave surface.
+#[derive(Clone, Debug)]
+pub struct Faces {
+    faces: Vec<Face>,
+    /// By slave node of the pair.
+    around: Vec<Vec<u32>>,
+}
+
+impl Face {
+    fn new(part: &Part, facet: &PartFacet) -> Self {
+        let corners = Corners::new(&facet.nodes[..facet.count as usize]);
+        let places = corners.map(|n| part.points[n as usize]);
+        let spots = spots(&places);
+        let mut whole = [0.0; 4];
+        for spot in &spots {
+            whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
+        }
+        let area = places.area_vector().norm();
+        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, spots, whole }
+    }
+
+    /// The sum of some values at the corners that move as a node.
+    fn of_node(&self, node: u32, values: &[f64; 4]) -> f64 {
+        (0..self.corners.count).filter(|&a| self.nodes[a] == node).map(|a| values[a]).sum()
+    }
+}
+
+impl Faces {
+    /// Those of the facets of a set that touch the slaves, which are in the order of their nodes.
+    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave]) -> Self {
+        let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
+        for facet in facets {
+            let face = Face::new(part, facet);
+            let mut touched: Vec<usize> = face.nodes[..face.corners.count]
+                .iter()
+                .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
+                .collect();
+            touched.sort_unstable();
+            touched.dedup();
+            touched.iter().for_each(|&s| around[s].push(faces.len() as u32));
+            if !touched.is_empty() {
+                faces.push(face);
+            }
+        }
+        Self { faces, around }
+    }
+
+    /// The faces around a slave node.
+    pub fn around(&self, slave: usize) -> impl Iterator<Item = &Face> + Clone {
+        self.around[slave].iter().map(|&f| &self.faces[f as usize])
+    }
+
+    /// The nodes that move a slave node's faces; some more than once.
+    pub fn beside(&self, slave: usize) -> impl Iterator<Item = u32> + '_ {
+        self.around(slave).flat_map(|face| face.nodes[..face.corners.count].iter().copied())
+    }
+}
+
+/// Gauss points of a face.
+fn spots(x: &Corners<Vec3>) -> Vec<Spot> {
+    let line = on_line(POINTS);
+    let mut spots = Vec::new();
+    if x.count == 3 {
+        let twice = 2.0 * x.area_vector().norm();
+        on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], |xi, weight| {
+            spots.push(Spot { shapes: [1.0 - xi.x - xi.y, xi.x, xi.y, 0.0], weight: weight * twice });
+        });
+        return spots;
+    }
+    for [s, along] in &line {
+        for [t, across] in &line {
+            let [shapes, by_s, by_t] = bilinear(&Vec2::new(*s, *t));
+            let sum = |w: &[f64; 4]| x.x.iter().zip(w).map(|(x, w)| x * *w).sum::<Vec3>();
+            spots.push(Spot { shapes, weight: along * across * sum(&by_s).cross(&sum(&by_t)).norm() });
+        }
+    }
+    spots
+}

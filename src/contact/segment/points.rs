@@ -1,0 +1,170 @@
+//! Integration points of slave faces on the master, and what a slave node meets through them.
+
+use super::{Face, LEAST, Spot};
+use crate::contact::element::Portion;
+use crate::contact::master::{Ground, SlipOrigin};
+use crate::contact::{BodySurface, Pair};
+use crate::mortar::rule::on_line;
+use crate::mortar::{Corners, MeanPlane, overlap};
+use crate::surface::{Patch, Projection};
+use crate::{Mat3, Vec3};
+
+/// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
+/// nothing is.
+const POINTS: [usize; 2] = [2, 3];
+/// Cosine between the normals of a slave face and a master face that looks at it, at most.
+const FACING: f64 = -0.1;
+
+/// An integration point on the master.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// The nodes that move its face, the shape functions there, and its part of the area.
+    pub nodes: [u32; 4],
+    pub shapes: [f64; 4],
+    pub weight: f64,
+    pub at: Projection,
+    /// Where its slip counts from, and where that is now; with friction.
+    pub origin: SlipOrigin,
+    pub start: Vec3,
+}
+
+impl Point {
+    /// Its spot, with where it was on the master.
+    fn again(&self) -> Start {
+        (Spot { shapes: self.shapes, weight: self.weight }, Some((self.at.patch, self.at.xi)))
+    }
+
+    /// The patches of a body that it is on, with friction that of its slip origin, too.
+    pub fn patches(&self, frictional: bool) -> impl Iterator<Item = u32> {
+        let from = match self.origin {
+            SlipOrigin::Carried(id, _) if frictional => Some(id),
+            _ => None,
+        };
+        std::iter::once(self.at.patch).chain(from)
+    }
+}
+
+/// A point's share in what a slave node meets: its face, its place among those of the face, and w_iq.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    pub face: u32,
+    pub point: u32,
+    pub weight: f64,
+}
+
+/// The points of the faces of a pair at an iterate, by face.
+#[derive(Clone, Debug, Default)]
+pub struct Segments(Vec<Vec<Point>>);
+
+/// A spot of a face, with where its projection may begin.
+type Start = (Spot, Option<(u32, [f64; 2])>);
+
+impl Segments {
+    /// Finds the points of all faces of a pair with nodes at `now`. With friction they slip from where nodes were `then`, at the last
+    /// converged increment. Points that stand `still` in the slave's faces are found again on the master.
+    pub fn find(
+        pair: &Pair,
+        ground: &Ground,
+        now: impl Fn(u32) -> Vec3,
+        then: Option<&dyn Fn(u32) -> Vec3>,
+        still: Option<&Self>,
+    ) -> Self {
+        let lines = POINTS.map(on_line);
+        let then = then.filter(|_| pair.friction > 0.0);
+        let of_face = |(f, face): (usize, &Face)| {
+            let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
+            let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
+            let starts = match (ground, still) {
+                (Ground::Tool(_), _) => face.spots.iter().map(|spot| (*spot, None)).collect(),
+                (Ground::Surface(..), Some(still)) => still.0[f].iter().map(Point::again).collect(),
+                (Ground::Surface(surface, _), None) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
+            };
+            let point = |(spot, start): Start| {
+                let at = ground.project_point(pair, &place(&x, &spot.shapes), &outward, start)?;
+                let origin = match &before {
+                    Some(before) => ground.origin_of(pair, &place(before, &spot.shapes), &at),
+                    None => SlipOrigin::Fixed(at.point),
+                };
+                let start = ground.place_of(&origin).unwrap_or(at.point);
+                Some(Point { nodes: face.nodes, shapes: spot.shapes, weight: spot.weight, at, origin, start })
+            };
+            starts.into_iter().filter_map(point).collect()
+        };
+        Self(pair.faces.iter().flat_map(|faces| &faces.faces).enumerate().map(of_face).collect())
+    }
+
+    /// A point.
+    pub fn get(&self, share: &Share) -> &Point {
+        &self.0[share.face as usize][share.point as usize]
+    }
+
+    /// A point with its share, for the element.
+    pub fn portion(&self, share: &Share) -> Portion<'_> {
+        let Point { nodes, shapes, at, origin, start, .. } = self.get(share);
+        Portion { weight: share.weight, nodes, shapes, at, origin: *origin, start: *start }
+    }
+
+    /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
+    /// the shares of its points. The rest of the projection is that of its `own` closest point, or else of the weightiest.
+    pub fn meet(
+        &self,
+        pair: &Pair,
+        s: usize,
+        own: Option<&Projection>,
+        free: &Mat3,
+    ) -> Option<(Projection, Vec<Share>)> {
+        let (faces, node) = (pair.faces.as_ref()?, pair.slaves[s].node);
+        let (mut shares, mut whole) = (Vec::new(), 0.0);
+        for &f in &faces.around[s] {
+            let face = &faces.faces[f as usize];
+            whole += face.of_node(node, &face.whole);
+            for (k, point) in self.0[f as usize].iter().enumerate() {
+                let weight = point.weight * face.of_node(node, &point.shapes);
+                shares.push(Share { face: f, point: k as u32, weight });
+            }
+        }
+        let covered: f64 = shares.iter().map(|share| share.weight).sum();
+        if covered < LEAST * whole {
+            return None;
+        }
+        shares.iter_mut().for_each(|share| share.weight /= covered);
+        let heaviest = shares.iter().max_by(|a, b| a.weight.total_cmp(&b.weight))?;
+        let base = own.copied().unwrap_or(self.get(heaviest).at);
+        let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
+        for share in &shares {
+            let at = &self.get(share).at;
+            gap += share.weight * at.gap;
+            normal += at.normal * share.weight;
+            point += at.point * share.weight;
+        }
+        let normal = (free * normal).try_normalize(f64::MIN_POSITIVE)?;
+        Some((Projection { gap, point, normal, ..base }, shares))
+    }
+}
+
+/// Where the overlap of a face, at `x`, with the faces of a surface within reach has points.
+fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
+    let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
+    let mut starts = Vec::new();
+    let scale = face.area / plane.area;
+    let (low, high) = x.all().iter().fold((x.x[0], x.x[0]), |(low, high), x| (low.inf(x), high.sup(x)));
+    let around = Vec3::repeat(reach);
+    for k in surface.shapes().within(&(low - around), &(high + around)) {
+        let patch: &Patch = &surface.shapes().pieces()[k as usize];
+        let master = Corners::new(&patch.nodes[..patch.count as usize]);
+        if master.area_vector().normalize().dot(&plane.normal) > FACING {
+            continue;
+        }
+        for point in overlap(&plane, &master, lines) {
+            let [_, b, c, d] = point.master;
+            let xi = if patch.count == 3 { [b + c, c] } else { [b + c, c + d] };
+            let spot = Spot { shapes: point.slave, weight: scale * point.weight };
+            starts.push((spot, Some((patch.id, xi))));
+        }
+    }
+    starts
+}
+
+fn place(corners: &Corners<Vec3>, shapes: &[f64; 4]) -> Vec3 {
+    corners.all().iter().zip(shapes).map(|(x, w)| x * *w).sum()
+}

@@ -1,0 +1,131 @@
+//! Contact from segment to segment: the patch test of unlike meshes in one pass, balance, ranks, restart, and what is refused.
+
+mod common;
+
+use common::{Bench, assert_small, nagata};
+use std::path::Path;
+
+/// Cauchy stress of W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J in uniaxial strain: both cubes go from 10 to 9.5.
+fn exact_stress() -> f64 {
+    let (young, poisson, stretch) = (100.0, 0.3, 0.95f64);
+    let (mu, lambda) = (young / (2.0 + 2.0 * poisson), young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
+    (mu * (stretch * stretch - 1.0) + lambda * stretch.ln()) / stretch
+}
+
+/// The largest errors of stress and pressure in `inputs/patch-test.toml`, relative.
+fn patch_test(ranks: usize, elements: [usize; 2], settings: &[&str]) -> [f64; 2] {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs/patch-test.toml");
+    let [lower, upper] = elements;
+    let mut set = vec![
+        "contact.joint.discretization=segment".to_string(),
+        format!("body.lower.block.elements=[{lower}, {lower}, 3]"),
+        format!("body.upper.block.elements=[{upper}, {upper}, 3]"),
+    ];
+    set.extend(settings.iter().map(|s| s.to_string()));
+    let arguments: Vec<&str> = set.iter().flat_map(|s| ["--set", s]).collect();
+    let run = Bench::new(&std::fs::read_to_string(scene).unwrap()).solve(ranks, &arguments);
+    let of = |body| run.field(&format!("increments/{:06}/body_{body}/cell/stress", run.written()));
+    let stress = [of("lower"), of("upper")].concat();
+    let worst = |errors: &mut dyn Iterator<Item = f64>| errors.map(f64::abs).fold(0.0, f64::max);
+    let exact = exact_stress();
+    let pressure = run.scalars(run.written(), "contact.joint", "pressure");
+    [
+        worst(&mut stress.as_chunks::<6>().0.iter().map(|s| s[2] / exact - 1.0)),
+        worst(&mut pressure.iter().map(|p| p / -exact - 1.0)),
+    ]
+}
+
+#[test]
+fn unlike_meshes_pass_the_patch_test_in_one_pass() {
+    for (ranks, elements, settings) in [
+        (1, [3, 5], &[][..]),
+        (2, [2, 3], &["contact.joint.friction=0.3"]),
+        (3, [3, 2], &["contact.joint.smoothing=facet"]),
+        (2, [5, 3], &["contact.joint.method=lagrange", "contact.joint.friction=0.3"]),
+        (1, [2, 3], &["contact.joint.smoothing=facet", "contact.joint.transfer=variational"]),
+    ] {
+        let [stress, pressure] = patch_test(ranks, elements, settings);
+        assert_small(&format!("stress {elements:?} {settings:?}"), stress, 1e-10);
+        assert_small(&format!("pressure {elements:?} {settings:?}"), pressure, 1e-10);
+    }
+}
+
+/// A block is pressed into a table and drawn over it, of another mesh, askew.
+fn dragged(contact: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.table]
+        block = {{ box = {{ size = [7.0, 4.0, 2.0] }}, elements = [7, 4, 1] }}
+        material = "soft"
+        [body.block]
+        block = {{ box = {{ origin = [1.2, 1.1, 2.0], size = [3.0, 2.0, 1.5] }}, elements = [4, 3, 1] }}
+        material = "hard"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [material.hard]
+        model = "neo-hookean"
+        young = 200.0
+        poisson = 0.3
+        [contact.sole]
+        slave = "table.zmax"
+        master = "block.zmin"
+        discretization = "segment"
+        {contact}
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{{ set = "table.zmin" }}]
+        move = [{{ target = "block.zmax", by = [0.0, 0.0, -0.1] }}]
+        [[step]]
+        name = "drag"
+        increments = 4
+        fix = [{{ set = "table.zmin" }}]
+        move = [{{ target = "block.zmax", by = [0.7, 0.2, 0.0] }}]
+        [output]
+        every = 100
+        checkpoint = {{ increments = 3 }}
+        history = ["block.zmax", "table.zmin"]
+        "#
+    ))
+}
+
+#[test]
+fn forces_balance_on_any_number_of_ranks_and_after_a_restart() {
+    let contact = "friction = 0.3";
+    let bench = dragged(contact);
+    let whole = bench.solve(1, &[]).history();
+    let force = whole.largest_force("block.zmax");
+    for d in ["fx", "fy", "fz"] {
+        let [above, below, between] = ["block.zmax", "table.zmin", "sole"].map(|n| whole.last(&format!("{n}.{d}")));
+        assert_small("balance", (above + below) / force, 1e-9);
+        assert_small("contact force", (between + below) / force, 1e-9);
+    }
+    for ranks in [2, 3] {
+        assert_small("ranks", dragged(contact).solve(ranks, &[]).history().difference(&whole), 1e-9);
+    }
+    let bench = dragged(contact);
+    let run = |more: &[&str]| {
+        nagata(&bench.path(""), 2, &[&["run", "scene.toml", "--out", "out"], more].concat(), bench.path("out"))
+    };
+    let part = run(&["--steps", "1"]);
+    assert_eq!(part.code, 0, "{}", part.stderr);
+    let rest = run(&["--restart"]);
+    assert_eq!(rest.code, 0, "{}", rest.stderr);
+    assert_small("restart", rest.history().difference(&whole), 1e-9);
+}
+
+#[test]
+fn what_it_cannot_do_is_refused() {
+    for (setting, told) in [
+        ("contact.sole.tangent=fixed-frame", "means nothing with \"segment\""),
+        ("contact.sole.method=uzawa", "does not settle"),
+        ("contact.sole.master=table.zmax", "means nothing in self-contact"),
+        ("contact.sole.master=table.zmin", "within one body"),
+    ] {
+        let bench = dragged("");
+        let run = nagata(&bench.path(""), 1, &["check", "scene.toml", "--set", setting], bench.path("out"));
+        assert!(run.code == 2 && run.stderr.contains(told), "{setting}: {}", run.stderr);
+    }
+}
