@@ -183,3 +183,47 @@ fn snap_through() {
     let there = way[after - 1] + share * (way[after] - way[after - 1]);
     assert_close("where it hangs through", *driven.last().unwrap(), there, 1e-2);
 }
+
+/// A hook snaps over a catch and back, without friction: far softer in bending than around a node, it needs lower penalties, which
+/// come of themselves; and there it bears what it bore on the way.
+#[test]
+fn a_slender_hook_snaps_over_a_catch() {
+    let bench = Bench::new(
+        r#"
+        [body.hook]
+        material = "m"
+        plane_strain = true
+        element = "hex8-eas"
+        block = { box = { size = [20.0, 1.0, 1.0] }, elements = [20, 1, 1], faces = { low = "ymin", root = "xmin" } }
+        [material.m]
+        model = "hooke"
+        young = 2000.0
+        poisson = 0.3
+        [tool.catch]
+        profile = { points = [[18.0, -4.0], [21.0, 2.0], [24.0, -4.0]], fillets = [0.0, 1.5, 0.0] }
+        flip = true
+        [contact.c]
+        slave = "hook.low"
+        master = "catch"
+        [[step]]
+        increments = 30
+        fix = [{ set = "hook.root" }]
+        move = [{ target = "catch", by = [-6.0, 0.0, 0.0] }]
+        [[step]]
+        increments = 30
+        fix = [{ set = "hook.root" }]
+        move = [{ target = "catch", by = [6.0, 0.0, 0.0] }]
+        "#,
+    );
+    let run = bench.solve(1, &[]);
+    assert_eq!((&run.summary()["cutbacks"], &run.summary()["jumps"]), (&0.into(), &0.into()));
+    assert!(run.log().contains("with other penalties"), "{}", run.log());
+    let history = run.history();
+    let [at, along, up] = ["catch.ux", "catch.fx", "catch.fy"].map(|name| history.column(name));
+    for place in [-3.0, -4.2] {
+        let there: Vec<usize> = (0..at.len()).filter(|&k| (at[k] - place).abs() < 1e-9).collect();
+        let (way, back) = (there[0], there[there.len() - 1]);
+        assert!(there.len() == 2 && up[way].abs() > 1e-3, "{there:?}");
+        assert_small("there and back", (up[way] - up[back]).hypot(along[way] - along[back]) / up[way].abs(), 1e-6);
+    }
+}

@@ -153,3 +153,40 @@ keep = true
     assert_eq!(smooth.code, 2, "{}", smooth.stderr);
     assert!(smooth.stderr.contains("tool `knob` can turn about"), "{}", smooth.stderr);
 }
+
+/// What a node that is fixed bears of a pulley that can only turn is undetermined, and so is its friction.
+#[test]
+fn a_torque_against_held_nodes_is_refused() {
+    let run = Bench::new(
+        r#"
+[body.belt]
+material = "m"
+plane_strain = true
+block = { sector = { radii = [10.0, 10.2], angles = [0.0, 90.0], length = 1.0 }, elements = [2, 20, 1] }
+[material.m]
+model = "neo-hookean"
+young = 1000.0
+poisson = 0.3
+[tool.pulley]
+cylinder = { point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 10.0 }
+[contact.c]
+slave = "belt.rmin"
+master = "pulley"
+friction = 0.3
+[[step]]
+name = "tight"
+increments = 2
+fix = [{ set = "belt.amax" }, { set = "belt.amin" }]
+pressure = [{ set = "belt.rmax", value = 0.02 }]
+[[step]]
+name = "turn"
+increments = 2
+keep = true
+torque = [{ tool = "pulley", total = 0.1, point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }]
+"#,
+    )
+    .run(2, &[]);
+    assert_eq!(run.code, 1, "{}", run.stdout);
+    let says = "cannot give way to the tool `pulley`, which a torque turns, so that what it bears is undetermined";
+    assert!(run.stderr.contains(says), "{}", run.stderr);
+}

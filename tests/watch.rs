@@ -330,8 +330,8 @@ step = [{{ name = "press", increments = 1, fix = [{{ set = "a.bottom" }}, {{ set
     }
 }
 
-/// A pad is pressed into one table and drawn over its end. Where another one stands flush beside it, of which the contact names the
-/// top alone, it goes into that one past its edge, where nothing holds it; where there is none, it hangs over the end.
+/// A pad is pressed into one table and drawn over its end. Where a higher one stands beside it, of which the contact names the top
+/// alone, it goes into that one past its edge, where nothing holds it; where there is none, it hangs over the end.
 #[test]
 fn a_body_is_not_entered_through_faces_that_no_contact_names() {
     let scene = |second: &str, contact: &str, fixed: &str| {
@@ -368,12 +368,46 @@ move = [{{ target = "pad.ymax", by = [2.4, 0.0, 0.0] }}]
     let hangs = Bench::new(&scene("", "", "")).run(1, &[]);
     assert_eq!(hangs.code, 0, "{}", hangs.stderr);
     let second = "[body.next]\nmaterial = \"m\"\nplane_strain = true\n\
-                  block = { box = { origin = [3.0, 0.0, 0.0], size = [3.0, 1.0, 1.0] }, elements = [4, 2, 1] }";
+                  block = { box = { origin = [3.0, 0.0, 0.0], size = [3.0, 1.3, 1.0] }, elements = [4, 2, 1] }";
     let contact = "[contact.two]\nslave = \"pad.ymin\"\nmaster = \"next.ymax\"";
-    let flush = Bench::new(&scene(second, contact, ", { set = \"next.ymin\" }"));
+    let higher = Bench::new(&scene(second, contact, ", { set = \"next.ymin\" }"));
     for ranks in [1, 2] {
-        let run = flush.run(ranks, &[]);
+        let run = higher.run(ranks, &[]);
         let says = "is inside body `next`, which it entered where no contact names a face";
         assert!(run.code == 1 && run.stderr.contains(says), "{}\n{}", run.code, run.stderr);
+    }
+}
+
+/// A pad that is drawn over the joint of two tables bears what it does on one: nodes that leave the first, sunk into it, are lower
+/// than the second, and go on over it.
+#[test]
+fn a_pad_goes_over_the_joint_of_two_masters() {
+    let body = |name: &str, from: f64, length: f64, elements: usize| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nplane_strain = true\n\
+             block = {{ box = {{ origin = [{from}, 0.0, 0.0], size = [{length}, 2.0, 1.0] }}, elements = [{elements}, 2, 1] }}\n"
+        )
+    };
+    let contact = |master: &str| {
+        format!("[contact.on-{master}]\nslave = \"pad.ymin\"\nmaster = \"{master}.ymax\"\nfriction = 0.2\n")
+    };
+    let scene = |tables: &str, fixed: &str| {
+        format!(
+            "{tables}[body.pad]\nmaterial = \"m\"\nplane_strain = true\n\
+             block = {{ box = {{ origin = [1.0, 2.0, 0.0], size = [2.0, 1.0, 1.0] }}, elements = [4, 2, 1] }}\n\
+             [material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nname = \"press\"\nincrements = 2\nfix = [{fixed}]\n\
+             move = [{{ target = \"pad.ymax\", by = [0.0, -0.1, 0.0] }}]\n\
+             [[step]]\nname = \"draw\"\nincrements = 12\nfix = [{fixed}]\n\
+             move = [{{ target = \"pad.ymax\", by = [4.0, 0.0, 0.0] }}]\n[output]\nhistory = [\"pad.ymax\"]\n"
+        )
+    };
+    let one = Bench::new(&scene(&(body("table", 0.0, 8.0, 8) + &contact("table")), "{ set = \"table.ymin\" }"));
+    let tables = body("left", 0.0, 4.0, 4) + &body("right", 4.0, 4.0, 4) + &contact("left") + &contact("right");
+    let tie = "[tie.joint]\nslave = \"right.xmin\"\nmaster = \"left.xmax\"\n";
+    let two = Bench::new(&scene(&(tables + tie), "{ set = \"left.ymin\" }, { set = \"right.ymin\" }"));
+    let [one, two] = [one.solve(1, &[]), two.solve(2, &[])].map(|run| run.history());
+    for column in ["pad.ymax.fx", "pad.ymax.fy"] {
+        assert_close(column, two.last(column), one.last(column), 1e-9);
     }
 }
