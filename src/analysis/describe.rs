@@ -95,12 +95,14 @@ pub fn farewell(summary: &Summary, out: &Path) -> String {
 }
 
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
-/// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for.
+/// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for. Where no shorter increment is
+/// allowed, it was the `smallest`; else a path of little but jumps has come to its end.
 pub fn failure(
     f: &Failure,
     reason: &str,
     (conditioning, worst): (Option<&str>, Option<&str>),
     remedies: &[String],
+    smallest: bool,
 ) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {reason}", f.step, f.time);
     if let Some(reason) = conditioning {
@@ -110,8 +112,11 @@ pub fn failure(
     match f.cause {
         Cause::Singular => text += ": something can move freely",
         Cause::Rounding => return text,
-        _ => {
+        _ if smallest => {
             let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
+        }
+        _ => {
+            let _ = write!(text, " with an increment of {:.3e}, and too many jumps", f.size);
         }
     }
     if let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) {

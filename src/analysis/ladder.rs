@@ -195,6 +195,11 @@ impl Ladder {
         self.soft
     }
 
+    /// Whether a path of little but jumps, or jumps that are refused, leave nothing to try.
+    pub fn jumps_on(&self) -> bool {
+        self.jumped >= self.controls.jump_weight * self.controls.jump_run || self.refused > self.controls.jump_tries
+    }
+
     /// Whether the increment has failed already.
     pub fn has_failed(&self) -> bool {
         self.failures > 0
@@ -265,7 +270,7 @@ impl Ladder {
         }
         if short {
             (self.way, self.jumps) = (Way::Jump, 0);
-            return (self.jumped < self.controls.jump_weight * self.controls.jump_run).then_some(Remedy::Jump);
+            return (!self.jumps_on()).then_some(Remedy::Jump);
         }
         self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(self.controls.remedy_period) };
         self.soft = self.can_soften && !self.soft;

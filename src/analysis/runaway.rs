@@ -39,7 +39,7 @@ struct Hold {
     /// Nodes in reach, and those that can do something.
     in_reach: usize,
     can_hold: usize,
-    /// The most moment with the normal forces that there are.
+    /// The most moment with the normal forces that there are, where these do not grow with it.
     moment: f64,
 }
 
@@ -75,7 +75,7 @@ impl Simulation<'_> {
 
     /// What the slave nodes of a tool can do against a drive. Collective.
     fn against(&self, t: usize, drive: &Drive) -> Hold {
-        let mut sums = [0.0; 3];
+        let mut sums = [0.0; 4];
         for pair in self.model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)) {
             for (slave, at) in pair.slaves.iter().filter_map(|s| Some((s, s.accepted.projection?))) {
                 let by = drive.velocity(&at.slave());
@@ -83,11 +83,15 @@ impl Simulation<'_> {
                 let against = along + pair.friction * (by - at.normal * along).norm();
                 sums[0] += 1.0;
                 sums[1] += f64::from(against > ROUNDING * by.norm());
+                // What turns into the slave bears the more, the more it is turned.
+                let presses = along > ROUNDING * by.norm() && slave.accepted.force != Vec3::zeros();
+                sums[3] += f64::from(presses);
                 sums[2] += (against * at.normal.dot(&slave.accepted.on_node())).max(0.0);
             }
         }
         sum(self.comm, &mut sums);
-        Hold { in_reach: sums[0] as usize, can_hold: sums[1] as usize, moment: sums[2] }
+        let moment = if sums[3] > 0.0 { f64::INFINITY } else { sums[2] };
+        Hold { in_reach: sums[0] as usize, can_hold: sums[1] as usize, moment }
     }
 }
 

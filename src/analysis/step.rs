@@ -341,7 +341,8 @@ impl<'a> Simulation<'a> {
             return Err(Error::Diverged(Box::new(told)));
         }
         let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
-        let Progress { increments, ladder, .. } = &mut frame.progress;
+        let Progress { increments, ladder, past, .. } = &mut frame.progress;
+        let was_soft = ladder.is_soft();
         let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
         (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
@@ -355,6 +356,10 @@ impl<'a> Simulation<'a> {
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
             return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
         };
+        if ladder.is_soft() != was_soft {
+            // Multipliers are unknowns over the penalty.
+            past.clear();
+        }
         self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
         observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
         if !is_remedy {
@@ -690,7 +695,15 @@ impl<'a> Simulation<'a> {
         };
         let body = failure.place.as_ref().map(|place| place.body.as_str());
         let remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
-        let what = describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies);
+        let Progress { increments, ladder, .. } = &frame.progress;
+        let smallest = !ladder.jumps_on() || increments.is_shortest(failed.end);
+        let what = describe::failure(
+            &failure,
+            &failed.reason,
+            (conditioning.as_deref(), word.as_deref()),
+            &remedies,
+            smallest,
+        );
         Failure { what, ..failure }
     }
 }

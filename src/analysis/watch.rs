@@ -102,16 +102,20 @@ impl Simulation<'_> {
     /// A slave node that is prescribed along the normal of a tool that a torque turns: neither can give way.
     fn undetermined(&self, conditions: &Conditions) -> Option<(usize, usize, Finding)> {
         const ACROSS: f64 = 1e-6;
-        let tools = &self.model.masters.tools;
-        let turned = |pair: &Pair| pair.master.tool().is_some_and(|t| tools[t].trial.axle.is_some());
+        let turned = |pair: &Pair| pair.master.tool().is_some_and(|t| conditions.motions[t].axle.is_some());
+        let pair_of = |p: usize| &self.model.pairs[p];
         let pairs = self.model.pairs.iter().enumerate().filter(|(_, pair)| turned(pair));
         let mut touching =
             pairs.flat_map(|(p, pair)| pair.slaves.iter().enumerate().map(move |(s, slave)| (p, s, slave)));
         touching.find_map(|(p, s, slave)| {
             let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
             let Movement { axes, ways } = conditions.movement(slave.node);
-            let gives_way = (0..3).any(|d| ways[d].is_nan() && axes.column(d).dot(&at.normal).abs() > ACROSS);
-            (!gives_way).then(|| (p, s, Finding::Undetermined(slave.trial.force.norm())))
+            let driven = pair_of(p).master.tool().map_or([false; 3], |t| conditions.motions[t].free);
+            let gives_way = |d: usize| {
+                ways[d].is_nan() && axes.column(d).dot(&at.normal).abs() > ACROSS
+                    || driven[d] && at.normal[d].abs() > ACROSS
+            };
+            (!(0..3).any(gives_way)).then(|| (p, s, Finding::Undetermined(slave.trial.force.norm())))
         })
     }
 

@@ -62,7 +62,8 @@ impl Meeting {
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
-        let guide = projection.map_or(Guide::default(), |p| guide(ground, &p, moves));
+        let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
+        let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
         let (projection, shares) = match met {
             None => (projection, None),

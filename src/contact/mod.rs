@@ -235,8 +235,9 @@ pub struct Slave {
     pub repeats: bool,
     /// The automatic augmentation, force per length.
     pub automatic: f64,
-    /// Penalties in the law at the start of an increment.
+    /// Penalties in the law at the start of an increment, and by what share they are lower in it.
     augmentation: f64,
+    pub softness: f64,
     /// The multiplier, where it is no unknown.
     pub held: Held,
     /// The force, where it is a local unknown.
@@ -428,6 +429,7 @@ impl Slave {
             repeats: false,
             automatic,
             augmentation,
+            softness: 1.0,
             held,
             local,
             committed,
@@ -473,7 +475,9 @@ impl Slave {
             (false, false) => 0.0,
         };
         let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
-        self.law.compliance = Compliance { slack, rest };
+        // Over a lower penalty they give way by as much.
+        self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
+        self.law.compliance = Compliance { slack: slack * self.softness, rest };
         self.held = self.committed.held;
         self.local.force = self.committed.multiplier;
         self.local.by.clear();

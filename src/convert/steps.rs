@@ -315,7 +315,10 @@ impl Writer<'_, '_> {
             let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
             if let Some(dof) = (3..6).find(|&dof| hold(dof).is_none()) {
                 let what = format!("the rigid body is free to turn about {}", AXIS_NAMES[dof - 3]);
-                return refuse(what, "nagata's tools turn only as prescribed: hold 4 to 6 of the reference node");
+                return refuse(
+                    what,
+                    "hold 4 to 6 of the reference node, and give the tool a `torque` in the scene by hand",
+                );
             }
             let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();
             if !rigid.nodes.is_empty() {

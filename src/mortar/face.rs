@@ -46,9 +46,10 @@ impl Corners<Vec3> {
 }
 
 impl Corners<Vec2> {
-    /// Whether the shape functions are polynomials of the place: triangles, parallelograms.
+    /// Whether the shape functions are polynomials of the place: triangles, parallelograms. Well above rounding, so that it does
+    /// not decide as faces deform.
     pub fn is_affine(&self) -> bool {
-        const ROUNDING: f64 = 1e-12;
+        const ROUNDING: f64 = 1e-9;
         let [a, b, c, d] = &self.x;
         self.count == 3 || (a - b + c - d).norm() < ROUNDING * ((c - a).norm() + (d - b).norm())
     }

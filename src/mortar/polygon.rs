@@ -12,9 +12,13 @@ pub fn area(polygon: &[Vec2]) -> f64 {
     triangles(polygon).map(|[a, b, c]| 0.5 * left(&a, &b, &c)).sum()
 }
 
-/// The triangles from its first corner.
+/// The triangles around its middle, of a triangle itself: nothing depends on which corner is the first, and little on corners that
+/// fall together but for rounding.
 pub fn triangles(polygon: &[Vec2]) -> impl Iterator<Item = [Vec2; 3]> + '_ {
-    (2..polygon.len()).map(|k| [polygon[0], polygon[k - 1], polygon[k]])
+    let count = polygon.len();
+    let middle = polygon.iter().sum::<Vec2>() / count as f64;
+    let around = (0..count).map(move |k| [middle, polygon[k], polygon[(k + 1) % count]]);
+    around.take(if count == 3 { 0 } else { count }).chain((count == 3).then(|| [polygon[0], polygon[1], polygon[2]]))
 }
 
 /// What two have in common; nothing, where that has no area (Sutherland and Hodgman, Commun. ACM 17, 1974).

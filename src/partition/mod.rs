@@ -73,6 +73,8 @@ impl Deref for FaceNodes {
 impl Part {
     /// Facets as contacts see them: a quadratic triangle is four linear ones.
     pub fn pieces<'a>(&self, facets: &'a [PartFacet]) -> Cow<'a, [PartFacet]> {
+        // Far above the numbers of facets, which are those of ranks that have linear ones alone, too.
+        const PARTS: u32 = 48;
         if self.middles.is_empty() {
             return Cow::Borrowed(facets);
         }
@@ -82,8 +84,8 @@ impl Part {
                 Some(middles) => four([a, b, c], middles).map(|[a, b, c]| [a, b, c, 0]).to_vec(),
                 None => vec![facet.nodes],
             };
-            let part = |(k, nodes)| PartFacet { nodes, number: 4 * facet.number + k, ..*facet };
-            (0..).zip(parts).map(part).collect::<Vec<_>>()
+            let part = |(k, nodes)| PartFacet { nodes, number: facet.number | k << PARTS, ..*facet };
+            (0u64..).zip(parts).map(part).collect::<Vec<_>>()
         });
         Cow::Owned(pieces.collect())
     }

@@ -202,7 +202,7 @@ impl Polygon for Patch {
         let root = (half * half - a * free).max(0.0).sqrt();
         let turns = [-half - root, -half + root].map(|t| if a > 0.0 { (t / a).clamp(0.0, 1.0) } else { 1.0 });
         for [mut low, mut high] in [[0.0, turns[0]], turns, [turns[1], 1.0]] {
-            if !(at(low) < 0.0 && at(high) > 0.0) {
+            if !(at(low) <= 0.0 && at(high) >= 0.0) {
                 continue;
             }
             while high - low > 1e-9 {

@@ -2,6 +2,7 @@
 
 use super::normals::from_surface;
 use super::shape::Shape;
+use crate::Vec3;
 use crate::cad::{self, Cad};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
@@ -10,7 +11,9 @@ use crate::refine;
 use crate::scene::{self, CadFile, Description, Located, NormalSource, Smoothing, ToolMesh};
 use crate::surface::analytic::{Axis, Chain, Cone, Cylinder, Misfit, Plane, Profile, Sphere, Sweep, Torus};
 use crate::surface::faces::{FaceSet, SewnFace, sew, usual_tolerance};
+use crate::surface::facets::angle;
 use crate::surface::{Analytic, Edge, NormalOptions, Patch, PatchSet, patches_from_mesh, smooth};
+use std::collections::HashMap;
 
 /// The whole surface of a tool.
 pub enum Geometry {
@@ -109,8 +112,39 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing, controls: &C
         let summary = format!("{} flat facets{parts}", patches.len());
         return Ok(Described { warnings, ..Described::plain(Geometry::Patches(patches), summary) });
     }
+    if other.is_none() {
+        check_turns(tool, &patches)?;
+    }
     let summary = format!("{} Nagata patches{parts}, {source}, {}", patches.len(), some(inflected, "inflected edge"));
     Ok(Described { inflected: Some(inflected), warnings, ..Described::plain(Geometry::Patches(patches), summary) })
+}
+
+/// Facets that turn far at an edge that counts as smooth say too little of the surface: a quarter circle needs two edges.
+fn check_turns(tool: &scene::Tool, patches: &[Patch]) -> Result<()> {
+    const MOST: f64 = 75.0;
+    let mut across: HashMap<[[u64; 3]; 2], Vec3> = HashMap::new();
+    let mut worst = 0.0f64;
+    for patch in patches {
+        let count = patch.count as usize;
+        let [a, b, c, d] = &patch.nodes;
+        let normal = if count == 3 { (b - a).cross(&(c - a)) } else { (c - a).cross(&(d - b)) };
+        for k in (0..count).filter(|&k| patch.edges[k] == Edge::Smooth) {
+            let mut ends = [k, (k + 1) % count].map(|k| <[f64; 3]>::from(patch.nodes[k]).map(f64::to_bits));
+            ends.sort_unstable();
+            match across.remove(&ends) {
+                Some(other) => worst = worst.max(angle(&normal, &other).to_degrees()),
+                None => _ = across.insert(ends, normal),
+            }
+        }
+    }
+    if worst <= MOST {
+        return Ok(());
+    }
+    let what =
+        format!("the facets of tool `{}` turn by {worst:.0} degrees at an edge that counts as smooth", tool.name.value);
+    let help =
+        "mesh round parts with two edges or more a quarter circle, or keep the edge sharp by a smaller `feature_angle`";
+    Err(Error::input(&tool.name.at, what, help))
 }
 
 /// A mesh whose facets are split on the Nagata patches of its normals; `options` become those of the parts. What was sharp stays

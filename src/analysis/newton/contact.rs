@@ -18,6 +18,9 @@ use crate::system::{MasterNodes, Pattern};
 /// is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this.
 const SETTLED: f64 = 1e-6;
 
+/// The same where the residual falls by less than half: points that come and go with the overlaps may carry it to and fro.
+const STALLED: f64 = 1e-3;
+
 /// What contact works with besides the model.
 #[derive(Default)]
 pub(super) struct Touching {
@@ -61,7 +64,11 @@ impl Newton<'_> {
             part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
         };
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
-        let stand_still = self.course.trace.last().is_some_and(|residual| *residual < SETTLED);
+        let stand_still = match self.course.trace[..] {
+            [.., before, last] => last < SETTLED || last < STALLED && last > 0.5 * before,
+            [last] => last < SETTLED,
+            [] => false,
+        };
         let mut beside = vec![0.0; if pairs.iter().any(|p| p.faces.is_some()) { 3 * part.points.len() } else { 0 }];
         for p in 0..pairs.len() {
             let pair = &mut pairs[p];

@@ -544,7 +544,7 @@ impl Problem for Newton<'_> {
 }
 
 impl Newton<'_> {
-    /// The multipliers at the unknowns `x`, N; those that are held are the forces.
+    /// The multipliers at the unknowns `x`, N; for those that are held the local unknowns.
     pub fn multipliers(&self, x: &[f64]) -> Vec<Vec<Vec3>> {
         let dofs = &*self.system.dofs;
         let of = |pair: &Pair, slave: &Slave, equations: &[i64; 3]| {
@@ -552,10 +552,11 @@ impl Newton<'_> {
             dofs.axes.outward_of(pair, slave.node, &along)
         };
         let pairs = self.system.model.pairs.iter().zip(&dofs.multiplier);
-        let forces = |pair: &Pair| pair.slaves.iter().map(|s| s.trial.force).collect();
+        let local = |s: &Slave| if s.trial.status == Status::Gap { Vec3::zeros() } else { s.trial.sigma };
+        let locals = |pair: &Pair| pair.slaves.iter().map(local).collect();
         let unknowns =
             |pair: &Pair, all: &[[i64; 3]]| pair.slaves.iter().zip(all).map(|(s, e)| of(pair, s, e)).collect();
-        pairs.map(|(pair, all)| if pair.width() == 0 { forces(pair) } else { unknowns(pair, all) }).collect()
+        pairs.map(|(pair, all)| if pair.width() == 0 { locals(pair) } else { unknowns(pair, all) }).collect()
     }
 
     /// The largest angle by which a step turns a tool that a torque drives.

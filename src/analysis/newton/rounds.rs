@@ -117,7 +117,7 @@ impl Newton<'_> {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
                 if slave.repeats {
-                    *slack = narrow;
+                    *slack = narrow * slave.softness;
                 }
                 if slave.trial.status == Status::Gap {
                     continue;

@@ -104,6 +104,16 @@ impl Segments {
         Portion { weight: share.weight, nodes, shapes, at, origin: *origin, start: *start }
     }
 
+    /// Where the weightiest point of slave node `s` is on the master.
+    pub fn weightiest(&self, pair: &Pair, s: usize) -> Option<Projection> {
+        let (faces, node) = (pair.faces.as_ref()?, pair.slaves[s].node);
+        let of_face = |f: &u32| {
+            let face = &faces.faces[*f as usize];
+            self.0[*f as usize].iter().map(|point| (point.weight * face.of_node(node, &point.shapes), point.at))
+        };
+        faces.around[s].iter().flat_map(of_face).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
+    }
+
     /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
     /// the shares of its points. The rest of the projection is that of its `own` closest point, or else of the weightiest.
     pub fn meet(
