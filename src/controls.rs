@@ -258,8 +258,8 @@ controls! {
             "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: a tenth of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 64 with this.";
         kink_returns: usize = 2, [1, 100], "returns",
             "How often a node has come back to a patch within an increment when it counts as going to and fro; once, where the increment has failed before. Of 24 strips that close onto themselves none fails with 1 or 2, three with 3.";
-        hand_over: f64 = 0.25, [0.0, 1.0], "longest edge of the slave facets",
-            "A node that touched one master and is found behind another, no deeper and with much the same normal (`kink_turn`), has come over a joint from the one to the other, and not under it past its end: faces that lie flush, but sink differently under it.";
+        hand_over: f64 = 0.1, [0.0, 1.0], "longest edge of the slave facets",
+            "A node that touched one master and is found behind another, no deeper and with much the same normal (`kink_turn`), has come over a joint from the one to the other, and not under it past its end: faces that lie flush, but sink differently under it. A higher one has a wall, over which nothing lifts it: with 0.25 a block climbs a step of 0.18 facets and gains the energy.";
         kink_turn: f64 = 0.1, [0.0, 0.5], "1 - cosine of the angle between the normals of both sides",
             "Beyond, 26 degrees, both sides are not of one surface that is smooth but for its patches, and what is on either side is another contact.";
         edge_beside: f64 = 0.5, [0.0, 2.0], "patch parameters",

@@ -127,7 +127,10 @@ impl Simulation<'_> {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
             Finding::Undetermined(_) => {
-                format!("cannot give way to {master}, which a torque turns, so that what it bears is undetermined")
+                format!(
+                    "cannot give way to {master}, which a torque turns, so that what it bears is undetermined: free it along \
+                     the normal, or turn the tool by `rotate`"
+                )
             }
             Finding::Within(_) => {
                 let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
