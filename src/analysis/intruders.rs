@@ -11,7 +11,7 @@ use super::conditions::Conditions;
 use crate::contact::watch::Side;
 use crate::contact::{Ground, Pair, Sight};
 use crate::model::{Model, elements, locate};
-use crate::parallel::{max, number, sum};
+use crate::parallel::{any, max, number, sum};
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::piece_set::tree::Tree;
 use crate::{Mat3, Vec3};
@@ -22,12 +22,7 @@ use std::collections::BTreeMap;
 type Suspect = (usize, usize);
 
 /// Slave nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
-pub(super) fn intruders(
-    comm: &SimpleCommunicator,
-    model: &Model,
-    u: &[Vec3],
-    conditions: &Conditions,
-) -> Vec<(usize, usize)> {
+pub(super) fn intruders(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
     let of_bodies = || model.pairs.iter().filter(|pair| !pair.is_self());
     let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body).collect();
     bodies.sort_unstable();
@@ -38,11 +33,15 @@ pub(super) fn intruders(
 fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
     let part = &model.part;
     let now = |n: u32| part.points[n as usize] + u[part.tie[n as usize] as usize];
+    let mut suspects: Vec<Suspect> = unseen(model, body).collect();
+    if !any(comm, !suspects.is_empty()) {
+        return suspects;
+    }
     let own = || elements::of_body(model, body).flat_map(|e| part.solids[e].nodes().iter().copied());
     let Some((low, high)) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
     let is_near = |x: &Vec3| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
     let node = |(p, s): Suspect| model.pairs[p].slaves[s].node;
-    let suspects: Vec<Suspect> = unseen(model, body).filter(|suspect| is_near(&now(node(*suspect)))).collect();
+    suspects.retain(|suspect| is_near(&now(node(*suspect))));
     let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
         let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
         let mut held = held(comm, model, body, &points.concat(), place).into_iter();

@@ -466,7 +466,8 @@ impl Slave {
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
         self.trial = Trial { status, yields, patience, ..Trial::default() };
         let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
-        let augmentation = augmentation * if manner.soft { controls.soft_augmentation } else { 1.0 };
+        self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
+        let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {
@@ -476,7 +477,6 @@ impl Slave {
         };
         let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
         // Over a lower penalty they give way by as much.
-        self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
         self.law.compliance = Compliance { slack: slack * self.softness, rest };
         self.held = self.committed.held;
         self.local.force = self.committed.multiplier;

@@ -9,7 +9,7 @@ use super::Model;
 use super::elements::add_nodal_areas;
 use crate::Vec3;
 use crate::contact::Pair;
-use crate::scene::Formulation;
+use crate::mesh::SolidShape;
 use mpi::topology::SimpleCommunicator;
 
 /// An edge: its ends, and the node in its middle.
@@ -24,11 +24,10 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
     add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
     let mut tractions = vec![Vec3::zeros(); part.points.len()];
     pair.slaves.iter().for_each(|slave| tractions[slave.node as usize] = slave.accepted.on_node());
-    let is_quadratic = |element| matches!(element, Formulation::Tet10 | Formulation::Tet10Sri);
     let edges = edges(model, pair);
     let mut ending = vec![0.0; part.points.len()];
     edges.iter().flat_map(|(ends, _)| ends).for_each(|&n| ending[n] += 1.0);
-    let quadratic = pair.sections.iter().any(|&section| is_quadratic(model.sections[section].element));
+    let quadratic = pair.sections.iter().any(|&s| model.sections[s].element.shape() == SolidShape::Tet10);
     if quadratic {
         let mut given: Vec<Vec3> =
             tractions.iter().zip(&ending).map(|(force, edges)| force / f64::max(*edges, 1.0)).collect();

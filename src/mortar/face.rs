@@ -38,6 +38,18 @@ impl Corners<Vec3> {
         }
     }
 
+    /// Where shape functions are.
+    pub fn at(&self, shapes: &[f64; 4]) -> Vec3 {
+        self.all().iter().zip(shapes).map(|(x, w)| x * *w).sum()
+    }
+
+    /// Lower and upper corner of the box around it, with `by` more on all sides.
+    pub fn around(&self, by: f64) -> (Vec3, Vec3) {
+        let first = (self.x[0], self.x[0]);
+        let (low, high) = self.all().iter().fold(first, |(low, high), x| (low.inf(x), high.sup(x)));
+        (low.add_scalar(-by), high.add_scalar(by))
+    }
+
     /// The longest edge.
     pub fn longest(&self) -> f64 {
         let edge = |k: usize| (self.x[(k + 1) % self.count] - self.x[k]).norm();

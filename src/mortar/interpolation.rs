@@ -56,18 +56,18 @@ pub fn interpolate(
     let lines = POINTS.map(rule::on_line);
     let lines = [&lines[0][..], &lines[1][..]];
     let masters: Vec<(Corners<u32>, Corners<Vec3>)> = masters.iter().map(|face| (*face, face.map(&place))).collect();
-    let boxes: Vec<Box> = masters.iter().map(|(_, x)| around(x, 0.0)).collect();
+    let boxes: Vec<Box> = masters.iter().map(|(_, x)| x.around(0.0)).collect();
     let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
     let mut found = Interpolation::default();
     for nodes in slaves {
         let corners = nodes.map(&place);
         let Some(plane) = MeanPlane::of(&corners) else { continue };
-        let (low, high) = around(&corners, reach);
+        let (low, high) = corners.around(reach);
         let near = tree.iter().flat_map(|tree| tree.meeting(&low, &high)).map(|(k, _)| &masters[k]);
         let mut covering = Vec::new();
         for (own, x) in near {
             let points = overlap(&plane, x, lines);
-            let gaps = points.iter().map(|p| plane.normal.dot(&(at(x, &p.master) - at(&corners, &p.slave))));
+            let gaps = points.iter().map(|p| plane.normal.dot(&(x.at(&p.master) - corners.at(&p.slave))));
             let apart = gaps.map(f64::abs).fold(0.0, f64::max);
             if apart > reach {
                 continue;
@@ -141,16 +141,6 @@ impl Interpolation {
             }
         }
     }
-}
-
-fn at(corners: &Corners<Vec3>, shapes: &[f64; 4]) -> Vec3 {
-    corners.all().iter().zip(shapes).map(|(x, w)| x * *w).sum()
-}
-
-fn around(corners: &Corners<Vec3>, reach: f64) -> Box {
-    let first = (corners.x[0], corners.x[0]);
-    let (low, high) = corners.all().iter().fold(first, |(low, high), x| (low.inf(x), high.sup(x)));
-    (low - Vec3::repeat(reach), high + Vec3::repeat(reach))
 }
 
 #[cfg(test)]

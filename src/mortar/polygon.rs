@@ -16,9 +16,11 @@ pub fn area(polygon: &[Vec2]) -> f64 {
 /// fall together but for rounding.
 pub fn triangles(polygon: &[Vec2]) -> impl Iterator<Item = [Vec2; 3]> + '_ {
     let count = polygon.len();
-    let middle = polygon.iter().sum::<Vec2>() / count as f64;
-    let around = (0..count).map(move |k| [middle, polygon[k], polygon[(k + 1) % count]]);
-    around.take(if count == 3 { 0 } else { count }).chain((count == 3).then(|| [polygon[0], polygon[1], polygon[2]]))
+    let (first, sides) = match polygon {
+        [a, _, _] => (*a, 1..2),
+        _ => (polygon.iter().sum::<Vec2>() / count as f64, 0..count),
+    };
+    sides.map(move |k| [first, polygon[k], polygon[(k + 1) % count]])
 }
 
 /// What two have in common; nothing, where that has no area (Sutherland and Hodgman, Commun. ACM 17, 1974).

@@ -2,7 +2,6 @@
 
 use super::normals::from_surface;
 use super::shape::Shape;
-use crate::Vec3;
 use crate::cad::{self, Cad};
 use crate::controls::Controls;
 use crate::error::{Error, Result};
@@ -11,9 +10,8 @@ use crate::refine;
 use crate::scene::{self, CadFile, Description, Located, NormalSource, Smoothing, ToolMesh};
 use crate::surface::analytic::{Axis, Chain, Cone, Cylinder, Misfit, Plane, Profile, Sphere, Sweep, Torus};
 use crate::surface::faces::{FaceSet, SewnFace, sew, usual_tolerance};
-use crate::surface::facets::angle;
+use crate::surface::facets::Facets;
 use crate::surface::{Analytic, Edge, NormalOptions, Patch, PatchSet, patches_from_mesh, smooth};
-use std::collections::HashMap;
 
 /// The whole surface of a tool.
 pub enum Geometry {
@@ -113,30 +111,19 @@ fn of_mesh(tool: &scene::Tool, of: &ToolMesh, smoothing: Smoothing, controls: &C
         return Ok(Described { warnings, ..Described::plain(Geometry::Patches(patches), summary) });
     }
     if other.is_none() {
-        check_turns(tool, &patches)?;
+        check_turns(tool, &mesh, &patches)?;
     }
     let summary = format!("{} Nagata patches{parts}, {source}, {}", patches.len(), some(inflected, "inflected edge"));
     Ok(Described { inflected: Some(inflected), warnings, ..Described::plain(Geometry::Patches(patches), summary) })
 }
 
 /// Facets that turn far at an edge that counts as smooth say too little of the surface: a quarter circle needs two edges.
-fn check_turns(tool: &scene::Tool, patches: &[Patch]) -> Result<()> {
+fn check_turns(tool: &scene::Tool, mesh: &Mesh, patches: &[Patch]) -> Result<()> {
     const MOST: f64 = 75.0;
-    let mut across: HashMap<[[u64; 3]; 2], Vec3> = HashMap::new();
-    let mut worst = 0.0f64;
-    for patch in patches {
-        let count = patch.count as usize;
-        let [a, b, c, d] = &patch.nodes;
-        let normal = if count == 3 { (b - a).cross(&(c - a)) } else { (c - a).cross(&(d - b)) };
-        for k in (0..count).filter(|&k| patch.edges[k] == Edge::Smooth) {
-            let mut ends = [k, (k + 1) % count].map(|k| <[f64; 3]>::from(patch.nodes[k]).map(f64::to_bits));
-            ends.sort_unstable();
-            match across.remove(&ends) {
-                Some(other) => worst = worst.max(angle(&normal, &other).to_degrees()),
-                None => _ = across.insert(ends, normal),
-            }
-        }
-    }
+    let facets = Facets::new(mesh, tool.flip)?;
+    let is_smooth = |(f, k): &(usize, usize)| patches[*f].edges[*k] == Edge::Smooth;
+    let edges = (0..patches.len()).flat_map(|f| (0..facets.count(f)).map(move |k| (f, k))).filter(is_smooth);
+    let worst = edges.filter_map(|(f, k)| facets.turn(f, k)).fold(0.0, f64::max).to_degrees();
     if worst <= MOST {
         return Ok(());
     }

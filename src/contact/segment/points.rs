@@ -80,9 +80,9 @@ impl Segments {
                 (Ground::Surface(surface, _), None) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
             };
             let point = |(spot, start): Start| {
-                let at = ground.project_point(pair, &place(&x, &spot.shapes), &outward, start)?;
+                let at = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
                 let origin = match &before {
-                    Some(before) => ground.origin_of(pair, &place(before, &spot.shapes), &at),
+                    Some(before) => ground.origin_of(pair, &before.at(&spot.shapes), &at),
                     None => SlipOrigin::Fixed(at.point),
                 };
                 let start = ground.place_of(&origin).unwrap_or(at.point);
@@ -104,14 +104,28 @@ impl Segments {
         Portion { weight: share.weight, nodes, shapes, at, origin: *origin, start: *start }
     }
 
+    /// The points of the faces around slave node `s`, with w_q N_i.
+    fn shares(&self, pair: &Pair, s: usize) -> Vec<Share> {
+        let Some(faces) = pair.faces.as_ref() else { return Vec::new() };
+        let node = pair.slaves[s].node;
+        let of_face = |&f: &u32| {
+            let face = &faces.faces[f as usize];
+            let share = move |(k, point): (usize, &Point)| {
+                let weight = point.weight * face.of_node(node, &point.shapes);
+                Share { face: f, point: k as u32, weight }
+            };
+            self.0[f as usize].iter().enumerate().map(share)
+        };
+        faces.around[s].iter().flat_map(of_face).collect()
+    }
+
     /// Where the weightiest point of slave node `s` is on the master.
     pub fn weightiest(&self, pair: &Pair, s: usize) -> Option<Projection> {
-        let (faces, node) = (pair.faces.as_ref()?, pair.slaves[s].node);
-        let of_face = |f: &u32| {
-            let face = &faces.faces[*f as usize];
-            self.0[*f as usize].iter().map(|point| (point.weight * face.of_node(node, &point.shapes), point.at))
-        };
-        faces.around[s].iter().flat_map(of_face).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, at)| at)
+        self.weightiest_of(&self.shares(pair, s))
+    }
+
+    fn weightiest_of(&self, shares: &[Share]) -> Option<Projection> {
+        shares.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).map(|share| self.get(share).at)
     }
 
     /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
@@ -123,23 +137,15 @@ impl Segments {
         own: Option<&Projection>,
         free: &Mat3,
     ) -> Option<(Projection, Vec<Share>)> {
-        let (faces, node) = (pair.faces.as_ref()?, pair.slaves[s].node);
-        let (mut shares, mut whole) = (Vec::new(), 0.0);
-        for &f in &faces.around[s] {
-            let face = &faces.faces[f as usize];
-            whole += face.of_node(node, &face.whole);
-            for (k, point) in self.0[f as usize].iter().enumerate() {
-                let weight = point.weight * face.of_node(node, &point.shapes);
-                shares.push(Share { face: f, point: k as u32, weight });
-            }
-        }
+        let node = pair.slaves[s].node;
+        let whole: f64 = pair.faces.as_ref()?.around(s).map(|face| face.of_node(node, &face.whole)).sum();
+        let mut shares = self.shares(pair, s);
         let covered: f64 = shares.iter().map(|share| share.weight).sum();
         if covered < LEAST * whole {
             return None;
         }
         shares.iter_mut().for_each(|share| share.weight /= covered);
-        let heaviest = shares.iter().max_by(|a, b| a.weight.total_cmp(&b.weight))?;
-        let base = own.copied().unwrap_or(self.get(heaviest).at);
+        let base = own.copied().or_else(|| self.weightiest_of(&shares))?;
         let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
         for share in &shares {
             let at = &self.get(share).at;
@@ -157,9 +163,8 @@ fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, li
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
-    let (low, high) = x.all().iter().fold((x.x[0], x.x[0]), |(low, high), x| (low.inf(x), high.sup(x)));
-    let around = Vec3::repeat(reach);
-    for k in surface.shapes().within(&(low - around), &(high + around)) {
+    let (low, high) = x.around(reach);
+    for k in surface.shapes().within(&low, &high) {
         let patch: &Patch = &surface.shapes().pieces()[k as usize];
         let master = Corners::new(&patch.nodes[..patch.count as usize]);
         if master.area_vector().normalize().dot(&plane.normal) > FACING {
@@ -173,8 +178,4 @@ fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, li
         }
     }
     starts
-}
-
-fn place(corners: &Corners<Vec3>, shapes: &[f64; 4]) -> Vec3 {
-    corners.all().iter().zip(shapes).map(|(x, w)| x * *w).sum()
 }
