@@ -1,6 +1,7 @@
 //! From the scene and its meshes to what is modelled: parts, bodies, tools, contact pairs, each only as far as the scene
 //! asks for it.
 
+pub mod axisymmetric;
 mod bodies;
 pub mod elements;
 pub mod locate;
@@ -22,7 +23,7 @@ use crate::mesh::{Facet, Mesh, SolidShape, join};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
-use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scene, body_of, did_you_mean};
+use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Reduction, Scene, body_of, did_you_mean};
 use crate::solid::element::{hex8, plane4, tet4, tet10};
 use crate::solid::history::History;
 use crate::solid::material::Material;
@@ -39,7 +40,7 @@ use ties::Joint;
 #[derive(Clone, Debug)]
 pub struct Body {
     pub name: String,
-    pub plane_strain: bool,
+    pub reduction: Option<Reduction>,
     /// Largest diagonal entry of its initial stiffness, force per length; over all ranks.
     pub stiffness: f64,
 }
@@ -54,12 +55,19 @@ pub struct Section {
     pub stiffness: f64,
 }
 
+impl Body {
+    /// Whether it is one layer of elements, whose two z-planes move as one.
+    pub fn is_layer(&self) -> bool {
+        self.reduction.is_some()
+    }
+}
+
 impl Section {
     /// Integration points of an element of the section that have states.
-    fn points_with_memory(&self, shape: SolidShape, plane_strain: bool) -> usize {
+    fn points_with_memory(&self, shape: SolidShape, is_layer: bool) -> usize {
         match shape {
             _ if !self.material.remembers() => 0,
-            _ if plane_strain => plane4::POINTS,
+            _ if is_layer => plane4::POINTS,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
@@ -103,6 +111,7 @@ impl Model {
         let root = comm.rank() == 0;
         let assemble = || {
             let mut global = assemble_bodies(scene, &names)?;
+            axisymmetric::check(scene, &names, &global)?;
             let tied = ties::tie(scene, &names, &mut global)?;
             Ok(Some((global, tied)))
         };
@@ -118,6 +127,7 @@ impl Model {
         let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
         let symmetry = symmetry::planes(comm, scene, &names, &part)?;
+        axisymmetric::check_planes(scene, &symmetry)?;
         let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
         let joined = first_word(comm, tied.map(|tied| tied.lines.join("\n"))).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
@@ -131,7 +141,7 @@ impl Model {
         }
         let body = |body: &scene::Body| Body {
             name: body.name.value.clone(),
-            plane_strain: body.plane_strain.as_ref().is_some_and(|p| p.value),
+            reduction: body.reduction.as_ref().map(|asked| asked.value),
             stiffness: 0.0,
         };
         let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
@@ -141,8 +151,8 @@ impl Model {
         let warnings = Vec::new();
         let remembers = |solid: &PartSolid| {
             let section: &Section = &sections[solid.section as usize];
-            let plane_strain = bodies[solid.body as usize].plane_strain;
-            (section.points_with_memory(solid.shape, plane_strain), section.element == Formulation::Hex8Eas)
+            let is_layer = bodies[solid.body as usize].is_layer();
+            (section.points_with_memory(solid.shape, is_layer), section.element == Formulation::Hex8Eas)
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {
@@ -161,6 +171,7 @@ impl Model {
             warnings,
             controls: scene.controls,
         };
+        axisymmetric::check_tools(comm, scene, &model)?;
         let passes = scene.passes();
         let masters = passes.iter().filter_map(|c| c.surface.map(|given| (c.master.value.as_str(), given)));
         let mut avoided = Vec::new();
@@ -297,7 +308,7 @@ impl Model {
             .collect();
         let slaves: Vec<Slave> = slaves;
         let by_faces = contact.discretization == Discretization::Segment;
-        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves));
+        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric()));
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
@@ -450,21 +461,36 @@ impl Model {
         longest[0]
     }
 
-    /// Whether all bodies are in plane strain.
+    /// Whether all bodies are layers.
     pub fn is_plane(&self) -> bool {
-        self.bodies.iter().all(|body| body.plane_strain)
+        self.bodies.iter().all(Body::is_layer)
     }
 
-    /// Whether a set is on a body in plane strain.
+    /// Whether the bodies are axisymmetric: all are, or none.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.bodies.iter().any(|body| body.reduction == Some(Reduction::Axisymmetric))
+    }
+
+    /// Whether a node of this rank is on the axis of its axisymmetric body.
+    pub fn is_on_axis(&self, node: usize) -> bool {
+        self.is_axisymmetric() && self.part.points[node].x == 0.0
+    }
+
+    /// Whether an element is of a layer.
+    pub fn is_of_layer(&self, solid: &PartSolid) -> bool {
+        self.bodies[solid.body as usize].is_layer()
+    }
+
+    /// Whether a set is on a layer.
     fn is_planar(&self, set: &str) -> bool {
-        self.bodies.iter().any(|b| b.name == body_of(set) && b.plane_strain)
+        self.bodies.iter().any(|b| b.name == body_of(set) && b.is_layer())
     }
 
     /// Stiffness against contact forces of the owned nodes of a set.
     fn contact_stiffness(&self, set: &PartSet) -> Vec<f64> {
         let of = |section: &Section| Backing {
             modulus: section.material.indentation_modulus(),
-            plane_strain: self.bodies[section.body].plane_strain,
+            reduction: self.bodies[section.body].reduction,
         };
         let backing: Vec<Backing> = self.sections.iter().map(of).collect();
         contact_stiffness(&self.part, &self.part.pieces(&set.facets), &backing)
@@ -688,7 +714,14 @@ pub fn master_patches(
         let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
         let is_quadratic = facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some());
         let smoothing = if is_quadratic { Smoothing::Facet } else { given.smoothing };
-        let planes = symmetry::planes_of(planes, &master.value, &surface.points);
+        let mut planes = symmetry::planes_of(planes, &master.value, &surface.points);
+        let is_axis = (Vec3::zeros(), Vec3::x());
+        if scene.bodies.iter().any(scene::Body::is_axisymmetric)
+            && surface.points.iter().any(|x| x[0] == 0.0)
+            && planes.iter().all(|(_, normal)| normal.x == 0.0)
+        {
+            planes.push(is_axis);
+        }
         let mut patches =
             MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
         for (patch, facet) in patches.iter_mut().zip(facets) {

@@ -18,7 +18,7 @@ mod inclined;
 use crate::contact::moves::{alike, way};
 use crate::contact::{Axle, Movement, Pair, Pose, Tool};
 use crate::error::{Error, Result};
-use crate::model::{Model, elements};
+use crate::model::{Model, axisymmetric, elements};
 use crate::parallel::sum;
 use crate::partition::PartSolid;
 use crate::scene::{Amplitude, Formulation, Located, Rotation, Step, Torque};
@@ -145,8 +145,9 @@ impl Conditions {
     /// The conditions of `step`, which begins at displacements `u` with the loads that `last` ended with. Collective.
     ///
     /// # Errors
-    /// Two conditions that contradict each other at a node; only on the rank that owns it.
+    /// Two conditions that contradict each other at a node; only on the rank that owns it. What axisymmetric bodies cannot have.
     pub fn new(comm: &SimpleCommunicator, model: &Model, step: &Step, u: &[Vec3], last: &Self) -> Result<Self> {
+        axisymmetric::check_step(model, step)?;
         let mut conditions = Self {
             prescribed: vec![None; 3 * model.part.owned],
             axes: Axes::default(),
@@ -409,8 +410,11 @@ impl Conditions {
             self.prescribe_along(model, (&plane.set, &plane.normal), u, (0.0, 0), &mut inclined)?;
         }
         for n in 0..model.part.owned {
-            if model.bodies[model.part.body[n] as usize].plane_strain {
+            if model.bodies[model.part.body[n] as usize].is_layer() {
                 self.prescribed[3 * n + 2] = Some(Motion::still(u[n].z));
+            }
+            if model.is_on_axis(n) {
+                self.prescribed[3 * n] = Some(Motion::still(u[n].x));
             }
         }
         inclined.add_to(self, model, u)?;
@@ -450,9 +454,19 @@ impl Conditions {
     ) -> Result<()> {
         for &n in &model.set(set).nodes {
             let body = &model.bodies[model.part.body[n as usize] as usize];
-            if body.plane_strain && directions[2] && by.z != 0.0 {
-                let what = format!("body `{}` is in plane strain, where nothing moves along z", body.name);
-                return Err(Error::input(at, what, "take `plane_strain` out, or make the motion along z 0"));
+            if let Some(reduction) = body.reduction.filter(|_| directions[2] && by.z != 0.0) {
+                let what = format!("body `{}` is {}, where nothing moves along z", body.name, reduction.words());
+                let help = format!("take `{}` out, or make the motion along z 0", reduction.key());
+                return Err(Error::input(at, what, help));
+            }
+            if model.is_on_axis(n as usize) && directions[0] && by.x != 0.0 {
+                let what =
+                    format!("node {} of `{set}` is on the axis, and cannot move along x", model.part.id[n as usize]);
+                return Err(Error::input(
+                    at,
+                    what,
+                    "leave x out of `directions`, or name a group that ends before the axis",
+                ));
             }
             // Nodes that move as one are prescribed as one.
             let one = model.part.tie[n as usize] as usize;

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::Summary;
-use crate::scene::{Body, Enforcement, Isochoric, MaterialModel, Scene, Smoothing};
+use crate::scene::{Body, Enforcement, Isochoric, MaterialModel, Reduction, Scene, Smoothing};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::fmt::Write;
@@ -193,13 +193,19 @@ pub fn impatience(step: &str, mean: usize) -> String {
 
 /// What is modelled of a body, a line for each of its materials.
 fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
-    let plane = model.bodies[b].plane_strain;
-    let strain = if plane { ", plane strain: no u_z, one plane of nodes" } else { "" };
+    let reduction = model.bodies[b].reduction;
+    let strain = match reduction {
+        Some(Reduction::PlaneStrain) => ", plane strain: no u_z, one plane of nodes",
+        Some(Reduction::Axisymmetric) => {
+            ", axisymmetric: turned about y, no u_z, one plane of nodes, forces of the whole ring"
+        }
+        None => "",
+    };
     let planes: Vec<String> = body.symmetry.iter().map(|set| format!("`{}`", set.value)).collect();
     let mirrored = if planes.is_empty() { String::new() } else { format!(", mirrored across {}", planes.join(", ")) };
     let parts = match &body.refine {
         Some(times) => {
-            let directions = if plane { 2 } else { 3 };
+            let directions = if reduction.is_some() { 2 } else { 3 };
             format!(", {} elements for each of its mesh", 1u64 << (directions * times.value))
         }
         None => String::new(),

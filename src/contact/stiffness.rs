@@ -9,11 +9,13 @@
 //!   k = E* L min(1, t / h),   L = A / h,
 //!
 //! with the area A that belongs to the node, the longest edge h of the facets around it, and the height t of the elements
-//! under them. In plane strain edges are those in the plane, and L is the thickness of the layer.
+//! under them. In a layer edges are those in the plane, and L is its thickness; of an axisymmetric body A is the area of the ring,
+//! and L its circumference.
 
 use crate::Vec3;
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
+use crate::scene::Reduction;
 use crate::solid::element::{hex8, tet4, tet10};
 use crate::solid::load;
 
@@ -22,8 +24,8 @@ use crate::solid::load;
 pub struct Backing {
     /// E*, force per area.
     pub modulus: f64,
-    /// In plane strain nothing happens along z.
-    pub plane_strain: bool,
+    /// In a layer nothing happens along z.
+    pub reduction: Option<Reduction>,
 }
 
 /// The surface around a node.
@@ -43,20 +45,21 @@ pub fn contact_stiffness(part: &Part, facets: &[PartFacet], backing: &[Backing])
     let solids = solids_by_node(part, facets);
     for facet in facets {
         let nodes = &facet.nodes[..facet.count as usize];
-        let areas = nodal_areas(part, facet);
+        let areas = nodal_areas(part, facet, false);
         let under = nodes.iter().find_map(|&n| {
             let has_all = |e: &&u32| nodes.iter().all(|n| part.solids[**e as usize].nodes().contains(n));
             solids[n as usize].iter().find(has_all)
         });
         let under = under.map(|&e| &part.solids[e as usize]);
         let section = under.map_or(part.section[nodes[0] as usize], |solid| solid.section);
-        let Backing { modulus, plane_strain } = backing[section as usize];
-        let along = |v: Vec3| if plane_strain { v.xy().norm() } else { v.norm() };
+        let Backing { modulus, reduction } = backing[section as usize];
+        let along = |v: Vec3| if reduction.is_some() { v.xy().norm() } else { v.norm() };
         let edge =
             |k: usize| along(part.points[nodes[(k + 1) % nodes.len()] as usize] - part.points[nodes[k] as usize]);
         let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
         let height = under.map_or(f64::INFINITY, |solid| height(part, solid, areas.iter().sum()));
-        for (&n, area) in nodes.iter().zip(areas) {
+        let is_ring = reduction == Some(Reduction::Axisymmetric);
+        for (&n, area) in nodes.iter().zip(nodal_areas(part, facet, is_ring)) {
             let at = &mut around[part.tie[n as usize] as usize];
             (at.longest, at.height) = (at.longest.max(longest), at.height.min(height));
             at.borne += modulus * area;
@@ -81,10 +84,11 @@ fn solids_by_node(part: &Part, facets: &[PartFacet]) -> Vec<Vec<u32>> {
     solids
 }
 
-fn nodal_areas(part: &Part, facet: &PartFacet) -> Vec<f64> {
+fn nodal_areas(part: &Part, facet: &PartFacet, is_ring: bool) -> Vec<f64> {
     let at = |a: usize| -> [f64; 3] { part.points[facet.nodes[a] as usize].into() };
     match facet.count {
         3 => load::tri3_nodal_areas(&std::array::from_fn(at)).to_vec(),
+        _ if is_ring => load::ring_nodal_areas(&std::array::from_fn(at)).to_vec(),
         _ => load::quad4_nodal_areas(&std::array::from_fn(at)).to_vec(),
     }
 }
@@ -131,21 +135,24 @@ mod tests {
 
     #[test]
     fn a_quarter_of_a_facet_belongs_to_a_corner() {
-        let backing = |plane_strain| [Backing { modulus: 10.0, plane_strain }];
-        let of = |size, plane_strain| {
+        let backing = |reduction| [Backing { modulus: 10.0, reduction }];
+        let of = |size, reduction| {
             let (part, facets) = brick(size);
-            contact_stiffness(&part, &facets, &backing(plane_strain))
+            contact_stiffness(&part, &facets, &backing(reduction))
         };
         // A cube; a long facet presses like a line; a sheet is softer as it is thinner.
         let is = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
-        is(of([2.0, 2.0, 2.0], false)[4], 10.0 * 0.5);
-        is(of([2.0, 8.0, 9.0], false)[6], 10.0 * 0.5);
-        is(of([2.0, 2.0, 0.02], false)[4], 10.0 * 0.5 * 0.01);
-        assert_eq!(of([2.0, 2.0, 2.0], false)[0], 0.0);
+        is(of([2.0, 2.0, 2.0], None)[4], 10.0 * 0.5);
+        is(of([2.0, 8.0, 9.0], None)[6], 10.0 * 0.5);
+        is(of([2.0, 2.0, 0.02], None)[4], 10.0 * 0.5 * 0.01);
+        assert_eq!(of([2.0, 2.0, 2.0], None)[0], 0.0);
         // Along x there is 2; along z, in the thickness of a layer, 0.25.
         let (mut part, _) = brick([2.0, 2.0, 0.25]);
         part.tie = vec![0, 1, 2, 3, 0, 1, 2, 3];
         let front = [PartFacet { count: 4, nodes: [0, 1, 5, 4], number: 0, mine: true }];
-        is(contact_stiffness(&part, &front, &backing(true))[0], 10.0 * 0.125);
+        is(contact_stiffness(&part, &front, &backing(Some(Reduction::PlaneStrain)))[0], 10.0 * 0.125);
+        // Of the disc with the radius 2 a third belongs to the middle.
+        let disc = 2.0 * std::f64::consts::PI / 3.0 * 2.0;
+        is(contact_stiffness(&part, &front, &backing(Some(Reduction::Axisymmetric)))[0], 10.0 * disc / 2.0 * 0.5 * 2.0);
     }
 }

@@ -134,7 +134,7 @@ pub(super) fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = u
 }
 
 fn is_plane(model: &Model, e: usize) -> bool {
-    model.bodies[model.part.solids[e].body as usize].plane_strain
+    model.is_of_layer(&model.part.solids[e])
 }
 
 /// Stress and strain at an integration point of element `e`.

@@ -1,4 +1,4 @@
-//! Bodies of one layer of hexahedra along z, for plane strain.
+//! Bodies of one layer of hexahedra along z, in plane strain or axisymmetric.
 
 use super::{Mesh, Solid, SolidShape};
 use crate::error::{Error, Location, Result};
@@ -7,11 +7,14 @@ use crate::error::{Error, Location, Result};
 /// nodes are the lower ones, counter-clockwise seen from +z, and the last four stand above them in the same order.
 ///
 /// # Errors
-/// Anything but one layer of hexahedra with straight edges along z; `at` is where the user asked for plane strain.
-pub fn tie_layer(mesh: &mut Mesh, at: &Location) -> Result<Vec<u32>> {
-    const HELP: &str = "extrude the mesh by one element along z, or fix u_z in the steps instead";
+/// Anything but one layer of hexahedra with straight edges along z; `at` is where the user asked for it by
+/// `key`.
+pub fn tie_layer(mesh: &mut Mesh, key: &str, at: &Location) -> Result<Vec<u32>> {
+    const HELP: &str = "extrude the mesh by one element along z";
+    let instead = if key == "plane_strain" { ", or fix u_z in the steps instead" } else { "" };
     let refuse = |what: String| {
-        Err(Error::input(at, format!("`plane_strain` needs one layer of hexahedra along z: {what}"), HELP))
+        let what = format!("`{key}` needs one layer of hexahedra along z: {what}");
+        Err(Error::input(at, what, format!("{HELP}{instead}")))
     };
     let mut tie: Vec<u32> = (0..mesh.points.len() as u32).collect();
     let mut above = vec![None; mesh.points.len()];
@@ -82,7 +85,7 @@ mod tests {
     #[test]
     fn elements_are_renumbered_to_stand_on_their_lower_face() {
         let mut mesh = lying();
-        let tie = tie_layer(&mut mesh, &here()).unwrap();
+        let tie = tie_layer(&mut mesh, "plane_strain", &here()).unwrap();
         let nodes = mesh.solids[0].nodes;
         let at = |k: usize| crate::Vec3::from(mesh.points[nodes[k] as usize]);
         for k in 0..4 {
@@ -96,12 +99,12 @@ mod tests {
     fn what_is_not_one_layer_is_named() {
         let mut mesh = lying();
         mesh.points[1][0] += 0.1;
-        let text = tie_layer(&mut mesh, &here()).unwrap_err().to_string();
+        let text = tie_layer(&mut mesh, "plane_strain", &here()).unwrap_err().to_string();
         assert!(text.contains("one layer of hexahedra along z: node 1 has no other straight above"), "{text}");
         let mut mesh = lying();
         let top = (0..8).find(|&k| mesh.points[k][2] > 0.5).unwrap_or_default();
         mesh.points[top][2] += 0.01;
-        let text = tie_layer(&mut mesh, &here()).unwrap_err().to_string();
+        let text = tie_layer(&mut mesh, "plane_strain", &here()).unwrap_err().to_string();
         assert!(text.contains("element 7 is thicker on one side"), "{text}");
     }
 }

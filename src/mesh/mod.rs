@@ -2,7 +2,7 @@
 //!
 //! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, `select` takes the body
 //! or tool out of it and `orient` turns its facets outward, [`check`](check::check) refuses what cannot be computed. [`tie_layer`]
-//! prepares a body of one layer for plane strain.
+//! prepares a body of one layer.
 
 pub(crate) mod abaqus;
 pub mod block;

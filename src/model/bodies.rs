@@ -1,5 +1,6 @@
 //! The meshes of the bodies, split as the scene asks.
 
+use super::axisymmetric::put_on_axis;
 use crate::Vec3;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::{self, Mesh, Purpose, SolidShape};
@@ -20,7 +21,7 @@ pub struct Meshed {
 /// Reads and splits the meshes of all bodies.
 ///
 /// # Errors
-/// Meshes that cannot be read, are not fit for plane strain, or cannot be split.
+/// Meshes that cannot be read, are no layer where one is asked for, or cannot be split.
 pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
     let mut read: Vec<Meshed> = Faults::all(scene.bodies.iter().map(read))?;
     let mut curves = Vec::new();
@@ -42,7 +43,7 @@ pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
 fn read(body: &Body) -> Result<Meshed> {
     let mut source = body.mesh.clone();
     if let (MeshSource::Block(block), Some(times)) = (&mut source, &body.refine) {
-        let split = if is_plane(body) { 2 } else { 3 };
+        let split = if body.is_layer() { 2 } else { 3 };
         block.value.elements[..split].iter_mut().for_each(|n| *n = n.saturating_mul(1 << times.value));
     }
     let mut mesh = mesh::load(&source, Purpose::Body)?;
@@ -63,14 +64,15 @@ fn refuse_hanging(body: &Body, mesh: &Mesh) -> Result<()> {
     Err(Error::input(&body.name.at, what, "mesh all of the body with the same order, or take a `group` of one kind"))
 }
 
-fn is_plane(body: &Body) -> bool {
-    body.plane_strain.as_ref().is_some_and(|asked| asked.value)
-}
-
 fn tie(body: &Body, mesh: &mut Mesh) -> Result<Vec<u32>> {
-    match &body.plane_strain {
-        Some(asked) if asked.value => mesh::tie_layer(mesh, &asked.at),
-        _ => Ok((0..mesh.points.len() as u32).collect()),
+    match &body.reduction {
+        Some(asked) => {
+            if body.is_axisymmetric() {
+                put_on_axis(mesh, &asked.at)?;
+            }
+            mesh::tie_layer(mesh, asked.value.key(), &asked.at)
+        }
+        None => Ok((0..mesh.points.len() as u32).collect()),
     }
 }
 
@@ -89,7 +91,7 @@ fn curves_of(scene: &Scene, body: &Body, meshed: &Meshed) -> Result<Option<Curve
         }
         other => other,
     })?;
-    if is_plane(body) {
+    if body.is_layer() {
         flatten(&meshed.mesh, &mut curves);
     }
     Ok(Some(curves))

@@ -6,9 +6,10 @@ use crate::error::{Error, Result};
 use crate::failure::Cause;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
+use crate::scene::Reduction;
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, tet4, tet10,
-    tet10_sri,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, ring4, tet4,
+    tet10, tet10_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -22,9 +23,9 @@ pub struct Scratch {
     pub of_ten: ElementMatrices<30>,
 }
 
-/// Nodes of an element that carry it: all, but in plane strain the lower four.
+/// Nodes of an element that carry it: all, but of a layer the lower four.
 pub fn carrying<'a>(model: &Model, solid: &'a PartSolid) -> &'a [u32] {
-    let four = solid.shape == SolidShape::Tet4 || model.bodies[solid.body as usize].plane_strain;
+    let four = solid.shape == SolidShape::Tet4 || model.is_of_layer(solid);
     if four { &solid.nodes[..4] } else { solid.nodes() }
 }
 
@@ -34,9 +35,14 @@ impl Scratch {
         let solid = &model.part.solids[e];
         let element = model.section(solid).element;
         let (points, medium) = (&model.part.points, medium(model, e));
-        if model.bodies[solid.body as usize].plane_strain {
+        if let Some(reduction) = model.bodies[solid.body as usize].reduction {
             let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, element));
-            return plane4::evaluate(nodes, thickness(model, solid), medium, how, &mut self.of_four);
+            return match reduction {
+                Reduction::PlaneStrain => {
+                    plane4::evaluate(nodes, thickness(model, solid), medium, how, &mut self.of_four)
+                }
+                Reduction::Axisymmetric => ring4::evaluate(nodes, medium, how, &mut self.of_four),
+            };
         }
         match solid.shape {
             SolidShape::Tet4 => {
@@ -63,7 +69,7 @@ impl Scratch {
 
     /// Keeps the amplitudes at the tangent of element `e`, the last one.
     pub fn keep(&self, model: &mut Model, e: usize) {
-        let four = model.bodies[model.part.solids[e].body as usize].plane_strain;
+        let four = model.is_of_layer(&model.part.solids[e]);
         if let Some(kept) = model.history.amplitudes_mut(e) {
             kept.clone_from(if four { &self.of_four.amplitudes } else { &self.of_eight.amplitudes });
         }
@@ -95,7 +101,7 @@ pub fn medium(model: &Model, e: usize) -> Medium<'_> {
     Medium { material, states: model.history.of(e), amplitudes: model.history.amplitudes(e) }
 }
 
-/// Thickness of an element in plane strain.
+/// Thickness of an element of a layer.
 fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     let z = |a: usize| model.part.points[solid.nodes[a] as usize].z;
     z(4) - z(0)
@@ -127,9 +133,12 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     let solid = &model.part.solids[e];
     let (element, points) = (model.section(solid).element, &model.part.points);
     let medium = medium(model, e);
-    if model.bodies[solid.body as usize].plane_strain {
+    if let Some(reduction) = model.bodies[solid.body as usize].reduction {
         let nodes = (&gather(points, solid), &gather(u, solid));
-        return Ok(plane4::samples(nodes, thickness(model, solid), medium, element)?.into());
+        return Ok(match reduction {
+            Reduction::PlaneStrain => plane4::samples(nodes, thickness(model, solid), medium, element)?.into(),
+            Reduction::Axisymmetric => ring4::samples(nodes, element)?.into(),
+        });
     }
     if solid.shape == SolidShape::Tet4 {
         return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.into());
@@ -191,7 +200,7 @@ pub fn nodal_stiffness(model: &Model) -> Result<Vec<f64>> {
         }
         let nodes = carrying(model, solid);
         for (a, &n) in nodes.iter().enumerate() {
-            for i in 0..if model.bodies[solid.body as usize].plane_strain { 2 } else { 3 } {
+            for i in 0..if model.is_of_layer(solid) { 2 } else { 3 } {
                 diagonal[n as usize][i] += scratch.row(nodes.len(), 3 * a + i)[3 * a + i];
             }
         }
@@ -231,6 +240,13 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
             *force = Vec3::from(*values);
         }
     };
+    if model.is_axisymmetric() {
+        let of_ring = ring4::body_force(&gather(&model.part.points, solid), [per_volume.x, per_volume.y]);
+        for (force, [x, y]) in forces.iter_mut().zip(of_ring) {
+            *force = Vec3::new(x, y, 0.0);
+        }
+        return forces;
+    }
     match solid.shape {
         SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
@@ -262,7 +278,10 @@ pub fn facet_pressure(
             load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
         }
         _ => {
-            let load = load::quad4_pressure(&std::array::from_fn(at), pressure);
+            let load = match model.is_axisymmetric() {
+                true => load::ring_pressure(&std::array::from_fn(at), pressure),
+                false => load::quad4_pressure(&std::array::from_fn(at), pressure),
+            };
             load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
         }
     }
@@ -276,7 +295,8 @@ pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add:
     }
 }
 
-/// The parts of the area of a facet with these nodes that belong to them, at reference position plus `u`.
+/// The parts of the area of a facet with these nodes that belong to them, at reference position plus `u`; of an axisymmetric body
+/// those of the ring that the facet is turned to.
 pub fn nodal_areas(model: &Model, nodes: &[u32], u: &[Vec3]) -> [f64; 6] {
     let at = |a: usize| -> [f64; 3] {
         let n = nodes[a] as usize;
@@ -286,6 +306,7 @@ pub fn nodal_areas(model: &Model, nodes: &[u32], u: &[Vec3]) -> [f64; 6] {
     match nodes.len() {
         3 => areas[..3].copy_from_slice(&load::tri3_nodal_areas(&std::array::from_fn(at))),
         6 => areas = load::tri6_nodal_areas(&std::array::from_fn(at)),
+        _ if model.is_axisymmetric() => areas[..4].copy_from_slice(&load::ring_nodal_areas(&std::array::from_fn(at))),
         _ => areas[..4].copy_from_slice(&load::quad4_nodal_areas(&std::array::from_fn(at))),
     }
     areas

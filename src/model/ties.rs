@@ -8,7 +8,7 @@
 //! Where nodes lie in a plane of symmetry along an axis, or some step prescribes them along one, they are not moved along it: the
 //! mean of a coarse slave's nodes would draw them out of the plane, and no step ties them along it.
 //!
-//! In a layer of plane strain both nodes of an upright edge are one, with the sum of what the interpolation has for both.
+//! In a layer both nodes of an upright edge are one, with the sum of what the interpolation has for both.
 
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -17,7 +17,7 @@ use crate::mesh::message;
 use crate::mortar::{Corners, Interpolation, interpolate};
 use crate::parallel::serve;
 use crate::partition::{Gather, GlobalMesh, Part, owner};
-use crate::scene::{Located, Scene, Tie, body_of};
+use crate::scene::{Body, Located, Reduction, Scene, Tie, body_of};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -117,28 +117,35 @@ fn order(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Resul
     Ok(done)
 }
 
-/// Whether a body is in plane strain.
-fn is_plane(scene: &Scene, body: usize) -> bool {
-    scene.bodies[body].plane_strain.as_ref().is_some_and(|asked| asked.value)
-}
-
-/// Refuses ties of a layer of plane strain to anything but another layer of the same thickness.
+/// Refuses ties of a layer to anything but another layer of the same thickness.
 fn one_layer(tie: &Tie, scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<()> {
     const ALIKE: f64 = 1e-6;
     let ends = [&tie.slave, &tie.master].map(|set| {
         let own = nodes(&faces(names, global, &set.value));
         let heights = || own.iter().map(|n| global.points[*n as usize].z);
-        let plane = own.first().is_some_and(|n| is_plane(scene, global.body[*n as usize] as usize));
-        (plane, heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max))
+        let body = own.first().map(|n| &scene.bodies[global.body[*n as usize] as usize]);
+        (
+            body.and_then(|body| body.reduction.as_ref()).map(|asked| asked.value),
+            heights().fold(f64::INFINITY, f64::min),
+            heights().fold(f64::NEG_INFINITY, f64::max),
+        )
     });
-    let [(plane, low, high), (other, from, to)] = ends;
+    let [(reduction, low, high), (other, from, to)] = ends;
     let near = ALIKE * (high - low);
-    if plane == other && (!plane || (low - from).abs().max((high - to).abs()) <= near) {
+    if reduction == other && (reduction.is_none() || (low - from).abs().max((high - to).abs()) <= near) {
         return Ok(());
     }
-    let what =
-        format!("tie `{}`: a layer in plane strain is tied to what is no layer with the same planes", tie.name.value);
-    Err(Error::input(&tie.name.at, what, "mesh both sides between the same two z-planes, with `plane_strain = true`"))
+    let layer = reduction.or(other).unwrap_or(Reduction::PlaneStrain);
+    let what = format!(
+        "tie `{}`: a layer {} is tied to what is no layer with the same planes",
+        tie.name.value,
+        match layer {
+            Reduction::PlaneStrain => "in plane strain",
+            Reduction::Axisymmetric => "that is axisymmetric",
+        }
+    );
+    let help = format!("mesh both sides between the same two z-planes, with `{} = true`", layer.key());
+    Err(Error::input(&tie.name.at, what, help))
 }
 
 fn one(
@@ -154,7 +161,10 @@ fn one(
     let size = longest(&slaves).max(longest(&masters));
     let tolerance = tie.tolerance.unwrap_or(GAP * size);
     let reach = (SIGHT * size).max(tolerance);
-    let look = |global: &GlobalMesh| interpolate(&slaves, &masters, |n| global.points[n as usize], reach);
+    // All bodies are axisymmetric, or none.
+    let is_ring = scene.bodies.iter().any(Body::is_axisymmetric);
+    let measure = |x: &Vec3| if is_ring { x.x } else { 1.0 };
+    let look = |global: &GlobalMesh| interpolate(&slaves, &masters, |n| global.points[n as usize], reach, measure);
     let mut found = look(global);
     check(tie, &found, tolerance)?;
     let apart = found.apart.0;
@@ -224,7 +234,7 @@ fn check(tie: &Tie, found: &Interpolation, tolerance: f64) -> Result<()> {
     Ok(())
 }
 
-/// The means of all slave nodes, those of plane strain drawn together.
+/// The means of all slave nodes, those of layers drawn together.
 fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
     let own = |n: &u32| global.tie[*n as usize];
     let mut sums: BTreeMap<u32, (f64, BTreeMap<u32, f64>)> = BTreeMap::new();
@@ -242,7 +252,7 @@ fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
     sums.into_iter().map(mean).collect()
 }
 
-/// The axes along which nodes must stay: those of planes of symmetry that they lie in, and those along which some step
+/// The axes along which nodes must stay: those of planes of symmetry that they lie in, x on the axis of revolution, and those along which some step
 /// prescribes them.
 fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeMap<u32, [bool; 3]> {
     /// Over the extent of a group, what is flat.
@@ -265,10 +275,15 @@ fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeM
         step.fix.iter().for_each(|fix| keep(&fix.set.value, fix.directions));
         step.moves.iter().for_each(|motion| keep(&motion.target.value, motion.directions));
     }
+    let on_axis = |n: &u32| {
+        let n = *n as usize;
+        scene.bodies[global.body[n] as usize].is_axisymmetric() && global.points[n].x == 0.0
+    };
+    (0..global.points.len() as u32).filter(on_axis).for_each(|n| kept.entry(n).or_default()[0] = true);
     kept
 }
 
-/// Moves all nodes `before` to their means, in plane strain within the plane, and but for the axes `kept`. Returns the longest
+/// Moves all nodes `before` to their means, in layers within the plane, and but for the axes `kept`. Returns the longest
 /// way.
 fn go(
     means: &[Mean],
@@ -285,7 +300,7 @@ fn go(
         let n = n as usize;
         let Some(mut x) = to.get(&global.tie[n]).copied() else { continue };
         (0..3).filter(|&d| stays[d]).for_each(|d| x[d] = global.points[n][d]);
-        if is_plane(scene, global.body[n] as usize) {
+        if scene.bodies[global.body[n] as usize].is_layer() {
             x.z = global.points[n].z;
         }
         farthest = farthest.max((x - global.points[n]).norm());

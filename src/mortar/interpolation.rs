@@ -8,8 +8,8 @@ use crate::surface::piece_set::tree::{Box, Tree};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Points along a line: where they are exact for the products of four linear functions, and where nothing is.
-const POINTS: [usize; 2] = [3, 8];
+/// Points along a line: where they are exact for the products of four linear functions and the measure, and where nothing is.
+const POINTS: [usize; 2] = [4, 8];
 /// Cosine between the normals of faces that look at each other, at most.
 const FACING: f64 = -0.5;
 /// Share of a slave face below which what the master covers of it is left out: its dual functions would be steep.
@@ -46,12 +46,13 @@ pub struct Interpolation {
 }
 
 /// Interpolates the nodes of `slaves`, faces with these nodes at `place`, from those of `masters` that are not farther than
-/// `reach`.
+/// `reach`. Areas, dA of (1) and (2), count by the `measure` at the place, linear in it: 1, or of rings the radius.
 pub fn interpolate(
     slaves: &[Corners<u32>],
     masters: &[Corners<u32>],
     place: impl Fn(u32) -> Vec3,
     reach: f64,
+    measure: impl Fn(&Vec3) -> f64,
 ) -> Interpolation {
     let lines = POINTS.map(rule::on_line);
     let lines = [&lines[0][..], &lines[1][..]];
@@ -65,8 +66,13 @@ pub fn interpolate(
         let (low, high) = corners.around(reach);
         let near = tree.iter().flat_map(|tree| tree.meeting(&low, &high)).map(|(k, _)| &masters[k]);
         let mut covering = Vec::new();
+        let points_under = |x: &Corners<Vec3>| {
+            let mut points = overlap(&plane, x, lines);
+            points.iter_mut().for_each(|p| p.weight *= measure(&corners.at(&p.slave)));
+            points
+        };
         for (own, x) in near {
-            let points = overlap(&plane, x, lines);
+            let points = points_under(x);
             let gaps = points.iter().map(|p| plane.normal.dot(&(x.at(&p.master) - corners.at(&p.slave))));
             let apart = gaps.map(f64::abs).fold(0.0, f64::max);
             if apart > reach {
@@ -83,7 +89,7 @@ pub fn interpolate(
             }
             covering.push((own, points));
         }
-        found.add(nodes, &plane, &overlap(&plane, &corners, lines), &covering);
+        found.add(nodes, &plane.origin, &points_under(&corners), &covering);
     }
     found.bare = found.rows.values().map(|row| 1.0 - row.covered / row.whole).fold(0.0, f64::max);
     found.rows.retain(|_, row| row.covered > 0.0);
@@ -95,15 +101,10 @@ pub fn interpolate(
 
 impl Interpolation {
     /// Adds a slave face: the points of `all` of it, and those of the master faces that cover it.
-    fn add(
-        &mut self,
-        nodes: &Corners<u32>,
-        plane: &MeanPlane,
-        all: &[Point],
-        covering: &[(&Corners<u32>, Vec<Point>)],
-    ) {
+    fn add(&mut self, nodes: &Corners<u32>, middle: &Vec3, all: &[Point], covering: &[(&Corners<u32>, Vec<Point>)]) {
         let n = nodes.count;
-        self.area += plane.area;
+        let area: f64 = all.iter().map(|p| p.weight).sum();
+        self.area += area;
         for point in all {
             for (node, shape) in nodes.all().iter().zip(point.slave) {
                 self.rows.entry(*node).or_default().whole += point.weight * shape;
@@ -111,10 +112,10 @@ impl Interpolation {
         }
         let points = || covering.iter().flat_map(|(_, points)| points);
         let covered: f64 = points().map(|p| p.weight).sum();
-        if covered > (1.0 + TWICE) * plane.area {
-            self.twice = Some(plane.origin);
+        if covered > (1.0 + TWICE) * area {
+            self.twice = Some(*middle);
         }
-        if covered < LEAST * plane.area {
+        if covered < LEAST * area {
             return;
         }
         // (2)
@@ -185,7 +186,7 @@ mod tests {
             points.extend(others);
             let points: Vec<Vec3> = points.iter().map(|x| turn * x).collect();
             let place = |n: u32| points[n as usize];
-            let found = interpolate(&slaves, &masters, place, 0.5);
+            let found = interpolate(&slaves, &masters, place, 0.5, |_| 1.0);
             assert!((found.area - 2.0).abs() < 1e-14 && (found.covered - far).abs() < 1e-14, "{found:?}");
             assert!((found.apart.0 - gap).abs() < 1e-15 && found.twice.is_none() && found.same_way == 0.0);
             let mut on_masters = BTreeMap::new();
@@ -198,7 +199,7 @@ mod tests {
                     *on_masters.entry(*master).or_insert(0.0) += weight * row.covered;
                 }
             }
-            let whole = interpolate(&masters, &slaves, place, 0.5);
+            let whole = interpolate(&masters, &slaves, place, 0.5, |_| 1.0);
             for (master, row) in whole.rows {
                 assert!(
                     (on_masters[&master] - row.whole).abs() < 1e-9,
@@ -215,7 +216,7 @@ mod tests {
         let first = points.len() as u32;
         let (masters, others) = grid([2, 2], [1.0, 1.0], first, false, false);
         points.extend(others.iter().map(|x| x + Vec3::x() * 0.25));
-        let of = |masters: &[Corners<u32>]| interpolate(&slaves, masters, |n| points[n as usize], 0.5);
+        let of = |masters: &[Corners<u32>]| interpolate(&slaves, masters, |n| points[n as usize], 0.5, |_| 1.0);
         let found = of(&masters);
         assert!((found.covered - 0.75).abs() < 1e-14 && (found.bare - 0.75).abs() < 0.1, "{found:?}");
         let over: Vec<Corners<u32>> =

@@ -329,7 +329,7 @@ fn edges_that_are_whole_stay() {
     assert_eq!(split.solids.len(), mesh.solids.len() * 16);
     assert!(split.points.iter().all(|x| x[2] == 0.0 || x[2] == 0.3));
     let mut split = split;
-    let ties = crate::mesh::tie_layer(&mut split, &times(1).at).unwrap();
+    let ties = crate::mesh::tie_layer(&mut split, "plane_strain", &times(1).at).unwrap();
     assert_eq!(ties.len(), 2 * 9 * 17);
     assert_eq!(split.groups["xmin"].facets.len(), 16);
     assert_eq!(split.groups["zmin"].facets.len(), 8 * 16);

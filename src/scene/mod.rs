@@ -97,12 +97,51 @@ pub struct Body {
     pub materials: Vec<(Located<String>, Located<String>)>,
     /// `None`: chosen by mesh and material.
     pub element: Option<Located<Formulation>>,
-    /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
-    pub plane_strain: Option<Located<bool>>,
+    /// What makes of one layer of elements, whose two z-planes move as one with u_z = 0, a model of all of the body.
+    pub reduction: Option<Located<Reduction>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
     pub symmetry: Vec<Located<String>>,
     /// How many times each element of the mesh is split by the midpoints of its edges, from 1 on.
     pub refine: Option<Located<u32>>,
+}
+
+/// How a body of one layer of elements along z stands for one in space, at the cost of a 2D model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reduction {
+    /// It goes on alike along z, and nothing moves there.
+    PlaneStrain,
+    /// It is turned about the y axis, of which x is the distance; nothing moves around. Its forces are those of the whole ring.
+    Axisymmetric,
+}
+
+impl Reduction {
+    /// What a body is.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::PlaneStrain => "in plane strain",
+            Self::Axisymmetric => "axisymmetric",
+        }
+    }
+
+    /// The key of the scene that asks for it.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::PlaneStrain => "plane_strain",
+            Self::Axisymmetric => "axisymmetric",
+        }
+    }
+}
+
+impl Body {
+    /// Whether it is one layer of elements that stands for all of it.
+    pub fn is_layer(&self) -> bool {
+        self.reduction.is_some()
+    }
+
+    /// Whether the layer is turned about the y axis.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.reduction.as_ref().is_some_and(|reduction| reduction.value == Reduction::Axisymmetric)
+    }
 }
 
 /// Where a mesh comes from.

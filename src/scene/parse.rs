@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Tool,
-    contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
+    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Reduction,
+    Scene, Tool, contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -152,6 +152,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         "materials",
         "element",
         "plane_strain",
+        "axisymmetric",
         "symmetry",
         "refine",
     ])?;
@@ -161,7 +162,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let materials = mesh.as_ref().map_or(Ok(Vec::new()), |mesh| materials(&table, mesh, names));
     let elements = Formulation::ALL.map(|e| (e.key(), e));
     let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)));
-    let plane_strain = table.optional("plane_strain", |item| Ok(item.located(item.boolean()?)));
+    let reduction = reduction(&table);
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
     let symmetry = table.each("symmetry", group);
     let refine = table.optional("refine", Item::splits);
@@ -170,13 +171,13 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     faults.note(&material);
     faults.note(&materials);
     faults.note(&element);
-    faults.note(&plane_strain);
+    faults.note(&reduction);
     faults.note(&symmetry);
     faults.note(&refine);
     faults.finish()?;
     let (mesh, material, materials, element) = (mesh?, material?, materials?, element?);
-    let (plane_strain, symmetry, refine) = (plane_strain?, symmetry?, refine?.flatten());
-    let body = Body { name, mesh, material, materials, element, plane_strain, symmetry, refine };
+    let (reduction, symmetry, refine) = (reduction?, symmetry?, refine?.flatten());
+    let body = Body { name, mesh, material, materials, element, reduction, symmetry, refine };
     check_block_use(&body)?;
     Ok(body)
 }
@@ -204,7 +205,23 @@ fn materials(table: &Table, mesh: &MeshSource, names: &Names) -> Result<Vec<(Loc
     }
 }
 
-/// A block is made of hexahedra, and of one layer of them in plane strain.
+fn reduction(table: &Table) -> Result<Option<Located<Reduction>>> {
+    let asked = |key: &str, reduction: Reduction| -> Result<Option<Located<Reduction>>> {
+        let is = table.optional(key, |item| Ok(item.located(item.boolean()?)))?;
+        Ok(is.filter(|is| is.value).map(|is| Located { value: reduction, at: is.at }))
+    };
+    let plane_strain = asked("plane_strain", Reduction::PlaneStrain)?;
+    match (plane_strain, asked("axisymmetric", Reduction::Axisymmetric)?) {
+        (Some(_), Some(both)) => Err(Error::input(
+            &both.at,
+            "stands beside `plane_strain`",
+            "a body is one of the two: take one of them out",
+        )),
+        (one, other) => Ok(one.or(other)),
+    }
+}
+
+/// A block is made of hexahedra, and of one layer of them where that stands for all of the body.
 fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
@@ -212,12 +229,10 @@ fn check_block_use(body: &Body) -> Result<()> {
         let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
     }
-    if let Some(plane_strain) = body.plane_strain.as_ref().filter(|plane_strain| plane_strain.value)
-        && block.value.elements[2] != 1
-    {
+    if let Some(reduction) = body.reduction.as_ref().filter(|_| block.value.elements[2] != 1) {
         let layers = block.value.elements[2];
-        let what = format!("body.{name} is in plane strain but has {layers} layers of elements along z");
-        return Err(Error::input(&plane_strain.at, what, "make the third of `elements` 1"));
+        let what = format!("body.{name} is {} but has {layers} layers of elements along z", reduction.value.words());
+        return Err(Error::input(&reduction.at, what, "make the third of `elements` 1"));
     }
     Ok(())
 }

@@ -89,7 +89,7 @@ fn defaults_fill_what_is_not_given() {
     assert_eq!((scene.name.as_str(), scene.title.as_str()), ("test", "Test"));
     let body = &scene.bodies[0];
     assert_eq!((body.name.at.line, body.name.at.column), (3, 7));
-    assert!(body.element.is_none() && body.plane_strain.is_none());
+    assert!(body.element.is_none() && body.reduction.is_none());
     let MeshSource::File { path, group: None } = &body.mesh else { panic!("{:?}", body.mesh) };
     assert_eq!(path.value, Path::new("in/slab.msh"));
     assert_eq!(scene.materials[1].model, MaterialModel::Hooke { young: 210000.0, poisson: 0.3 });
@@ -435,7 +435,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
     assert_eq!(
         message("material = \"rubber\"", "  materail = \"rubber\""),
         "in/test.toml:5:3: unknown key `materail` in body.slab\n  | materail = \"rubber\"\n  \
-         help: did you mean `material`? (known: mesh, group, block, material, materials, element, plane_strain, symmetry, refine)"
+         help: did you mean `material`? (known: mesh, group, block, material, materials, element, plane_strain, axisymmetric, symmetry, refine)"
     );
     assert_eq!(
         message("[material.steel]", "[materials.steel]"),
@@ -797,7 +797,7 @@ fn the_ironing_scene_is_read() {
     assert_eq!((press.increment.max, slide.increment.initial, slide.increment.max), (0.05, 0.00125, 0.00125));
     assert_eq!((press.moves[0].by.y, slide.moves[0].by.x), (-10.0, 250.0));
     assert_eq!(slide.fix.iter().map(|fix| fix.directions).collect::<Vec<_>>(), [[true; 3]]);
-    assert!(scene.bodies[0].plane_strain.as_ref().is_some_and(|p| p.value));
+    assert!(scene.bodies[0].is_layer());
     let changed = load(&path, &["step.slide.increments=400".to_string()]).unwrap();
     assert_eq!(changed.steps[1].increment.initial, 0.0025);
     let again = parse("ironing-rigid.toml", &changed.text, path.parent().unwrap(), &[]).unwrap();

@@ -11,9 +11,14 @@
 //! A positive pressure pushes into the body. (Bonet and Wood, Nonlinear Continuum Mechanics for Finite Element
 //! Analysis.) The 2x2 Gauss rule of the quadrilateral is exact for forces and tangent, not for the area of a
 //! warped face.
+//!
+//! On an axisymmetric body (see [`super::element::ring4`]) an upright quadrilateral between the z-planes, w apart, stands for the
+//! ring that its meridian is turned to: the integrands are multiplied by 2 pi r / w, r = x = sum_a N_a x_a, and the tangent has
+//! -p int N_a (2 pi / w) N_b n e_x da besides.
 
 use super::element::GAUSS;
 use crate::Vec3;
+use std::f64::consts::TAU;
 
 /// External nodal forces, node-major, and their derivative by the nodes' positions, `tangent[row][column]`, not
 /// symmetric. Both enter an equilibrium residual R = internal - external with a minus.
@@ -74,33 +79,55 @@ const fn quad4(s: f64, t: f64) -> FacePoint<4> {
 
 /// Pressure on a triangle with current nodes `x`.
 pub fn tri3_pressure(x: &[[f64; 3]; 3], pressure: f64) -> FaceLoad<9> {
-    follower_pressure(&TRI3, x, pressure)
+    follower_pressure(&TRI3, x, pressure, None)
 }
 
 /// Pressure on a quadratic triangle with current nodes `x`: corners, then the middles of 0-1, 1-2, 2-0.
 pub fn tri6_pressure(x: &[[f64; 3]; 6], pressure: f64) -> FaceLoad<18> {
-    follower_pressure(&TRI6, x, pressure)
+    follower_pressure(&TRI6, x, pressure, None)
 }
 
 /// Pressure on a quadrilateral with current nodes `x`.
 pub fn quad4_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
-    follower_pressure(&QUAD4, x, pressure)
+    follower_pressure(&QUAD4, x, pressure, None)
+}
+
+/// Pressure on the ring that a quadrilateral with current nodes `x` is turned to.
+pub fn ring_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
+    follower_pressure(&QUAD4, x, pressure, Some(around(x)))
 }
 
 /// The areas int N_a da that belong to the nodes of a triangle; their sum is its area.
 pub fn tri3_nodal_areas(x: &[[f64; 3]; 3]) -> [f64; 3] {
-    nodal_areas(&TRI3, x)
+    nodal_areas(&TRI3, x, None)
 }
 
 /// The areas int N_a da that belong to the nodes of a quadratic triangle, none to the corners of a straight one; their sum is its
 /// area.
 pub fn tri6_nodal_areas(x: &[[f64; 3]; 6]) -> [f64; 6] {
-    nodal_areas(&TRI6, x)
+    nodal_areas(&TRI6, x, None)
 }
 
 /// The areas int N_a da that belong to the nodes of a quadrilateral; their sum is its area.
 pub fn quad4_nodal_areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
-    nodal_areas(&QUAD4, x)
+    nodal_areas(&QUAD4, x, None)
+}
+
+/// The areas int N_a da that belong to the nodes of a quadrilateral, of the ring that it is turned to; of a face within one z-plane
+/// they are the volumes that it sweeps.
+pub fn ring_nodal_areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
+    nodal_areas(&QUAD4, x, Some(around(x)))
+}
+
+/// 2 pi over the width of a face along z, that of one without it being 1.
+pub fn around(x: &[[f64; 3]]) -> f64 {
+    const FLAT: f64 = 1e-9;
+    let extent = |d: usize| {
+        let ends = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[d]), high.max(x[d])));
+        ends.1 - ends.0
+    };
+    let width = extent(2);
+    if width > FLAT * (extent(0) + extent(1)) { TAU / width } else { TAU }
 }
 
 /// Area of a triangle.
@@ -118,20 +145,28 @@ impl<const N: usize> FacePoint<N> {
     fn tangents(&self, x: &[[f64; 3]; N]) -> [Vec3; 2] {
         self.gradients.map(|by| x.iter().zip(by).map(|(x, g)| g * Vec3::from(*x)).sum())
     }
+
+    /// What an integrand is multiplied by on a ring, `around` being that of the axis.
+    fn radius(&self, x: &[[f64; 3]; N], around: Option<f64>) -> f64 {
+        around.map_or(1.0, |around| around * x.iter().zip(self.values).map(|(x, value)| value * x[0]).sum::<f64>())
+    }
 }
 
 fn follower_pressure<const N: usize, const Q: usize, const D: usize>(
     rule: &[FacePoint<N>; Q],
     x: &[[f64; 3]; N],
     pressure: f64,
+    around: Option<f64>,
 ) -> FaceLoad<D> {
     const { assert!(D == 3 * N) };
     let mut load = FaceLoad { force: [0.0; D], tangent: [[0.0; D]; D] };
     for point in rule {
         let [by_s, by_t] = point.tangents(x);
         let area = by_s.cross(&by_t);
+        let radius = point.radius(x, around);
         for a in 0..N {
-            let factor = -pressure * point.weight * point.values[a];
+            let share = -pressure * point.weight * point.values[a];
+            let factor = share * radius;
             (0..3).for_each(|i| load.force[3 * a + i] += factor * area[i]);
             for b in 0..N {
                 let v = factor * (point.gradients[1][b] * by_s - point.gradients[0][b] * by_t);
@@ -139,17 +174,23 @@ fn follower_pressure<const N: usize, const Q: usize, const D: usize>(
                 for (i, k) in (0..9).map(|n| (n / 3, n % 3)) {
                     load.tangent[3 * a + i][3 * b + k] += skew[(i, k)];
                 }
+                let wider = share * around.unwrap_or(0.0) * point.values[b];
+                (0..3).for_each(|i| load.tangent[3 * a + i][3 * b] += wider * area[i]);
             }
         }
     }
     load
 }
 
-fn nodal_areas<const N: usize, const Q: usize>(rule: &[FacePoint<N>; Q], x: &[[f64; 3]; N]) -> [f64; N] {
+fn nodal_areas<const N: usize, const Q: usize>(
+    rule: &[FacePoint<N>; Q],
+    x: &[[f64; 3]; N],
+    around: Option<f64>,
+) -> [f64; N] {
     let mut areas = [0.0; N];
     for point in rule {
         let [by_s, by_t] = point.tangents(x);
-        let area = point.weight * by_s.cross(&by_t).norm();
+        let area = point.weight * by_s.cross(&by_t).norm() * point.radius(x, around);
         (0..N).for_each(|a| areas[a] += area * point.values[a]);
     }
     areas
@@ -189,6 +230,33 @@ mod tests {
             check_tangent(add(&SQUARE, &random.points(0.4)), |x| quad4_pressure(x, -0.8));
             check_tangent(add(&SIX, &random.points(0.3)), |x| tri6_pressure(x, 1.3));
         }
+        // Nodes of an upright face move in pairs.
+        let upright =
+            |[x, y]: [[f64; 2]; 2]| [[x[0], x[1], 2.0], [y[0], y[1], 2.0], [y[0], y[1], 2.7], [x[0], x[1], 2.7]];
+        let flat = |t: [f64; 4]| upright([[1.0 + t[0], 0.3 + t[1]], [2.5 + t[2], 1.1 + t[3]]]);
+        let exact = ring_pressure(&flat([0.0; 4]), 1.7).tangent;
+        for column in 0..4 {
+            let (node, d) = (column / 2, column % 2);
+            let both: [f64; 12] =
+                std::array::from_fn(|row| [node, 3 - node].iter().map(|n| exact[row][3 * n + d]).sum());
+            let differences = derivative(1e-2, |t| {
+                let mut moved = [0.0; 4];
+                moved[column] = t;
+                ring_pressure(&flat(moved), 1.7).force
+            });
+            assert!(relative_error(&both, &differences) < 2e-13);
+        }
+    }
+
+    /// A cone between the radii 1 and 3, of height 2.
+    #[test]
+    fn a_ring_has_the_area_of_its_cone() {
+        let face = [[1.0, 0.0, 0.0], [3.0, 2.0, 0.0], [3.0, 2.0, 0.4], [1.0, 0.0, 0.4]];
+        let area: f64 = ring_nodal_areas(&face).iter().sum();
+        assert!((area - TAU * 2.0 * 8f64.sqrt()).abs() < 1e-13 * area, "{area}");
+        // Outwards is down and out: the push along y is the pressure on the ring seen from below.
+        let pushed: f64 = ring_pressure(&face, 0.5).force.chunks(3).map(|force| force[1]).sum();
+        assert!((pushed.abs() - 0.5 * TAU / 2.0 * (9.0 - 1.0)).abs() < 1e-12, "{pushed}");
     }
 
     #[test]

@@ -151,6 +151,24 @@ impl Surface {
         !any(comm, is_open)
     }
 
+    /// Whether the patches have no normal with a part along z beyond `tilt`, as far as their corners tell. Collective.
+    pub fn is_drawn_along_z(&self, comm: &SimpleCommunicator, tilt: f64) -> bool {
+        let leans = |patch: &Patch| {
+            let corners: &[[f64; 2]] = if patch.count == 3 {
+                &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+            } else {
+                &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            };
+            corners.iter().any(|xi| patch.normal(*xi).z.abs() > tilt)
+        };
+        let here = match &self.share {
+            Share::Patches(share) => share.iter().any(leans),
+            Share::Faces(_) => true,
+            Share::Nothing => false,
+        };
+        !any(comm, here)
+    }
+
     /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.
     pub fn bounds(&self, comm: &SimpleCommunicator) -> Option<Bounds> {
         let here = match &self.share {

@@ -80,9 +80,9 @@ pub fn of(scene: &Scene, every: usize) -> Vec<Setting> {
     all.into_iter().filter(|setting| !setting.ways.is_empty()).collect()
 }
 
-/// Whether all is in plane strain.
+/// Whether all bodies are layers.
 fn is_plane(scene: &Scene) -> bool {
-    scene.bodies.iter().all(|body| body.plane_strain.as_ref().is_some_and(|plane| plane.value))
+    scene.bodies.iter().all(Body::is_layer)
 }
 
 /// Times the wall time when all elements are split.
@@ -282,7 +282,7 @@ fn element(scene: &Scene) -> Setting {
             let directed = matches!(scene.material(&body.material.value), Some(MaterialModel::Orthotropic(_)));
             let suits = match element {
                 Formulation::Hex8 => !locks,
-                Formulation::Hex8Eas => !directed,
+                Formulation::Hex8Eas => !directed && !body.is_axisymmetric(),
                 _ => true,
             };
             hexahedra && now != element && suits

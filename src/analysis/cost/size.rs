@@ -65,8 +65,8 @@ impl Size {
     /// Of a model that has been set up in so many seconds. Collective.
     pub fn new(comm: &SimpleCommunicator, scene: &Scene, model: &Model, seconds: f64) -> Self {
         let work = |(section, (body, material)): (&Section, (usize, &Located<String>))| {
-            let plane_strain = model.bodies[body].plane_strain;
-            Some(Work::element(section.element, plane_strain, scene.material(&material.value)?))
+            let is_layer = model.bodies[body].is_layer();
+            Some(Work::element(section.element, is_layer, scene.material(&material.value)?))
         };
         let works: Vec<Option<Work>> = model.sections.iter().zip(scene.sections()).map(work).collect();
         let all = Work::all();

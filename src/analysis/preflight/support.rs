@@ -108,6 +108,10 @@ pub fn supported(
             motions.hold(model.part.body[n] as usize, &place(n), &along);
         }
     }
+    // Where rings get wider they resist: only along the axis they move freely.
+    if model.is_axisymmetric() {
+        (0..model.part.owned).for_each(|n| motions.hold(model.part.body[n] as usize, &place(n), &Vec3::x()));
+    }
     for (&n, footing) in &conditions.springs {
         for d in (0..3).filter(|&d| footing.resists()[d]) {
             motions.hold(model.part.body[n as usize] as usize, &place(n as usize), &Vec3::ith(d, 1.0));

@@ -22,7 +22,7 @@
 //!   onto the master's smooth surface then.
 //! - On a tool they are Gauss points of the slave faces.
 //!
-//! Weights count areas of the initial mesh: so they stand still on a tool, where the tangent is exact. On a body points and
+//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a tool, where the tangent is exact. On a body points and
 //! weights are found anew at each iterate, and stand still in the tangent. What they have in common is integrated whatever the
 //! overlap, so that only the error of the rule is left out; yet that makes convergence linear, by a factor of some hundredths.
 //! So they are kept from where little is left of the residual.
@@ -70,6 +70,8 @@ pub struct Face {
     pub nodes: [u32; 4],
     /// In its mean plane, of the initial mesh.
     area: f64,
+    /// What parts of the area count by at the corners: 1, or the radius.
+    measure: [f64; 4],
     spots: Vec<Spot>,
     /// The integrals of the shape functions.
     whole: [f64; 4],
@@ -84,16 +86,18 @@ pub struct Faces {
 }
 
 impl Face {
-    fn new(part: &Part, facet: &PartFacet) -> Self {
+    fn new(part: &Part, facet: &PartFacet, is_ring: bool) -> Self {
         let corners = Corners::new(&facet.nodes[..facet.count as usize]);
         let places = corners.map(|n| part.points[n as usize]);
-        let spots = spots(&places);
+        let measure = places.x.map(|x| if is_ring { x.x } else { 1.0 });
+        let mut spots = spots(&places);
+        spots.iter_mut().for_each(|spot| spot.weight *= mean(&spot.shapes, &measure));
         let mut whole = [0.0; 4];
         for spot in &spots {
             whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
         }
         let area = places.area_vector().norm();
-        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, spots, whole }
+        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, measure, spots, whole }
     }
 
     /// The sum of some values at the corners that move as a node.
@@ -103,11 +107,12 @@ impl Face {
 }
 
 impl Faces {
-    /// Those of the facets of a set that touch the slaves, which are in the order of their nodes.
-    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave]) -> Self {
+    /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
+    /// rings.
+    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave], is_ring: bool) -> Self {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
-            let face = Face::new(part, facet);
+            let face = Face::new(part, facet, is_ring);
             let mut touched: Vec<usize> = face.nodes[..face.corners.count]
                 .iter()
                 .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
@@ -131,6 +136,11 @@ impl Faces {
     pub fn beside(&self, slave: usize) -> impl Iterator<Item = u32> + '_ {
         self.around(slave).flat_map(|face| face.nodes[..face.corners.count].iter().copied())
     }
+}
+
+/// What shape functions make of values at corners; none counts of corners that do not.
+fn mean(shapes: &[f64; 4], values: &[f64; 4]) -> f64 {
+    shapes.iter().zip(values).map(|(shape, value)| shape * value).sum()
 }
 
 /// Gauss points of a face.

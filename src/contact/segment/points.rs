@@ -1,6 +1,6 @@
 //! Integration points of slave faces on the master, and what a slave node meets through them.
 
-use super::{Face, LEAST, Spot};
+use super::{Face, LEAST, Spot, mean};
 use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
 use crate::contact::{BodySurface, Pair};
@@ -10,7 +10,7 @@ use crate::surface::{Patch, Projection};
 use crate::{Mat3, Vec3};
 
 /// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
-/// nothing is.
+/// nothing is, or where these are multiplied by a radius.
 const POINTS: [usize; 2] = [2, 3];
 /// Cosine between the normals of a slave face and a master face that looks at it, at most.
 const FACING: f64 = -0.1;
@@ -161,6 +161,7 @@ impl Segments {
 /// Where the overlap of a face, at `x`, with the faces of a surface within reach has points.
 fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
+    let lines = if face.measure == [1.0; 4] { lines } else { [lines[1]; 2] };
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
     let (low, high) = x.around(reach);
@@ -173,7 +174,7 @@ fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, li
         for point in overlap(&plane, &master, lines) {
             let [_, b, c, d] = point.master;
             let xi = if patch.count == 3 { [b + c, c] } else { [b + c, c + d] };
-            let spot = Spot { shapes: point.slave, weight: scale * point.weight };
+            let spot = Spot { shapes: point.slave, weight: scale * point.weight * mean(&point.slave, &face.measure) };
             starts.push((spot, Some((patch.id, xi))));
         }
     }

@@ -27,6 +27,7 @@ pub mod hex8_eas;
 pub mod hex8_fbar;
 pub mod hex8_sri;
 pub mod plane4;
+pub mod ring4;
 pub mod tet10;
 pub mod tet10_sri;
 pub mod tet4;
