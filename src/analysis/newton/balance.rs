@@ -394,6 +394,8 @@ impl Newton<'_> {
         let model = &self.system.model;
         let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
         sum(self.system.comm, &mut sums);
+        // Those of a ring do so along its axis alone.
+        let sums_up = [!model.is_axisymmetric(), true, !model.is_axisymmetric()];
         let rest = |group: usize| {
             // Of a body of several materials it counts against the largest forces in it.
             let force = |g: usize| self.found.balance.actual(g);
@@ -403,7 +405,7 @@ impl Newton<'_> {
             };
             let body = model.sections.get(group).filter(|own| is_largest(own)).map(|own| own.body);
             let sum = body.and_then(|body| sums.chunks_exact(3).nth(body));
-            sum.map_or(0.0, |s| s.iter().fold(0.0, |m: f64, t| m.max(t.abs())))
+            sum.map_or(0.0, |s| s.iter().zip(sums_up).filter(|(_, does)| *does).fold(0.0, |m: f64, (t, _)| m.max(t.abs())))
         };
         let first_tool = model.sections.len() + model.pairs.len();
         let tools = model.masters.tools.len();
