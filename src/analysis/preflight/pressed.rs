@@ -96,7 +96,9 @@ fn supports(
         let b = united[model.part.body[n] as usize];
         let resists = conditions.springs.get(&(n as u32)).copied().unwrap_or_default().resists();
         let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
-        for d in (0..3).filter(|&d| resists[d] || held.iter().any(|along| along[d].abs() > SLIGHT)) {
+        // Rings resist getting wider.
+        let around = model.is_axisymmetric();
+        for d in (0..3).filter(|&d| around && d == 0 || resists[d] || held.iter().any(|along| along[d].abs() > SLIGHT)) {
             set[3 * b + d] = 1.0;
         }
         for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {
