@@ -1,10 +1,10 @@
 #!/usr/bin/python3 -B
-"""Writes the section of an O-ring, a disc of 5.33 mm around (22.5, 0), as a Gmsh 2.2 mesh: a layer of hexahedra, z from 0 to
-0.4 mm, to be turned about the y axis.
+"""Writes the section of an O-ring, a disc of 5.33 mm around (22.5, 0), as a Gmsh 2.2 mesh: a layer of hexahedra,
+z from 0 to 0.4 mm, to be turned about the y axis.
 
        .--------.
       / \\  3   / \\      Five blocks: a core of N x N elements with N / 2 + 1 layers of N around each quarter.
-     |   .----.   |     The volume group is `rubber`; surface groups are `outside`, all around, and `fluid`, the quarter
+     |   .----.   |     The volume group is `rubber`; surface groups are `outside`, all around, and `fluid`, the third
      | 2 | 0  | 1 |     that looks to the axis.
      |   '----'   |
       \\ /  4   \\ /
@@ -47,7 +47,8 @@ def mesh():
         return [a + (b - a) * k / layers for a, b in zip(inner, outer)]
 
     column = lambda corners: [node(*corner, z) for z in (0.0, DEPTH) for corner in corners]
-    hexes = [column([core(i, j), core(i + 1, j), core(i + 1, j + 1), core(i, j + 1)]) for j in range(N) for i in range(N)]
+    hexes = [column([core(i, j), core(i + 1, j), core(i + 1, j + 1), core(i, j + 1)])
+             for j in range(N) for i in range(N)]
     around = {}
     for quarter in range(4):
         for i in range(N):
@@ -55,7 +56,9 @@ def mesh():
                               ring(quarter, i + 1, k)]) for k in range(layers)]
             a, b = ring(quarter, i, layers), ring(quarter, i + 1, layers)
             around.setdefault(quarter, []).append([node(*a, 0.0), node(*b, 0.0), node(*b, DEPTH), node(*a, DEPTH)])
-    surfaces = {"outside": sum(around.values(), []), "fluid": around[2]}
+    sixth = N // 6
+    fluid = around[1][-sixth:] + around[2] + around[3][:sixth]
+    surfaces = {"outside": sum(around.values(), []), "fluid": fluid}
     groups = [(2, surfaces), (3, {"rubber": hexes})]
     return gmsh.text(points, [(d, name, cell) for d, of in groups for name, cells in of.items() for cell in cells])
 

@@ -211,13 +211,10 @@ fn reduction(table: &Table) -> Result<Option<Located<Reduction>>> {
         Ok(is.filter(|is| is.value).map(|is| Located { value: reduction, at: is.at }))
     };
     let plane_strain = asked("plane_strain", Reduction::PlaneStrain)?;
-    match (plane_strain, asked("axisymmetric", Reduction::Axisymmetric)?) {
-        (Some(_), Some(both)) => Err(Error::input(
-            &both.at,
-            "stands beside `plane_strain`",
-            "a body is one of the two: take one of them out",
-        )),
-        (one, other) => Ok(one.or(other)),
+    let axisymmetric = asked("axisymmetric", Reduction::Axisymmetric)?;
+    match table.get("axisymmetric").filter(|_| plane_strain.is_some() && axisymmetric.is_some()) {
+        Some(item) => Err(item.error("stands beside `plane_strain`", "a body is one of the two: take one of them out")),
+        None => Ok(plane_strain.or(axisymmetric)),
     }
 }
 

@@ -405,7 +405,9 @@ impl Newton<'_> {
             };
             let body = model.sections.get(group).filter(|own| is_largest(own)).map(|own| own.body);
             let sum = body.and_then(|body| sums.chunks_exact(3).nth(body));
-            sum.map_or(0.0, |s| s.iter().zip(sums_up).filter(|(_, does)| *does).fold(0.0, |m: f64, (t, _)| m.max(t.abs())))
+            sum.map_or(0.0, |s| {
+                s.iter().zip(sums_up).filter(|(_, does)| *does).fold(0.0, |m: f64, (t, _)| m.max(t.abs()))
+            })
         };
         let first_tool = model.sections.len() + model.pairs.len();
         let tools = model.masters.tools.len();

@@ -98,7 +98,8 @@ fn supports(
         let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
         // Rings resist getting wider.
         let around = model.is_axisymmetric();
-        for d in (0..3).filter(|&d| around && d == 0 || resists[d] || held.iter().any(|along| along[d].abs() > SLIGHT)) {
+        for d in (0..3).filter(|&d| around && d == 0 || resists[d] || held.iter().any(|along| along[d].abs() > SLIGHT))
+        {
             set[3 * b + d] = 1.0;
         }
         for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {
