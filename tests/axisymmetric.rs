@@ -236,7 +236,7 @@ fn loads_are_those_of_the_ring() {
 #[test]
 fn what_is_not_round_is_refused() {
     let scene = format!(
-        "{}{SOFT}[tool.die]\nplane = {{ point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.0] }}\n[contact.top]\n\
+        "{}{SOFT}density = 1.0\n[tool.die]\nplane = {{ point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.0] }}\n[contact.top]\n\
          slave = \"disc.ymax\"\nmaster = \"die\"\n[[step]]\nincrements = 1\nfix = [{{ set = \"disc.ymin\", directions = \"y\" }}]\n\
          move = [{{ target = \"die\", by = [0.0, -0.01, 0.0] }}]\n",
         ring("disc", [0.0, 0.0, 1.0, 1.0], [2, 2], "")

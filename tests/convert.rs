@@ -515,3 +515,53 @@ fn nothing_is_overwritten() {
     assert!(code == Some(2) && stderr.contains("deck.toml exists already"), "{stderr}");
     assert_eq!(fs::read_to_string(bench.path("deck.toml")).unwrap(), "mine");
 }
+
+/// A tube of axisymmetric elements under pressure from inside, by their sides and by a surface. Lame, as in `axisymmetric.rs`.
+#[test]
+fn axisymmetric_elements_become_a_layer() {
+    let (n, a, b, young, poisson, p) = (8, 1.0, 2.0, 1000.0, 0.3, 1e-3);
+    let node = |i: usize, j: usize| 1 + i + (n + 1) * j;
+    let mut deck = "*NODE, NSET=all\n".to_string();
+    for (i, j) in (0..=2).flat_map(|j| (0..=n).map(move |i| (i, j))) {
+        deck += &format!("{}, {:?}, {:?}\n", node(i, j), a + (b - a) * i as f64 / n as f64, 0.25 * j as f64);
+    }
+    deck += "*ELEMENT, TYPE=CAX4, ELSET=tube\n";
+    for (i, j) in (0..2).flat_map(|j| (0..n).map(move |i| (i, j))) {
+        let [k, l] = [node(i, j), node(i, j + 1)];
+        deck += &format!("{}, {k}, {}, {}, {l}\n", 1 + i + n * j, k + 1, l + 1);
+    }
+    deck += &format!(
+        "*NSET, NSET=low, GENERATE\n1, {}\n*NSET, NSET=high, GENERATE\n{}, {}\n*ELSET, ELSET=bore\n1, {}\n\
+         *SURFACE, NAME=inner\nbore, S4\n*MATERIAL, NAME=metal\n*ELASTIC\n{young:?}, {poisson:?}\n\
+         *SOLID SECTION, ELSET=tube, MATERIAL=metal\n*STEP, NLGEOM\n*STATIC\n1., 1.\n*BOUNDARY\nlow, 2, 2\nhigh, 2, 2\n\
+         *DLOAD\nbore, P4, {:?}\n*DSLOAD\ninner, P, {:?}\n*NODE PRINT, NSET=low, TOTALS=ONLY\nRF\n*END STEP\n",
+        n + 1,
+        node(0, 2),
+        node(n, 2),
+        n + 1,
+        0.25 * p,
+        0.75 * p
+    );
+    let (bench, _) = converted(&deck);
+    assert!(scene(&bench).contains("axisymmetric = true"), "{}", scene(&bench));
+    let run = bench.solve(1, &[]);
+    let (points, moved) = (run.points("body.tube"), run.vectors(run.written(), "body.tube", "displacement"));
+    for (x, u) in points.iter().zip(&moved).filter(|(x, _)| x[0] == a || x[0] == b) {
+        let exact =
+            (1.0 + poisson) * p * a * a / (young * (b * b - a * a)) * ((1.0 - 2.0 * poisson) * x[0] + b * b / x[0]);
+        assert_small("widened", u[0] / exact - 1.0, 3e-3);
+    }
+    let ends = std::f64::consts::TAU * poisson * p * a * a;
+    assert_close("ends", run.history().last("tube.low.fy"), -ends, 1e-4);
+
+    let text = scene(&bench).replace("axisymmetric = true", "");
+    bench.write("scene.toml", &text);
+    let run = bench.run(1, &[]);
+    assert!(run.code == 2 && run.stderr.contains("is of axisymmetric elements"), "{}", run.stderr);
+    let (_, told) =
+        refused(&deck.replace(
+            "TYPE=CAX4, ELSET=tube\n",
+            "TYPE=CAX3, ELSET=odd\n99, 1, 2, 11\n*ELEMENT, TYPE=CAX4, ELSET=tube\n",
+        ));
+    assert!(told.contains("element 99 of type CAX3 is not computed; mesh axisymmetric bodies with CAX4"), "{told}");
+}

@@ -5,7 +5,7 @@ use super::groups::Groups;
 use super::materials::{self, Material};
 use super::names::Namer;
 use crate::error::{Error, Location, Result};
-use crate::mesh::abaqus::{Card, Whole, no_set};
+use crate::mesh::abaqus::{Card, DRAWN, Whole, no_set};
 use crate::mesh::{Slot, SolidShape};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
@@ -317,6 +317,14 @@ impl Body {
                 ));
             }
             return "";
+        }
+        if whole.mesh.is_section {
+            if named != [DRAWN] {
+                notes.whole(format!(
+                    "body `{name}`: elements {types} become those that nagata takes for its material (see `nagata check`)"
+                ));
+            }
+            return "axisymmetric = true\n";
         }
         let is_orthotropic = self.materials.keys().any(|&material| materials[material].is_orthotropic());
         if named == ["C3D8I"] && !is_orthotropic {

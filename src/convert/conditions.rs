@@ -10,7 +10,7 @@ use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
 use crate::error::{Error, Result};
 use crate::mesh::Slot;
-use crate::mesh::abaqus::{Card, Row, no_set};
+use crate::mesh::abaqus::{Card, LOWEST, Row, no_set};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -218,7 +218,8 @@ impl Conditions {
                 }
             }
             Some(side) if !is_surface => {
-                for face in line.sides(set, side - 1)? {
+                let lowest = if line.setting.groups.whole.mesh.is_section { LOWEST } else { 0 };
+                for face in line.sides(set, side - 1 + lowest)? {
                     load.values.insert(face, [value, 0.0, 0.0]);
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::names::Namer;
 use crate::error::{Error, Result};
-use crate::mesh::abaqus::Whole;
+use crate::mesh::abaqus::{LOWEST, Whole};
 use crate::mesh::faces::{self, FaceKey};
 use crate::mesh::{Facet, Group, Middles, message};
 use std::collections::{BTreeSet, HashMap};
@@ -103,7 +103,8 @@ impl<'a> Groups<'a> {
         }
         let sides = wanted.iter().map(|&face| {
             let (solid, local) = self.boundary[face as usize];
-            self.whole.solid_name(solid).map(|name| format!("{name}, S{}", local + 1))
+            let lowest = if self.whole.mesh.is_section { LOWEST } else { 0 };
+            self.whole.solid_name(solid).map(|name| format!("{name}, S{}", local + 1 - lowest))
         });
         let sides: Option<Vec<String>> = sides.collect();
         self.make(Members::Faces, wanted, hint, |name, text| {

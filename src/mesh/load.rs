@@ -24,7 +24,7 @@ pub fn load(source: &MeshSource, purpose: Purpose) -> Result<Mesh> {
             select::select(FileMesh::from(block::generate(shape)?), &wish)?
         }
         MeshSource::File { path, group } => {
-            let file = read(path)?;
+            let file = read(path, purpose)?;
             let at = group.as_ref().map_or(&path.at, |group| &group.at);
             let group = group.as_ref().map(|group| group.value.as_str());
             is_closed = file.is_closed && group.is_none();
@@ -60,7 +60,7 @@ fn tell_of_borders(mesh: &mut Mesh, turned: &[u64]) {
 }
 
 /// All of a mesh file. What stands first in it tells its format; its extension does when that is unclear.
-fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
+fn read(path: &Located<PathBuf>, purpose: Purpose) -> Result<FileMesh> {
     let name = path.value.display().to_string();
     let data = std::fs::read(&path.value).map_err(|error| {
         Error::input(&path.at, format!("cannot read the mesh '{name}': {error}"), neighbours(&path.value))
@@ -74,7 +74,7 @@ fn read(path: &Located<PathBuf>) -> Result<FileMesh> {
     let mut file = match (data.trim_ascii_start().first(), extension.as_str()) {
         (_, "stl") => stl::read(&name, data)?,
         (Some(b'$'), _) | (_, "msh") => gmsh::read(&name, data)?,
-        (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data)?,
+        (Some(b'*'), _) | (_, "inp") => abaqus::read(&path.value, &name, data, purpose == Purpose::Body)?,
         _ if stl::is_text(&data) || stl::is_binary(&data) => stl::read(&name, data)?,
         _ => {
             let what = format!("'{name}' is neither a Gmsh, nor an Abaqus, nor an STL file");

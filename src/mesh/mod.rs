@@ -90,6 +90,8 @@ pub struct Mesh {
     pub groups: BTreeMap<String, Group>,
     /// What the user should know of the file.
     pub warnings: Vec<String>,
+    /// Its solids are axisymmetric elements, drawn out by one layer along z.
+    pub is_section: bool,
 }
 
 impl Solid {

@@ -182,7 +182,12 @@ impl Taken {
         let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
         let facet_nodes = self.facets.iter().flat_map(|facet| self.nodes_of(facet));
         solid_nodes.copied().chain(facet_nodes).for_each(|node| node_map[node as usize] = 0);
-        let mut result = Mesh { source: mesh.source.clone(), warnings: mesh.warnings.clone(), ..Mesh::default() };
+        let mut result = Mesh {
+            source: mesh.source.clone(),
+            warnings: mesh.warnings.clone(),
+            is_section: mesh.is_section,
+            ..Mesh::default()
+        };
         for (new, index) in node_map.iter_mut().filter(|new| **new == 0).zip(0..) {
             *new = index;
         }

@@ -146,12 +146,14 @@ fn across(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Resu
     let of_contacts = scene.contacts.iter().flat_map(|contact| [&contact.slave, &contact.master]);
     let of_ties = scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]);
     let of_steps = scene.steps.iter().flat_map(|step| step.pressures.iter().map(|pressure| &pressure.set));
+    let ends = |fold: fn(f64, f64) -> f64, from: f64| global.points.iter().map(|x| x.z).fold(from, fold);
+    let width = ends(f64::max, f64::NEG_INFINITY) - ends(f64::min, f64::INFINITY);
     Faults::all(of_contacts.chain(of_ties).chain(of_steps).map(|name: &Located<String>| {
         let set = names.iter().position(|known| known.value == name.value).map(|k| &global.sets[k]);
         let is_across = |facet: &&GlobalFacet| {
             let z = facet.nodes[..facet.count as usize].iter().map(|&n| global.points[n as usize].z);
             let (low, high) = z.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
-            low == high
+            high - low < 0.5 * width
         };
         match set.and_then(|set| set.facets.iter().find(is_across)) {
             Some(_) => {

@@ -48,6 +48,10 @@ fn read(body: &Body) -> Result<Meshed> {
     }
     let mut mesh = mesh::load(&source, Purpose::Body)?;
     refuse_hanging(body, &mesh)?;
+    if mesh.is_section && !body.is_axisymmetric() {
+        let what = format!("the mesh of body `{}` is of axisymmetric elements", body.name.value);
+        return Err(Error::input(&body.name.at, what, "add `axisymmetric = true`"));
+    }
     let last = mesh.point_ids.iter().copied().max().unwrap_or(0);
     let ties = tie(body, &mut mesh)?;
     Ok(Meshed { mesh, ties, last })

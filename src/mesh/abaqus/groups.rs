@@ -2,13 +2,14 @@
 
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
 use super::super::{Group, Middles, faces, message};
-use super::{Deck, Kind, Member, Side, Surface, Unread};
+use super::{Deck, Kind, LOWEST, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Appends all scopes to one mesh and makes the groups.
-pub(super) fn finish(mut deck: Deck, source: &str) -> Result<FileMesh> {
+pub(super) fn finish(mut deck: Deck, source: &str, is_section: bool) -> Result<FileMesh> {
     let mut file = FileMesh::new(source);
+    file.mesh.is_section = is_section;
     let placed = Placed::new(&mut deck, &mut file)?;
     placed.finish(&mut file)?;
     Ok(file)
@@ -268,7 +269,9 @@ impl Surfaces {
             (Slot::Solid(solid), Side::Free) => {
                 let free = self.free.get_or_insert_with(|| faces::boundary(&mesh.solids));
                 let first = free.partition_point(|face| face.0 < solid);
-                let own: Vec<_> = free[first..].iter().take_while(|face| face.0 == solid).copied().collect();
+                let own = free[first..].iter().take_while(|face| face.0 == solid).copied();
+                // The z-planes are none of its surface.
+                let own: Vec<_> = own.filter(|face| !mesh.is_section || face.1 >= LOWEST).collect();
                 to.extend(own.into_iter().map(|(solid, face)| self.face(file, solid, face)));
             }
             (Slot::Facet(facet), Side::Free | Side::Positive | Side::Face(1)) => to.push(facet),

@@ -9,6 +9,7 @@
 
 mod groups;
 mod lines;
+mod section;
 #[cfg(test)]
 mod tests;
 mod whole;
@@ -19,13 +20,17 @@ use crate::Vec3;
 use crate::error::{Error, Location, Result};
 use lines::Lines;
 pub(crate) use lines::{Keyword, fields};
+pub(crate) use section::{DRAWN, LOWEST};
 use std::collections::BTreeMap;
 use std::path::Path;
 pub(crate) use whole::{Card, Row, Whole, no_set, read_whole};
 
-/// Reads a deck; `path` is where it lies, `source` names it in messages.
-pub(super) fn read(path: &Path, source: &str, data: Vec<u8>) -> Result<FileMesh> {
-    groups::finish(Deck::read(path, source, data, None)?, source)
+/// Reads a deck; `path` is where it lies, `source` names it in messages;
+/// the axisymmetric elements of a body are drawn out by one layer.
+pub(super) fn read(path: &Path, source: &str, data: Vec<u8>, is_body: bool) -> Result<FileMesh> {
+    let mut deck = Deck::read(path, source, data, None)?;
+    let is_section = is_body && deck.draw_out(source)?;
+    groups::finish(deck, source, is_section)
 }
 
 /// What the data lines below the last keyword are.

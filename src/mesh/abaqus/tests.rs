@@ -70,7 +70,7 @@ front, 1, 3
 "#;
 
 fn parse(text: &str) -> Result<FileMesh> {
-    read(Path::new("deck.inp"), "deck.inp", text.as_bytes().to_vec())
+    read(Path::new("deck.inp"), "deck.inp", text.as_bytes().to_vec(), true)
 }
 
 fn message_of(text: &str) -> String {
@@ -293,6 +293,6 @@ proptest! {
             let at = at.index(data.len());
             data[at] = byte;
         }
-        let _ = read(Path::new("deck.inp"), "deck.inp", data);
+        let _ = read(Path::new("deck.inp"), "deck.inp", data, true);
     }
 }

@@ -119,6 +119,7 @@ pub(crate) fn read_whole(path: &Path) -> Result<Whole> {
     let mut deck = Deck::read(path, &source, data, Some(Vec::new()))?;
     let cards = deck.cards.take().unwrap_or_default();
     let mut file = FileMesh::new(&source);
+    file.mesh.is_section = deck.draw_out(&source)?;
     let placed = Placed::new(&mut deck, &mut file)?;
     let surfaces = placed.finish(&mut file)?;
     Whole::new(placed, file, surfaces, cards)

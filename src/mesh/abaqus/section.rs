@@ -1,0 +1,101 @@
+//! Decks of axisymmetric elements, CAX4 in the plane of radius x and height y: drawn out along z by one layer of hexahedra.
+//!
+//! Elements keep their numbers; above node n stands node n + D, D the power of ten beyond all numbers. Side Sk of an element, its edge
+//! k, becomes the face S(k+2) of the hexahedron. How thick the layer is says nothing; all parts have the same. Only where no element
+//! of a deck is a solid: others write the faces of solids as CAX4.
+
+use super::super::message;
+use super::super::raw::CellShape;
+use super::{Deck, Scope, Side};
+use crate::error::Result;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Sides of a hexahedron before those that stand upright.
+pub(crate) const LOWEST: u8 = 2;
+
+/// Of the families of axisymmetric elements the one that is drawn out; letters behind it change the formulation alone.
+pub(crate) const DRAWN: &str = "CAX4";
+
+impl Deck {
+    /// Draws the axisymmetric elements out. Says whether there are any.
+    ///
+    /// # Errors
+    /// Others than those of four nodes, or nodes off the plane z = 0.
+    pub(super) fn draw_out(&mut self, source: &str) -> Result<bool> {
+        let is_solid = |shape| matches!(shape, CellShape::Hex | CellShape::Tet | CellShape::Tet10);
+        let scopes = || self.scopes.iter().chain(&self.parts);
+        if scopes().flat_map(|scope| &scope.cells).any(|cell| is_solid(cell.shape))
+            || !scopes().any(|scope| scope.of_kind(DRAWN).next().is_some())
+        {
+            return Ok(false);
+        }
+        let refuse = |what: String, help: &str| message::whole_file(source, what, help);
+        for scope in scopes() {
+            if let Some(k) = scope.of_kind("CAX").find(|&k| !scope.kind(k).starts_with(DRAWN)) {
+                let what = format!("element {} of type {} is not computed", scope.cells[k].id, scope.kind(k));
+                return Err(refuse(what, "mesh axisymmetric bodies with CAX4"));
+            }
+        }
+        let width = scopes().map(Scope::first_edge).fold(0.0, f64::max);
+        let above = 10u64.pow(scopes().flat_map(|scope| &scope.point_ids).max().map_or(1, |most| most.ilog10() + 1));
+        for scope in self.scopes.iter_mut().chain(&mut self.parts) {
+            if let Some(id) = scope.draw_out(above, width) {
+                return Err(refuse(format!("node {id} of an axisymmetric element is off the plane z = 0"), ""));
+            }
+        }
+        Ok(true)
+    }
+}
+
+impl Scope {
+    /// The type of a cell.
+    fn kind(&self, cell: usize) -> &str {
+        let after = self.kinds.partition_point(|(first, _)| *first <= cell);
+        after.checked_sub(1).map_or("", |at| &self.kinds[at].1)
+    }
+
+    /// The cells whose type begins so.
+    fn of_kind(&self, family: &str) -> impl Iterator<Item = usize> {
+        (0..self.cells.len()).filter(move |&k| self.kind(k).starts_with(family))
+    }
+
+    /// The length of the first edge of its first axisymmetric element.
+    fn first_edge(&self) -> f64 {
+        let place = |id: u64| self.point_ids.iter().position(|other| *other == id).map(|k| self.points[k]);
+        let ends = self.of_kind(DRAWN).next().map(|k| self.cells[k].nodes).map(|[a, b, ..]| [place(a), place(b)]);
+        match ends {
+            Some([Some(a), Some(b)]) => (a[0] - b[0]).hypot(a[1] - b[1]),
+            _ => 0.0,
+        }
+    }
+
+    /// Draws its axisymmetric elements out; a node off the plane is the answer.
+    fn draw_out(&mut self, above: u64, width: f64) -> Option<u64> {
+        let cells: Vec<usize> = self.of_kind(DRAWN).collect();
+        let mut nodes = BTreeSet::new();
+        for &k in &cells {
+            let cell = &mut self.cells[k];
+            cell.shape = CellShape::Hex;
+            for a in 0..4 {
+                nodes.insert(cell.nodes[a]);
+                cell.nodes[a + 4] = cell.nodes[a] + above;
+            }
+        }
+        let places: BTreeMap<u64, [f64; 3]> = self.point_ids.iter().copied().zip(self.points.iter().copied()).collect();
+        for id in nodes {
+            // What is named and not there is told where elements are placed.
+            let Some([x, y, z]) = places.get(&id).copied() else { continue };
+            if z != 0.0 {
+                return Some(id);
+            }
+            self.point_ids.push(id + above);
+            self.points.push([x, y, width]);
+        }
+        for (_, side, _) in self.surfaces.iter_mut().flat_map(|surface| &mut surface.members) {
+            if let Side::Face(face @ 0..4) = side {
+                *face += LOWEST;
+            }
+        }
+        None
+    }
+}
