@@ -21,6 +21,7 @@ const RIGID: &str = include_str!("decks/prepomax-rigid.inp");
 const RUBBER: &str = include_str!("decks/prepomax-rubber.inp");
 const CARDS: &str = include_str!("decks/calculix-rubber.inp");
 const PLY: &str = include_str!("decks/calculix-ply.inp");
+const RING: &str = include_str!("decks/calculix-ring.inp");
 const CLIP: &str = include_str!("../docs/tutorial/clip.inp");
 
 /// A folder with the deck and the scene that was made of it.
@@ -564,4 +565,17 @@ fn axisymmetric_elements_become_a_layer() {
             "TYPE=CAX3, ELSET=odd\n99, 1, 2, 11\n*ELEMENT, TYPE=CAX4, ELSET=tube\n",
         ));
     assert!(told.contains("element 99 of type CAX3 is not computed; mesh axisymmetric bodies with CAX4"), "{told}");
+}
+
+/// A ring of rubber, pressed between plates that hold it, with a pressure in its bore. CalculiX prints the forces of a wedge of two
+/// degrees, without what acts on its sides.
+#[test]
+fn axisymmetric_rubber_is_that_of_calculix() {
+    let run = solved(RING);
+    assert_close("force", run.history().last("pad.low.fy"), 180.0 * 1.036804, 3e-4);
+    let moved = run.vectors(run.written(), "body.pad", "displacement");
+    let node = run.points("body.pad").iter().position(|x| *x == [1.0, 0.5, 0.0]).unwrap();
+    for (d, of_calculix) in [-3.153182E-02, -7.500000E-02].into_iter().enumerate() {
+        assert_close("bore", moved[node][d], of_calculix, 2e-4);
+    }
 }

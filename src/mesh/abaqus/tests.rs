@@ -199,7 +199,7 @@ fn included_files_are_read_in_place() {
     let split = DECK.find("*Element, type=C3D8R").unwrap();
     std::fs::write(folder.path().join("nodes.inc"), &DECK[..split]).unwrap();
     std::fs::write(folder.path().join("loop.inc"), "*INCLUDE, INPUT=loop.inc\n").unwrap();
-    let open = |text: String| read(&path, "main.inp", text.into_bytes());
+    let open = |text: String| read(&path, "main.inp", text.into_bytes(), true);
     let file = open(format!("*INCLUDE, INPUT=nodes.inc\n{}", &DECK[split..])).unwrap();
     assert_eq!(file.mesh.points, parse(DECK).unwrap().mesh.points);
 
