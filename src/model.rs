@@ -23,7 +23,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Scene, body_of, did_you_mean};
-use crate::solid::element::{hex8, plane4, tet4, tet10};
+use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::{MovingPatch, Smoothing};
@@ -50,6 +50,8 @@ pub struct Section {
     pub body: usize,
     pub material: Material,
     pub element: Formulation,
+    /// Points through the thickness of solid-shell elements.
+    pub layers: usize,
     /// As of bodies, at the nodes that count as the section's.
     pub stiffness: f64,
 }
@@ -60,6 +62,7 @@ impl Section {
         match shape {
             _ if !self.material.remembers() => 0,
             _ if plane_strain => plane4::POINTS,
+            SolidShape::Hex8 if self.element == Formulation::Hex8Shell => hex8_shell::POINTS * self.layers,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
@@ -127,7 +130,10 @@ impl Model {
         for ((body, name), element) in scene.sections().zip(elements) {
             let card = scene.material(&name.value);
             let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
-            sections.push(Section { body, material: Material::new(card), element, stiffness: 0.0 });
+            let material = Material::new(card);
+            let usual = if material.remembers() { hex8_shell::LAYERS_IN_FLOW } else { hex8_shell::LAYERS };
+            let layers = scene.bodies[body].shell.points.unwrap_or(usual);
+            sections.push(Section { body, material, element, layers, stiffness: 0.0 });
         }
         let body = |body: &scene::Body| Body {
             name: body.name.value.clone(),
@@ -142,7 +148,7 @@ impl Model {
         let remembers = |solid: &PartSolid| {
             let section: &Section = &sections[solid.section as usize];
             let plane_strain = bodies[solid.body as usize].plane_strain;
-            (section.points_with_memory(solid.shape, plane_strain), section.element == Formulation::Hex8Eas)
+            (section.points_with_memory(solid.shape, plane_strain), section.element.is_enhanced())
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {

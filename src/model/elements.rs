@@ -7,7 +7,7 @@ use crate::failure::Cause;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, tet4, tet10,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4, tet4, tet10,
     tet10_sri,
 };
 use crate::solid::load;
@@ -51,6 +51,10 @@ impl Scratch {
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = match element {
+                    Formulation::Hex8Shell => {
+                        let layers = model.section(solid).layers;
+                        return hex8_shell::evaluate((&x, &u), layers, medium, want_tangent, &mut self.of_eight);
+                    }
                     Formulation::Hex8Fbar => hex8_fbar::evaluate,
                     Formulation::Hex8Sri => hex8_sri::evaluate,
                     Formulation::Hex8Eas => hex8_eas::evaluate,
@@ -101,16 +105,16 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     z(4) - z(0)
 }
 
-/// The integration points of one element, eight at most.
-#[derive(Clone, Copy)]
-pub struct Samples {
-    points: [Sample; hex8::POINTS],
-    count: usize,
+/// The integration points of one element.
+pub enum Samples {
+    /// So many, eight at most.
+    Few([Sample; hex8::POINTS], usize),
+    Many(Vec<Sample>),
 }
 
 impl<const Q: usize> From<[Sample; Q]> for Samples {
     fn from(points: [Sample; Q]) -> Self {
-        Self { points: std::array::from_fn(|q| points[q.min(Q - 1)]), count: Q }
+        Self::Few(std::array::from_fn(|q| points[q.min(Q - 1)]), Q)
     }
 }
 
@@ -118,7 +122,10 @@ impl Deref for Samples {
     type Target = [Sample];
 
     fn deref(&self) -> &[Sample] {
-        &self.points[..self.count]
+        match self {
+            Self::Few(points, count) => &points[..*count],
+            Self::Many(points) => points,
+        }
     }
 }
 
@@ -140,6 +147,9 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     }
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match element {
+        Formulation::Hex8Shell => {
+            return Ok(Samples::Many(hex8_shell::samples((&x, &u), model.section(solid).layers, medium)?));
+        }
         Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
         Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
         Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),

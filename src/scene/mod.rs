@@ -97,12 +97,22 @@ pub struct Body {
     pub materials: Vec<(Located<String>, Located<String>)>,
     /// `None`: chosen by mesh and material.
     pub element: Option<Located<Formulation>>,
+    pub shell: Shell,
     /// u_z = 0 in a body of one layer of elements whose two z-planes move as one, at the cost of a 2D model.
     pub plane_strain: Option<Located<bool>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
     pub symmetry: Vec<Located<String>>,
     /// How many times each element of the mesh is split by the midpoints of its edges, from 1 on.
     pub refine: Option<Located<u32>>,
+}
+
+/// What is asked of solid-shell elements.
+#[derive(Clone, Debug, Default)]
+pub struct Shell {
+    /// Integration points through the thickness; `None`: by the material.
+    pub points: Option<usize>,
+    /// A group of faces on one side of the sheet; `None`: the thickness is the shortest direction.
+    pub face: Option<Located<String>>,
 }
 
 /// Where a mesh comes from.

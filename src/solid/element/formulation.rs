@@ -1,6 +1,7 @@
 //! The element formulations by name.
 
 use crate::mesh::SolidShape;
+use std::ops::RangeInclusive;
 
 /// How an element is formulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,9 @@ pub enum Formulation {
 }
 
 impl Formulation {
+    /// The fewest and the most integration points through the thickness of a solid-shell element.
+    pub const LAYERS: RangeInclusive<usize> = 2..=9;
+
     /// All of them.
     pub const ALL: [Self; 8] = [
         Self::Hex8,

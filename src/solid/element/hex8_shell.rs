@@ -38,7 +38,8 @@
 mod strain;
 
 use super::enhanced::{Factor, MOST_HALVINGS, TOLERANCE, dot};
-use super::{Amplitudes, ElementMatrices, Inverted, Medium, Sample, add_scaled};
+use super::hex8::{self, NODES};
+use super::{Amplitudes, ElementMatrices, Formulation, GAUSS, Inverted, Medium, Sample, add_scaled};
 use crate::Mat3;
 use crate::mortar::rule::on_line;
 use crate::solid::eigen::symmetric_eigen;
@@ -46,20 +47,40 @@ use crate::solid::voigt::{Voigt, combine, compose, congruent, right_cauchy_green
 use std::sync::LazyLock;
 use strain::{MEMBRANE, MODES, Place, Point, Row, Shape, TIES, component};
 
-/// The fewest and the most points through the thickness.
-pub const LEAST_LAYERS: usize = 2;
-pub const MOST_LAYERS: usize = 9;
+/// Points through the thickness of a material that flows, unless told otherwise.
+pub const LAYERS_IN_FLOW: usize = 5;
+/// And of one with a smooth law.
+pub const LAYERS: usize = 2;
+/// Points in the plane, at each place through the thickness.
+pub const POINTS: usize = 4;
 
 /// Most iterations for the amplitudes.
 const ITERATIONS: usize = 30;
 
-/// Places and weights from 0 to 1, from the first side to the other.
+/// Places and weights from 0 to 1, from the first side to the other, of [`Formulation::LAYERS`].
 pub fn layers(count: usize) -> &'static [[f64; 2]] {
     static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
         let rule = |n: usize| on_line(n).into_iter().rev().collect();
-        (LEAST_LAYERS..=MOST_LAYERS).map(rule).collect()
+        Formulation::LAYERS.map(rule).collect()
     });
-    &RULES[count.clamp(LEAST_LAYERS, MOST_LAYERS) - LEAST_LAYERS]
+    &RULES[count - Formulation::LAYERS.start()]
+}
+
+/// Shape functions at point `q` of so many places through the thickness.
+pub fn values(q: usize, layer_count: usize) -> [f64; 8] {
+    let [xi, eta, _] = NODES[q % POINTS];
+    hex8::shape(GAUSS * xi, GAUSS * eta, 2.0 * layers(layer_count)[q / POINTS][0] - 1.0).0
+}
+
+/// What the values at the points, each times its number here, give at node `a`: bilinear in the plane, and the straight line
+/// through the thickness that fits them best by the weights of the rule.
+pub fn at_node(a: usize, layer_count: usize) -> Vec<f64> {
+    let of_point = |([place, weight], k): ([f64; 2], usize)| {
+        let line = 1.0 + 3.0 * NODES[a][2] * (2.0 * place - 1.0);
+        let plane = (0..2).map(|i| 0.5 * (1.0 + NODES[a][i] * NODES[k][i] / GAUSS)).product::<f64>();
+        weight * line * plane
+    };
+    layers(layer_count).iter().flat_map(|layer| (0..POINTS).map(|k| (*layer, k))).map(of_point).collect()
 }
 
 /// A point with its stress: S and C times the reference volume.
