@@ -128,7 +128,8 @@ def cantilever(folder, element, n):
 
 def slit_ring(folder, element, n):
     """A ring, cut and held on one side of the cut, lifted by the other by three times its width: inner and outer end."""
-    mesh(folder, (n, 5 * n), lambda s, t, h: ((6 + 4 * s) * math.cos(2 * math.pi * t), (6 + 4 * s) * math.sin(2 * math.pi * t),
+    gap = 2 * math.pi - 1e-4
+    mesh(folder, (n, 5 * n), lambda s, t, h: ((6 + 4 * s) * math.cos(gap * t), (6 + 4 * s) * math.sin(gap * t),
                                              0.03 * (h - 0.5)),
          {"root": (None, 0, None), "end": (None, 1, None), "inner": (0, 1, None), "outer": (1, 1, None)})
     run = solve(folder, element, 21e6, 0.0, [("root", "xyz")], force(("end", [0, 0, 3.2])), ["inner", "outer"],
@@ -147,7 +148,7 @@ def curved_beam(folder, element, n, across, load):
         return (r * math.sin(angle), r * math.cos(angle), z)
 
     mesh(folder, (n, 1), place, {"root": (0, None, None), "end": (1, None, None)})
-    total, column, exact = {"plane": ([0, 1.0, 0], "sheet.end.uy", 0.08734), "across": ([0, 0, 1.0], "sheet.end.uz", 0.5022)}[
+    total, column, exact = {"plane": ([1.0, 0, 0], "sheet.end.ux", 0.08734), "across": ([0, 0, 1.0], "sheet.end.uz", 0.5022)}[
         load]
     text = (folder / "sheet.inp").read_text()
     face = [f"{e}, S2" for e in range(1, n + 1)]
@@ -168,16 +169,16 @@ def plate(folder, element, n, thick, skew):
     mesh(folder, (n, n), place, {"x": (0, None, None), "y": (None, 0, None), "a": (0, 0, None), "rx": (1, None, None),
                                  "ry": (None, 1, None)})
     stiffness = 1e4 * thick**3 / 12 / (1 - 0.09)
-    load = 1e-3 * thick * stiffness / 0.0056 / 100**2
+    load = 0.05 * thick * stiffness / 0.0056 / 100**2
     fix = [("x", "x"), ("y", "y"), ("rx", "xyz"), ("ry", "xyz")]
     run = solve(folder, element, 1e4, 0.3, fix, force(("a", [0, 0, 0.25 * load])), ["a"])
-    return ratio(run, "sheet.a.uz", 1e-3 * thick)
+    return ratio(run, "sheet.a.uz", 0.05 * thick)
 
 
 def bent(folder, points, times):
     """Moment of a narrow strip of a perfectly plastic metal bent to so many times the curvature at which it begins to
     flow, over the closed form."""
-    thick, length, young, limit = 0.1, 0.1, 2e5, 200.0
+    thick, length, young, limit = 0.1, 0.5, 2e5, 200.0
     mesh(folder, (1, 1), lambda s, t, h: (length * s, t - 0.5, thick * (h - 0.5)),
          {"root": (0, None, None), "hinge": (0, None, 0), "pin": (0, 0, 0), "top": (1, None, 1), "bottom": (1, None, 0)})
     by = times * limit / young * length
@@ -198,7 +199,7 @@ def main():
     cases = [
         *((f"roof, {n} x {n}", lambda f, e, n=n: roof(f, e, n)) for n in (4, 8, 16)),
         *((f"pinched cylinder, {n} x {n}", lambda f, e, n=n: cylinder(f, e, n)) for n in (8, 16, 32)),
-        *((f"hemisphere, {n} x {n}, small", lambda f, e, n=n: hemisphere(f, e, n, TIMES, [0.093 * TIMES, -0.093 * TIMES]))
+        *((f"hemisphere, {n} x {n}, small", lambda f, e, n=n: hemisphere(f, e, n, 0.01, [0.00093, -0.00093]))
           for n in (8, 16)),
         *((f"hemisphere, {n} x {n}, 400",
            lambda f, e, n=n: hemisphere(f, e, n, 200.0, [4.067, -8.178],

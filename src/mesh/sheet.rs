@@ -35,7 +35,8 @@ pub fn lay_flat(mesh: &mut Mesh, at: &Location, face: Option<&Located<String>>) 
     let through = match face {
         Some(group) => directions.across(mesh, group)?,
         None => directions.shortest(mesh).map_err(|what| {
-            let help = "name a group of faces on one side of the sheet: shell = { face = \"top\" }; or take \"hex8-eas\"";
+            let help =
+                "name a group of faces on one side of the sheet: shell = { face = \"top\" }; or take \"hex8-eas\"";
             Error::input(at, what, help)
         })?,
     };
@@ -166,7 +167,10 @@ impl Directions {
         for (e, solid) in mesh.solids.iter().enumerate() {
             let piece = self.pieces.find(e);
             let Some(set) = best[piece] else {
-                return Err(format!("no direction of element {} goes through a sheet, which must not branch", solid.id));
+                return Err(format!(
+                    "no direction of element {} goes through a sheet, which must not branch",
+                    solid.id
+                ));
             };
             let (_, thickness, other, _) = sums[set];
             if thickness > CLEAR * other {

@@ -7,8 +7,8 @@ use crate::failure::Cause;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4, tet4, tet10,
-    tet10_sri,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4,
+    tet4, tet10, tet10_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;

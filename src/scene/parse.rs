@@ -4,8 +4,8 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::tree::{self, Node};
 use super::{
-    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Shell, Tool,
-    contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
+    Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Scene, Shell,
+    Tool, contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -178,7 +178,8 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     faults.note(&refine);
     faults.finish()?;
     let (mesh, material, materials, element) = (mesh?, material?, materials?, element?);
-    let (shell, plane_strain, symmetry, refine) = (shell?.unwrap_or_default(), plane_strain?, symmetry?, refine?.flatten());
+    let (shell, plane_strain, symmetry, refine) =
+        (shell?.unwrap_or_default(), plane_strain?, symmetry?, refine?.flatten());
     let body = Body { name, mesh, material, materials, element, shell, plane_strain, symmetry, refine };
     check_block_use(&body)?;
     if let (Some(asked), Some(Located { value: true, .. })) = (&body.element, &body.plane_strain)

@@ -61,7 +61,8 @@ impl Work {
     /// All of them.
     pub fn all() -> Vec<Self> {
         let in_space = Formulation::ALL.iter().map(|element| Shape::Solid(element.key()));
-        let is_plane = |element: &&Formulation| element.shape() == SolidShape::Hex8 && **element != Formulation::Hex8Shell;
+        let is_plane =
+            |element: &&Formulation| element.shape() == SolidShape::Hex8 && **element != Formulation::Hex8Shell;
         let bricks = Formulation::ALL.iter().filter(is_plane);
         let shapes = in_space.chain(bricks.map(|element| Shape::Plane(element.key())));
         let elements = shapes.flat_map(|shape| MATERIALS.map(|material| Self::Element(shape, material)));

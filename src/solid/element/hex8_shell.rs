@@ -19,11 +19,11 @@
 //!
 //! J is the derivative of the reference position by the parameters, j = det J, 0 marks the centre. The first are the
 //! transposed modes of [`super::hex8_eas`], which do not buckle; the second are as many as a distorted sheet needs to bend
-//! exactly (Vu-Quoc and Tan, CMAME 192, 2003). As all is strain, the material sees a deformation gradient F that has it: with
-//! the metric g = X_i . X_j + 2 E and its root A, A^T A = g, upper triangular,
+//! exactly (Vu-Quoc and Tan, CMAME 192, 2003). As all is strain, the material sees a deformation gradient F that has it, the upper
+//! triangular root:
 //!
 //! ```text
-//! F = A J^-1,     S = A^-1 tau A^-T,     C = dS/dE = A^-1 A^-1 c A^-T A^-T           in components by the parameters
+//! F^T F = 1 + 2 J^-T E J^-1,     S = B tau B^T,     C = dS/dE = B B c B^T B^T,     B = J^-1 F^-1
 //! R = int S : dE/du dV,     r_m = int S : dE/dalpha_m dV = 0
 //! K = int dE/du : C : dE/du + S : d2E/du2 dV, condensed as in `enhanced.rs`
 //! ```
@@ -43,7 +43,7 @@ use super::{Amplitudes, ElementMatrices, Formulation, GAUSS, Inverted, Medium, S
 use crate::Mat3;
 use crate::mortar::rule::on_line;
 use crate::solid::eigen::symmetric_eigen;
-use crate::solid::voigt::{Voigt, combine, compose, congruent, right_cauchy_green, to_matrix};
+use crate::solid::voigt::{Voigt, combine, compose, congruent, right_cauchy_green, to_matrix, transpose};
 use std::sync::LazyLock;
 use strain::{MEMBRANE, MODES, Place, Point, Row, Shape, TIES, component};
 
@@ -108,11 +108,17 @@ struct Solution {
 }
 
 impl Stressed {
-    fn new(shape: &Shape, place: &Place, q: usize, amplitudes: &[f64; MODES], medium: Medium) -> Result<Self, Inverted> {
+    fn new(
+        shape: &Shape,
+        place: &Place,
+        q: usize,
+        amplitudes: &[f64; MODES],
+        medium: Medium,
+    ) -> Result<Self, Inverted> {
         let point = shape.point(place, amplitudes).ok_or(Inverted { det_f: f64::NAN })?;
         let response = medium.material.response(&point.f, medium.state(q)).ok_or(Inverted { det_f: point.det_f })?;
         let by_parameters = pull_back(&point.inverse);
-        let rows = super::super::voigt::transpose(&by_parameters);
+        let rows = transpose(&by_parameters);
         let stress = combine(&response.kirchhoff, &rows).map(|s| place.weight * s);
         let moduli = congruent(&by_parameters, &response.tangent).map(|row| row.map(|c| place.weight * c));
         Ok(Self { modes: shape.modes(place, &point), point, stress, moduli })
@@ -165,11 +171,7 @@ impl Trial {
 }
 
 /// Finds the amplitudes by Newton's method downhill, from where they are expected, then from zero.
-fn solve(
-    (x0, u): (&[[f64; 3]; 8], &[[f64; 3]; 8]),
-    layers: &[[f64; 2]],
-    medium: Medium,
-) -> Result<Solution, Inverted> {
+fn solve((x0, u): (&[[f64; 3]; 8], &[[f64; 3]; 8]), layers: &[[f64; 2]], medium: Medium) -> Result<Solution, Inverted> {
     let shape = Shape::new(x0, u, layers);
     let enough = TOLERANCE * medium.material.initial_moduli().1 * shape.volume;
     let mut failure = Inverted { det_f: f64::NAN };

@@ -2,7 +2,7 @@
 
 use super::super::hex8::{CENTRE, NODES, shape};
 use super::super::{GAUSS, Gradients, add_scaled, inverse, jacobian};
-use crate::solid::voigt::Voigt;
+use crate::solid::voigt::{Voigt, to_matrix};
 use crate::{Mat3, Vec3};
 
 /// Modes of the enhanced strain: of the membrane, and of the thickness.
@@ -53,8 +53,8 @@ pub(super) type Row = [f64; 24];
 pub(super) struct Place {
     at: [f64; 3],
     gradients: Gradients<8>,
-    /// Squares and products of the base vectors.
-    metric: Mat3,
+    /// J: columns are the base vectors.
+    reference: Mat3,
     /// J^-1.
     inverse: Mat3,
     /// Reference volume.
@@ -82,9 +82,9 @@ pub(super) struct Shape {
 
 /// A point of the deformed element.
 pub(super) struct Point {
-    /// F, but for a rotation.
+    /// F, but for a rotation: upper triangular.
     pub f: Mat3,
-    /// Inverse of the upper triangle A, A^T A = metric.
+    /// J^-1 F^-1.
     pub inverse: Mat3,
     pub det_f: f64,
     /// Enhanced base vectors of the membrane.
@@ -117,7 +117,7 @@ impl Shape {
             let (ratio, map) = (det0 / det, inverse0 * j);
             let to_centre = std::array::from_fn(|l| std::array::from_fn(|i| ratio * map[(l, i)]));
             let shares = std::array::from_fn(|t| TIED[t].share(&at));
-            Place { at, gradients, metric: j.transpose() * j, inverse, weight: weight * det, ratio, to_centre, shares }
+            Place { at, gradients, reference: j, inverse, weight: weight * det, ratio, to_centre, shares }
         };
         let places: Vec<Place> = points(layers).map(place).collect();
         let x = std::array::from_fn(|a| std::array::from_fn(|i| x0[a][i] + u[a][i]));
@@ -125,7 +125,8 @@ impl Shape {
         let strains = std::array::from_fn(|t| {
             let (before, by) = (jacobian(x0, &gradients[t]), jacobian(u, &gradients[t]));
             let (i, j) = TIED[t].pair;
-            let twice = before.column(i).dot(&by.column(j)) + by.column(i).dot(&before.column(j))
+            let twice = before.column(i).dot(&by.column(j))
+                + by.column(i).dot(&before.column(j))
                 + by.column(i).dot(&by.column(j));
             if i == j { 0.5 * twice } else { twice }
         });
@@ -142,33 +143,32 @@ impl Shape {
 
     /// The point with such amplitudes; `None` where it has no volume.
     pub fn point(&self, place: &Place, amplitudes: &[f64; MODES]) -> Option<Point> {
-        let moved = jacobian(&self.x, &place.gradients);
-        let mut base: [Vec3; 2] = [0, 1].map(|i| moved.column(i).into());
+        let by_nodes = jacobian(&self.u, &place.gradients);
+        let mut by: [Vec3; 2] = [0, 1].map(|i| by_nodes.column(i).into());
         let mut added = [[0.0; 2]; 2];
         for m in 0..MEMBRANE {
             let [k, l] = [m / 2, m % 2];
             (0..2).for_each(|i| added[k][i] += amplitudes[m] * place.at[k] * place.to_centre[l][i]);
         }
         for (k, i) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            base[i] += added[k][i] * self.base[k];
+            by[i] += added[k][i] * self.base[k];
         }
         let mut strain = [0.0; 6];
         for (tie, (share, value)) in TIED.iter().zip(place.shares.iter().zip(&self.strains)) {
             strain[tie.component] += share * value;
         }
         strain[2] += (MEMBRANE..MODES).map(|m| amplitudes[m] * place.thickness(m)).sum::<f64>();
-        let mut metric = place.metric;
-        for (i, j) in [(0, 0), (0, 1), (1, 1)] {
-            metric[(i, j)] = base[i].dot(&base[j]);
-        }
-        metric[(2, 2)] += 2.0 * strain[2];
-        metric[(1, 2)] += strain[4];
-        metric[(0, 2)] += strain[5];
-        let root = upper_root(&metric)?;
-        let (inverse, _) = inverse(&root);
-        let f = root * place.inverse;
+        // From displacements, not from positions, which would round small strains away.
+        let before: [Vec3; 2] = [0, 1].map(|i| place.reference.column(i).into());
+        let twice = |i: usize, j: usize| before[i].dot(&by[j]) + by[i].dot(&before[j]) + by[i].dot(&by[j]);
+        (strain[0], strain[1], strain[3]) = (0.5 * twice(0, 0), 0.5 * twice(1, 1), twice(0, 1));
+        let half = [1.0, 1.0, 1.0, 0.5, 0.5, 0.5];
+        let strain = to_matrix(&std::array::from_fn(|v| half[v] * strain[v]));
+        let f = upper_root(&(Mat3::identity() + 2.0 * place.inverse.transpose() * strain * place.inverse))?;
+        let inverse = place.inverse * inverse(&f).0;
         let det_f = f.determinant();
-        (moved.determinant() > 0.0 && det_f > 0.0).then_some(Point { f, inverse, det_f, base, added })
+        let base = [0, 1].map(|i| before[i] + by[i]);
+        ((place.reference + by_nodes).determinant() > 0.0).then_some(Point { f, inverse, det_f, base, added })
     }
 
     /// dE/du of the point, row by row; `ties` are those of [`Self::tie_rows`].
