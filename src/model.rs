@@ -131,8 +131,7 @@ impl Model {
             let card = scene.material(&name.value);
             let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
             let material = Material::new(card);
-            let usual = if material.remembers() { hex8_shell::LAYERS_IN_FLOW } else { hex8_shell::LAYERS };
-            let layers = scene.bodies[body].shell.points.unwrap_or(usual);
+            let layers = scene.bodies[body].shell.points.unwrap_or_else(|| hex8_shell::usual_layers(&material));
             sections.push(Section { body, material, element, layers, stiffness: 0.0 });
         }
         let body = |body: &scene::Body| Body {

@@ -113,8 +113,7 @@ impl Work {
                     ("tet4", _) => 600.0,
                     ("tet10" | "tet10-sri", _) => 3000.0,
                     ("hex8-fbar", false) => 5000.0,
-                    ("hex8-eas", false) => 16_000.0,
-                    ("hex8-shell", _) => 30_000.0,
+                    ("hex8-eas" | "hex8-shell", false) => 16_000.0,
                     (_, false) => 3300.0,
                     ("hex8-eas", true) => 4000.0,
                     (_, true) => 1000.0,
@@ -124,7 +123,8 @@ impl Work {
                         ("neo-hookean", _) => 1.0,
                         ("hooke", _) => 1.7,
                         (_, "hex8-eas" | "hex8-fbar") => 2.6,
-                        (_, "hex8-shell") => 4.0,
+                        // More points, too.
+                        (_, "hex8-shell") => 6.5,
                         _ => 4.0,
                     }
             }

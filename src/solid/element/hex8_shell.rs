@@ -43,14 +43,16 @@ use super::{Amplitudes, ElementMatrices, Formulation, GAUSS, Inverted, Medium, S
 use crate::Mat3;
 use crate::mortar::rule::on_line;
 use crate::solid::eigen::symmetric_eigen;
+use crate::solid::material::Material;
 use crate::solid::voigt::{Voigt, combine, compose, congruent, right_cauchy_green, to_matrix, transpose};
 use std::sync::LazyLock;
 use strain::{MEMBRANE, MODES, Place, Point, Row, Shape, TIES, component};
 
-/// Points through the thickness of a material that flows, unless told otherwise.
-pub const LAYERS_IN_FLOW: usize = 5;
-/// And of one with a smooth law.
-pub const LAYERS: usize = 2;
+/// Points through the thickness unless told otherwise: a smooth law wants no more than two.
+pub fn usual_layers(material: &Material) -> usize {
+    if material.remembers() { 5 } else { 2 }
+}
+
 /// Points in the plane, at each place through the thickness.
 pub const POINTS: usize = 4;
 
