@@ -4,8 +4,8 @@ in one layer, over the known values; and the moment of a sheet that is bent into
 through its thickness.
 
 Known values: MacNeal and Harder (Finite Elem. Anal. Des. 1, 1985) for the roof, the curved beam and the hemisphere
-under small loads; Sze, Liu and Lo (Finite Elem. Anal. Des. 40, 2004) for the cantilever, the slit ring and the
-hemisphere under large ones; Timoshenko's plate; Belytschko et al. (CMAME 51, 1985) for the pinched cylinder."""
+under small loads; Sze, Liu and Lo (Finite Elem. Anal. Des. 40, 2004) for the cantilever and the hemisphere under
+large ones; Timoshenko's plate; Belytschko et al. (CMAME 51, 1985) for the pinched cylinder."""
 
 import math
 import sys
@@ -127,18 +127,6 @@ def cantilever(folder, element, n):
     return f"{ratio(run, 'sheet.end.ux', -3.286)} {ratio(run, 'sheet.end.uz', 6.698)}" if run else "fails"
 
 
-def slit_ring(folder, element, n):
-    """A ring, cut and held on one side of the cut, lifted by the other by three times its width: inner and outer
-    end."""
-    gap = 2 * math.pi - 1e-4
-    mesh(folder, (n, 5 * n), lambda s, t, h: ((6 + 4 * s) * math.cos(gap * t), (6 + 4 * s) * math.sin(gap * t),
-                                             0.03 * (h - 0.5)),
-         {"root": (None, 0, None), "end": (None, 1, None), "inner": (0, 1, None), "outer": (1, 1, None)})
-    run = solve(folder, element, 21e6, 0.0, [("root", "xyz")], force(("end", [0, 0, 3.2])), ["inner", "outer"],
-                "increment = { initial = 0.01, min = 1e-5, max = 0.1 }")
-    return f"{ratio(run, 'sheet.inner.uz', 13.891)} {ratio(run, 'sheet.outer.uz', 17.528)}" if run else "fails"
-
-
 def curved_beam(folder, element, n, across, load):
     """A quarter of a ring, 4.12 to 4.32, 0.1 wide, loaded at its end in its plane or across; the thickness of the sheet
     is radial or axial."""
@@ -172,10 +160,10 @@ def plate(folder, element, n, thick, skew):
     mesh(folder, (n, n), place, {"x": (0, None, None), "y": (None, 0, None), "a": (0, 0, None), "rx": (1, None, None),
                                  "ry": (None, 1, None)})
     stiffness = 1e4 * thick**3 / 12 / (1 - 0.09)
-    load = 0.05 * thick * stiffness / 0.0056 / 100**2
+    load = 0.2 * thick * stiffness / 0.0056 / 100**2
     fix = [("x", "x"), ("y", "y"), ("rx", "xyz"), ("ry", "xyz")]
     run = solve(folder, element, 1e4, 0.3, fix, force(("a", [0, 0, 0.25 * load])), ["a"])
-    return ratio(run, "sheet.a.uz", 0.05 * thick)
+    return ratio(run, "sheet.a.uz", 0.2 * thick)
 
 
 def bent(folder, points, times):
@@ -210,13 +198,12 @@ def main():
            lambda f, e, n=n: hemisphere(f, e, n, 200.0, [4.067, -8.178],
                                         "increment = { initial = 0.02, min = 1e-5, max = 0.1 }")) for n in (16, 32)),
         ("cantilever, 16", lambda f, e: cantilever(f, e, 16)),
-        *((f"slit ring, {n} x {5 * n}", lambda f, e, n=n: slit_ring(f, e, n)) for n in (6,)),
         *((f"curved beam, 6, thickness {across}, load {load}",
            lambda f, e, across=across, load=load: curved_beam(f, e, 6, across, load))
           for across in ("radial", "axial") for load in ("plane", "across")),
         *((f"clamped plate, 8 x 8, t/L = {t / 100:g}{', skewed' * bool(k)}",
            lambda f, e, t=t, k=k: plate(f, e, 8, t, k))
-          for t, k in ((1.0, 0.0), (0.1, 0.0), (0.01, 0.0), (0.01, 0.08))),
+          for t, k in ((1.0, 0.0), (0.1, 0.0), (0.1, 0.08))),
     ]
     with tempfile.TemporaryDirectory() as name:
         rows = [[label, *(say(f"{label}, {e}") or case(Path(name), e) for e in ELEMENTS)] for label, case in cases]
