@@ -140,7 +140,7 @@ impl Directions {
     fn shortest(&mut self, mesh: &Mesh) -> std::result::Result<Vec<usize>, String> {
         let count = mesh.solids.len();
         let lengths: Vec<[f64; 3]> = mesh.solids.iter().map(|solid| lengths(mesh, solid)).collect();
-        // Of each set its elements, the sum of its lengths, and that of the shorter of the others; and whether it has two of one.
+        // Of each set its elements, the sum of its lengths, that of the shorter of the others, and whether it has two of one.
         let mut sums = vec![(0usize, 0.0, 0.0, false); 3 * count];
         let mut elements = vec![0usize; count];
         for (e, of) in lengths.iter().enumerate() {

@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! E_ij = (x_i . x_j - X_i . X_j) / 2
-//! E_13, E_23   at the middles of the edges across, linear between them   (Dvorkin and Bathe, Eng. Comput. 1, 1984)
-//! E_33         at the four corners, bilinear between them                (Betsch and Stein, Commun. Numer. Meth. Eng. 11, 1995)
+//! E_13, E_23   at the middles of the edges across, linear between them (Dvorkin and Bathe, Eng. Comput. 1, 1984)
+//! E_33         at the four corners, bilinear between them              (Betsch and Stein, Commun. Numer. Meth. Eng. 11, 1995)
 //! ```
 //!
 //! so that neither bending nor walls that lean against each other (curved sheets) give strains across the sheet that are not
@@ -19,8 +19,8 @@
 //!
 //! J is the derivative of the reference position by the parameters, j = det J, 0 marks the centre. The first are the
 //! transposed modes of [`super::hex8_eas`], which do not buckle; the second are as many as a distorted sheet needs to bend
-//! exactly (Vu-Quoc and Tan, CMAME 192, 2003). As all is strain, the material sees a deformation gradient F that has it, the upper
-//! triangular root:
+//! exactly (Vu-Quoc and Tan, CMAME 192, 2003). As all is strain, the material sees a deformation gradient F that has it,
+//! the upper triangular root:
 //!
 //! ```text
 //! F^T F = 1 + 2 J^-T E J^-1,     S = B tau B^T,     C = dS/dE = B B c B^T B^T,     B = J^-1 F^-1
@@ -29,8 +29,8 @@
 //! ```
 //!
 //! for F matters up to a rotation only, and tau and c (see [`crate::solid::material`]) turn with it. For a law with an energy
-//! the forces derive from it; the tangent is symmetric. A Gauss rule through the thickness, of as many points as asked for, over
-//! 2 x 2 in the plane. Point 4 l + k is at place l through the thickness.
+//! the forces derive from it; the tangent is symmetric. A Gauss rule through the thickness, of as many points as asked
+//! for, over 2 x 2 in the plane. Point 4 l + k is at place l through the thickness.
 //!
 //! Constant strain and constant bending are exact in a sheet of even thickness whose walls are upright, whatever its mesh;
 //! where the walls lean, constant strain has errors that fade with the square of the angle between them.
@@ -273,7 +273,8 @@ fn add_stiffness(at: &Stressed, rows: &[Row; 6], tangent: &mut [Row; 24]) {
     }
 }
 
-/// With K_mn = L D L^T subtracts C^T D^-1 C, C = L^-1 K_ma, which is left in `coupling`; and makes the tangent exactly symmetric.
+/// With K_mn = L D L^T subtracts C^T D^-1 C, C = L^-1 K_ma, which is left in `coupling`; makes the tangent exactly
+/// symmetric.
 fn condense(factor: &Factor<MODES>, coupling: &mut [Row; MODES], tangent: &mut [Row; 24]) {
     for m in 0..MODES {
         let (done, rest) = coupling.split_at_mut(m);
