@@ -30,7 +30,7 @@ probe = [{ name = "edge", point = [16.069690242163485, 19.15111107797445, 0.0], 
 fn a_roof_bears_its_weight() {
     let run = Bench::new(ROOF).solve(1, &[]);
     let edge = History::read(&run.out.join("probe-edge.csv"));
-    assert_close("sinking", edge.last("displacement.y") / -0.3024e-4, 0.98, 0.02);
+    assert_close("sinking", edge.last("displacement.y"), -0.3024e-4, 0.01);
 }
 
 /// Turned up by more than half its length by a shear of 4 at its end (Sze, Liu and Lo, Finite Elem. Anal. Des. 40, 2004).
