@@ -106,15 +106,16 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
 }
 
 /// The integration points of one element.
-pub enum Samples {
-    /// So many, eight at most.
-    Few([Sample; hex8::POINTS], usize),
-    Many(Vec<Sample>),
+pub struct Samples {
+    few: [Sample; hex8::POINTS],
+    count: usize,
+    /// In the place of the few, of elements that may have more than these.
+    many: Vec<Sample>,
 }
 
 impl<const Q: usize> From<[Sample; Q]> for Samples {
     fn from(points: [Sample; Q]) -> Self {
-        Self::Few(std::array::from_fn(|q| points[q.min(Q - 1)]), Q)
+        Self { few: std::array::from_fn(|q| points[q.min(Q - 1)]), count: Q, many: Vec::new() }
     }
 }
 
@@ -122,10 +123,7 @@ impl Deref for Samples {
     type Target = [Sample];
 
     fn deref(&self) -> &[Sample] {
-        match self {
-            Self::Few(points, count) => &points[..*count],
-            Self::Many(points) => points,
-        }
+        if self.many.is_empty() { &self.few[..self.count] } else { &self.many }
     }
 }
 
@@ -148,7 +146,8 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match element {
         Formulation::Hex8Shell => {
-            return Ok(Samples::Many(hex8_shell::samples((&x, &u), model.section(solid).layers, medium)?));
+            let many = hex8_shell::samples((&x, &u), model.section(solid).layers, medium)?;
+            return Ok(Samples { few: [many[0]; hex8::POINTS], count: 0, many });
         }
         Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
         Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
