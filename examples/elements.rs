@@ -4,7 +4,7 @@ use nagata::mesh::faces::TET_EDGES;
 use nagata::scene::MaterialModel;
 use nagata::solid::element::hex8_eas::{Modes, VOLUME};
 use nagata::solid::element::{
-    ElementMatrices, Inverted, Medium, hex8, hex8_eas, hex8_fbar, hex8_sri, tet4, tet10, tet10_sri,
+    ElementMatrices, Inverted, Medium, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, tet4, tet10, tet10_sri,
 };
 use nagata::solid::material::{Material, State};
 use nagata::solid::voigt::to_matrix;
@@ -36,11 +36,13 @@ impl Element {
     }
 }
 
-const ELEMENTS: [(&str, Element); 10] = [
+const ELEMENTS: [(&str, Element); 12] = [
     ("hex8", Eight(hex8::evaluate)),
     ("hex8-fbar", Eight(hex8_fbar::evaluate)),
     ("hex8-sri", Eight(hex8_sri::evaluate)),
     ("hex8-eas", Eight(hex8_eas::evaluate)),
+    ("hex8-shell", Eight(shell)),
+    ("the same, thickness along z", Eight(|x, u, m, w, o| hex8_shell::evaluate((x, u), 2, m, w, o))),
     ("9 transposed modes", Eight(|x, u, m, w, o| hex8_eas::evaluate_with(&modes::<9>(true), x, u, m, w, o))),
     ("9 Wilson modes", Eight(|x, u, m, w, o| hex8_eas::evaluate_with(&modes::<9>(false), x, u, m, w, o))),
     ("12 Wilson modes", Eight(|x, u, m, w, o| hex8_eas::evaluate_with(&modes::<12>(false), x, u, m, w, o))),
@@ -68,6 +70,25 @@ fn modes<const M: usize>(transposed: bool) -> Modes<M, 8> {
         }
     }
     modes
+}
+
+/// A solid-shell whose thickness is along y.
+fn shell(
+    x0: &Nodes<8>,
+    u: &Nodes<8>,
+    medium: Medium,
+    want_tangent: bool,
+    out: &mut ElementMatrices<24>,
+) -> Result<(), Inverted> {
+    const ORDER: [usize; 8] = [0, 4, 5, 1, 3, 7, 6, 2];
+    let mut own = ElementMatrices::default();
+    hex8_shell::evaluate((&ORDER.map(|n| x0[n]), &ORDER.map(|n| u[n])), 2, medium, want_tangent, &mut own)?;
+    let place = |k: usize| 3 * ORDER[k / 3] + k % 3;
+    for r in 0..24 {
+        out.residual[place(r)] = own.residual[r];
+        (0..24).for_each(|c| out.tangent[place(r)][place(c)] = own.tangent[r][c]);
+    }
+    Ok(())
 }
 
 /// The corners of a cube, two and two, around its diagonal from 0 to 6.

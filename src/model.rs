@@ -24,7 +24,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Reduction, Scene, body_of, did_you_mean};
-use crate::solid::element::{hex8, plane4, tet4, tet10};
+use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::{MovingPatch, Smoothing};
@@ -51,6 +51,8 @@ pub struct Section {
     pub body: usize,
     pub material: Material,
     pub element: Formulation,
+    /// Points through the thickness of solid-shell elements.
+    pub layers: usize,
     /// As of bodies, at the nodes that count as the section's.
     pub stiffness: f64,
 }
@@ -68,6 +70,7 @@ impl Section {
         match shape {
             _ if !self.material.remembers() => 0,
             _ if is_layer => plane4::POINTS,
+            SolidShape::Hex8 if self.element == Formulation::Hex8Shell => hex8_shell::POINTS * self.layers,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
@@ -137,7 +140,9 @@ impl Model {
         for ((body, name), element) in scene.sections().zip(elements) {
             let card = scene.material(&name.value);
             let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
-            sections.push(Section { body, material: Material::new(card), element, stiffness: 0.0 });
+            let material = Material::new(card);
+            let layers = scene.bodies[body].shell.points.unwrap_or_else(|| hex8_shell::usual_layers(&material));
+            sections.push(Section { body, material, element, layers, stiffness: 0.0 });
         }
         let body = |body: &scene::Body| Body {
             name: body.name.value.clone(),
@@ -152,7 +157,7 @@ impl Model {
         let remembers = |solid: &PartSolid| {
             let section: &Section = &sections[solid.section as usize];
             let is_layer = bodies[solid.body as usize].is_layer();
-            (section.points_with_memory(solid.shape, is_layer), section.element == Formulation::Hex8Eas)
+            (section.points_with_memory(solid.shape, is_layer), section.element.is_enhanced())
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {

@@ -91,6 +91,7 @@ torque = [{ tool = "u", total = 1, point = [0, 0, 0], axis = [0, 0, 1] }]
 const PLACES: &[(&str, &str, &[&str])] = &[
     ("body.NAME", "body.m", &[]),
     ("body.NAME", "body.b", &[]),
+    ("body.NAME.shell", "body.b.shell", &["body.b.shell={}"]),
     ("body.NAME.block", "body.b.block", &["body.b.block={ elements = [1, 1, 1] }"]),
     ("body.NAME.block", "body.b.block", &[]),
     ("body.NAME.block.box", "body.b.block.box", &[]),

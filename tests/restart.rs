@@ -10,11 +10,12 @@ use std::process::Command;
 use std::time::Duration;
 
 /// A plate that yields on a pad of another mesh, with friction between both and under a ball, which a force presses and a
-/// motion draws along. The pad's elements have enhanced strain.
+/// motion draws along. The pad's elements have enhanced strain, and the plate's two layers of solid-shells.
 const PRESS: &str = r#"
 [body.plate]
 material = "steel"
-element = "hex8-fbar"
+element = "hex8-shell"
+shell = { points = 3 }
 block = { box = { origin = [-8, -8, 0], size = [16, 16, 4] }, elements = [4, 4, 2], faces = { bottom = "zmin", top = "zmax" } }
 
 [body.pad]

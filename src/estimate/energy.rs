@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::elements::{carrying, lost, mine, samples};
 use crate::model::{Model, states};
 use crate::parallel::{agree, sum};
-use crate::solid::element::{Inverted, hex8, tet10};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10};
 use crate::solid::voigt::double_contraction;
 use mpi::topology::SimpleCommunicator;
 
@@ -52,6 +52,7 @@ fn product(recovered: &Values, own: &Values) -> f64 {
 /// That of an element.
 fn of_element(model: &Model, recovered: &Recovered, e: usize, u: &[Vec3]) -> Result<f64, Inverted> {
     let (samples, nodes) = (samples(model, e, u)?, carrying(model, &model.part.solids[e]).len());
+    let is_shell = model.section(&model.part.solids[e]).element == Formulation::Hex8Shell;
     let mut sum = 0.0;
     for (q, sample) in samples.iter().enumerate() {
         let own = values_at(model, e, q, sample)?;
@@ -60,6 +61,7 @@ fn of_element(model: &Model, recovered: &Recovered, e: usize, u: &[Vec3]) -> Res
             // Squares of linear functions want four points.
             (1, _) => tet10::RULE.iter().for_each(|shape| add(0.25 * sample.weight, shape)),
             (_, 10) => add(sample.weight, &tet10::VALUES[q]),
+            (count, 8) if is_shell => add(sample.weight, &hex8_shell::values(q, count / hex8_shell::POINTS)),
             (_, 8) => add(sample.weight, &hex8::VALUES[q]),
             // Both planes of nodes together.
             _ => add(sample.weight, &std::array::from_fn::<_, 4, _>(|a| hex8::VALUES[q][a] + hex8::VALUES[q][a + 4])),

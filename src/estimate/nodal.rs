@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Inverted, hex8, tet10};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -59,7 +59,7 @@ pub fn jumps(model: &Model, recovered: &Recovered, u: &[Vec3]) -> Result<Vec<f64
 /// Cauchy stress of an element at its nodes; as many as carry it count.
 fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; MOST_NODES], Inverted> {
     let (samples, medium) = (samples(model, e, u)?, medium(model, e));
-    let mut points = [[0.0; 6]; 8];
+    let mut points = vec![[0.0; 6]; samples.len()];
     for (q, sample) in samples.iter().enumerate() {
         let lost = Inverted { det_f: sample.det_f };
         let kirchhoff = medium.material.kirchhoff(&sample.f, medium.state(q)).ok_or(lost)?;
@@ -69,6 +69,12 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
     Ok(match (model.part.solids[e].shape, samples.len()) {
         (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
         (SolidShape::Tet10, _) => tet10::AT_NODES.map(|weights| sum(&weights)),
+        (SolidShape::Hex8, count) if model.section(&model.part.solids[e]).element == Formulation::Hex8Shell => {
+            let mut at = [[0.0; 6]; MOST_NODES];
+            let weights = |a: usize| hex8_shell::at_node(a, count / hex8_shell::POINTS);
+            at.iter_mut().zip(0..8).for_each(|(at, a)| *at = sum(&weights(a)));
+            at
+        }
         (SolidShape::Hex8, count) => {
             // Points of a plane element stand for two above one another.
             let weights = |a: usize| -> [f64; 8] {

@@ -2,7 +2,7 @@
 //!
 //! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, `select` takes the body
 //! or tool out of it and `orient` turns its facets outward, [`check`](check::check) refuses what cannot be computed. [`tie_layer`]
-//! prepares a body of one layer.
+//! prepares a body of one layer, [`lay_flat`] a sheet.
 
 pub(crate) mod abaqus;
 pub mod block;
@@ -18,6 +18,7 @@ mod orient;
 mod raw;
 mod select;
 mod shape;
+mod sheet;
 mod stl;
 
 pub use layer::tie_layer;
@@ -25,6 +26,7 @@ pub use load::load;
 pub use middles::Middles;
 pub(crate) use raw::Slot;
 pub use shape::SolidShape;
+pub use sheet::lay_flat;
 
 use std::collections::BTreeMap;
 

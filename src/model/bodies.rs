@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::{self, Mesh, Purpose, SolidShape};
 use crate::refine::{self, Curves};
-use crate::scene::{Body, Located, MeshSource, Scene};
+use crate::scene::{Body, Formulation, Located, MeshSource, Scene};
 use std::collections::HashMap;
 use std::path::PathBuf;
 
@@ -21,7 +21,7 @@ pub struct Meshed {
 /// Reads and splits the meshes of all bodies.
 ///
 /// # Errors
-/// Meshes that cannot be read, are no layer where one is asked for, or cannot be split.
+/// Meshes that cannot be read, are no layer where one is asked for, cannot be split, or are no sheets where elements ask for one.
 pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
     let mut read: Vec<Meshed> = Faults::all(scene.bodies.iter().map(read))?;
     let mut curves = Vec::new();
@@ -35,6 +35,11 @@ pub fn load(scene: &Scene) -> Result<Vec<Meshed>> {
         let is_tied = |a: u32, b: u32| a != b && ties[a as usize] == ties[b as usize];
         meshed.mesh = refine::split(std::mem::take(&mut meshed.mesh), times, &curves, is_tied)?;
         meshed.ties = tie(body, &mut meshed.mesh)?;
+    }
+    for (body, meshed) in scene.bodies.iter().zip(&mut read) {
+        if let Some(asked) = body.element.as_ref().filter(|asked| asked.value == Formulation::Hex8Shell) {
+            mesh::lay_flat(&mut meshed.mesh, &asked.at, body.shell.face.as_ref())?;
+        }
     }
     Ok(read)
 }

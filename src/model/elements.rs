@@ -8,8 +8,8 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Reduction;
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_sri, plane4, ring4, tet4,
-    tet10, tet10_sri,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4,
+    ring4, tet4, tet10, tet10_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -57,6 +57,10 @@ impl Scratch {
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = match element {
+                    Formulation::Hex8Shell => {
+                        let layers = model.section(solid).layers;
+                        return hex8_shell::evaluate((&x, &u), layers, medium, want_tangent, &mut self.of_eight);
+                    }
                     Formulation::Hex8Fbar => hex8_fbar::evaluate,
                     Formulation::Hex8Sri => hex8_sri::evaluate,
                     Formulation::Hex8Eas => hex8_eas::evaluate,
@@ -107,16 +111,17 @@ fn thickness(model: &Model, solid: &PartSolid) -> f64 {
     z(4) - z(0)
 }
 
-/// The integration points of one element, eight at most.
-#[derive(Clone, Copy)]
+/// The integration points of one element.
 pub struct Samples {
-    points: [Sample; hex8::POINTS],
+    few: [Sample; hex8::POINTS],
     count: usize,
+    /// In the place of the few, of elements that may have more than these.
+    many: Vec<Sample>,
 }
 
 impl<const Q: usize> From<[Sample; Q]> for Samples {
     fn from(points: [Sample; Q]) -> Self {
-        Self { points: std::array::from_fn(|q| points[q.min(Q - 1)]), count: Q }
+        Self { few: std::array::from_fn(|q| points[q.min(Q - 1)]), count: Q, many: Vec::new() }
     }
 }
 
@@ -124,7 +129,7 @@ impl Deref for Samples {
     type Target = [Sample];
 
     fn deref(&self) -> &[Sample] {
-        &self.points[..self.count]
+        if self.many.is_empty() { &self.few[..self.count] } else { &self.many }
     }
 }
 
@@ -149,6 +154,10 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     }
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match element {
+        Formulation::Hex8Shell => {
+            let many = hex8_shell::samples((&x, &u), model.section(solid).layers, medium)?;
+            return Ok(Samples { few: [many[0]; hex8::POINTS], count: 0, many });
+        }
         Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
         Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
         Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),

@@ -97,6 +97,7 @@ pub struct Body {
     pub materials: Vec<(Located<String>, Located<String>)>,
     /// `None`: chosen by mesh and material.
     pub element: Option<Located<Formulation>>,
+    pub shell: Shell,
     /// What makes of one layer of elements, whose two z-planes move as one with u_z = 0, a model of all of the body.
     pub reduction: Option<Located<Reduction>>,
     /// Groups, as `body.group`, that lie in planes of symmetry: the body goes on as its mirror image.
@@ -142,6 +143,15 @@ impl Body {
     pub fn is_axisymmetric(&self) -> bool {
         self.reduction.as_ref().is_some_and(|reduction| reduction.value == Reduction::Axisymmetric)
     }
+}
+
+/// What is asked of solid-shell elements.
+#[derive(Clone, Debug, Default)]
+pub struct Shell {
+    /// Integration points through the thickness; `None`: by the material.
+    pub points: Option<usize>,
+    /// A group of faces on one side of the sheet; `None`: the thickness is the shortest direction.
+    pub face: Option<Located<String>>,
 }
 
 /// Where a mesh comes from.

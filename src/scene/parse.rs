@@ -5,7 +5,7 @@ use super::references::Names;
 use super::tree::{self, Node};
 use super::{
     Block, BlockShape, Body, Checkpoint, FaceGroup, Formulation, Located, MeshSource, Output, Quantity, Reduction,
-    Scene, Tool, contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
+    Scene, Shell, Tool, contacts, gravity, materials, overrides, probes, solver, steps, ties, tools, trade,
 };
 use crate::Vec3;
 use crate::controls::Controls;
@@ -151,6 +151,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
         "material",
         "materials",
         "element",
+        "shell",
         "plane_strain",
         "axisymmetric",
         "symmetry",
@@ -162,6 +163,7 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let materials = mesh.as_ref().map_or(Ok(Vec::new()), |mesh| materials(&table, mesh, names));
     let elements = Formulation::ALL.map(|e| (e.key(), e));
     let element = table.optional("element", |item| Ok(item.located(item.choice(&elements)?)));
+    let shell = table.optional("shell", |item| shell(item, &element));
     let reduction = reduction(&table);
     let group = |item: &Item| Ok(item.located(format!("{}.{}", name.value, item.string()?)));
     let symmetry = table.each("symmetry", group);
@@ -171,15 +173,44 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     faults.note(&material);
     faults.note(&materials);
     faults.note(&element);
+    faults.note(&shell);
     faults.note(&reduction);
     faults.note(&symmetry);
     faults.note(&refine);
     faults.finish()?;
     let (mesh, material, materials, element) = (mesh?, material?, materials?, element?);
-    let (reduction, symmetry, refine) = (reduction?, symmetry?, refine?.flatten());
-    let body = Body { name, mesh, material, materials, element, reduction, symmetry, refine };
+    let (shell, reduction, symmetry, refine) = (shell?.unwrap_or_default(), reduction?, symmetry?, refine?.flatten());
+    let body = Body { name, mesh, material, materials, element, shell, reduction, symmetry, refine };
     check_block_use(&body)?;
+    if let (Some(asked), Some(reduction)) = (&body.element, &body.reduction)
+        && asked.value == Formulation::Hex8Shell
+    {
+        let is = reduction.value.words();
+        let what = format!("body.{} is {is}, which solid-shell elements are not for", body.name.value);
+        return Err(Error::input(&asked.at, what, "leave `element` out, or mesh the body in space"));
+    }
     Ok(body)
+}
+
+/// The table that says more of elements for sheets.
+fn shell(item: &Item, element: &Result<Option<Located<Formulation>>>) -> Result<Shell> {
+    let table = item.table(&["points", "face"])?;
+    let [least, most] = [Formulation::LAYERS.start(), Formulation::LAYERS.end()];
+    let points = table.optional("points", |item| match item.count()? {
+        count if Formulation::LAYERS.contains(&count) => Ok(count),
+        _ => Err(item.error(format!("must be from {least} to {most}"), "5 for a metal that flows")),
+    });
+    let face = table.optional("face", Item::located_string);
+    let mut faults = Faults::default();
+    faults.note(&points);
+    faults.note(&face);
+    if let Ok(asked) = element
+        && asked.as_ref().is_none_or(|asked| asked.value != Formulation::Hex8Shell)
+    {
+        faults.note(&Err::<(), _>(item.error("is for solid-shell elements", "add element = \"hex8-shell\"")));
+    }
+    faults.finish()?;
+    Ok(Shell { points: points?, face: face? })
 }
 
 fn mesh_of(table: &Table, directory: &Path) -> Result<MeshSource> {
@@ -223,7 +254,7 @@ fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
     if let Some(element) = body.element.as_ref().filter(|element| element.value.shape() != SolidShape::Hex8) {
-        let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"";
+        let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\", \"hex8-eas\" or \"hex8-shell\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
     }
     if let Some(reduction) = body.reduction.as_ref().filter(|_| block.value.elements[2] != 1) {

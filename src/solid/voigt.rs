@@ -82,6 +82,34 @@ pub fn mirror(tangent: &mut [Voigt; 6]) {
     }
 }
 
+/// The sum of values times vectors.
+#[inline(always)]
+pub fn combine(values: &Voigt, vectors: &[Voigt; 6]) -> Voigt {
+    let mut sum = [0.0; 6];
+    for (value, vector) in values.iter().zip(vectors) {
+        (0..6).for_each(|i| sum[i] += value * vector[i]);
+    }
+    sum
+}
+
+/// A M A^T.
+#[inline(always)]
+pub fn congruent(a: &[Voigt; 6], m: &[Voigt; 6]) -> [Voigt; 6] {
+    let (transposed, mut half, mut product) = (transpose(a), [[0.0; 6]; 6], [[0.0; 6]; 6]);
+    (0..6).for_each(|i| half[i] = combine(&m[i], &transposed));
+    (0..6).for_each(|i| product[i] = combine(&a[i], &half));
+    product
+}
+
+#[inline(always)]
+pub fn transpose(a: &[Voigt; 6]) -> [Voigt; 6] {
+    let mut transposed = [[0.0; 6]; 6];
+    for i in 0..6 {
+        (0..6).for_each(|j| transposed[j][i] = a[i][j]);
+    }
+    transposed
+}
+
 /// Von Mises stress of a Cauchy stress.
 pub fn von_mises(s: &Voigt) -> f64 {
     let normal = (s[0] - s[1]).powi(2) + (s[1] - s[2]).powi(2) + (s[2] - s[0]).powi(2);

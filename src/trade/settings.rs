@@ -285,7 +285,8 @@ fn element(scene: &Scene) -> Setting {
                 Formulation::Hex8Eas => !directed && !body.is_axisymmetric(),
                 _ => true,
             };
-            hexahedra && now != element && suits
+            // Sheets of one layer lock with any other.
+            hexahedra && now != element && now != Formulation::Hex8Shell && suits
         });
         let others = others.map(|body| format!("body.{}.element={}", body.name.value, element.key())).collect();
         setting.add(&format!("elements: {}", element.key()), others, 1.0);

@@ -83,9 +83,10 @@ impl Bench<'_> {
 
     /// A block of so many elements, fixed below.
     fn block(&self, element: &str, material: &str, plane: bool, elements: [usize; 3]) -> Result<Block> {
+        let shell = if element == "hex8-shell" { ", shell = { face = \"zmin\" }" } else { "" };
         let cells = format!("{{ box = {{ size = {elements:?} }}, elements = {elements:?} }}");
         let scene = parse(&format!(
-            "body.block = {{ material = \"m\", element = \"{element}\", plane_strain = {plane}, block = {cells} }}\n\
+            "body.block = {{ material = \"m\", element = \"{element}\"{shell}, plane_strain = {plane}, block = {cells} }}\n\
              {}\nstep = [{{ increments = 1, fix = [{{ set = \"block.ymin\" }}] }}]",
             card(material)
         ))?;

@@ -9,7 +9,8 @@ use crate::mesh::SolidShape;
 use crate::model::{Model, Section};
 use crate::output::summary::memory_mb;
 use crate::parallel::{max, sum};
-use crate::scene::{Linear, Located, Scene, Step};
+use crate::scene::{Formulation, Linear, Located, Scene, Step};
+use crate::solid::element::hex8_shell;
 use crate::system::assembly::internal_forces;
 use crate::system::{DofMap, Pattern};
 use mpi::topology::SimpleCommunicator;
@@ -75,8 +76,13 @@ impl Size {
         for solid in &model.part.solids {
             hexahedra += f64::from(solid.shape == SolidShape::Hex8 && solid.mine);
             quadratic += f64::from(solid.shape == SolidShape::Tet10 && solid.mine);
-            let work = works[solid.section as usize];
-            counts.iter_mut().zip(&all).filter(|(_, kind)| Some(**kind) == work).for_each(|(count, _)| *count += 1.0);
+            let (work, section) = (works[solid.section as usize], model.section(solid));
+            // Time goes with the points through the thickness; the rates are of as many as are usual.
+            let times = match section.element {
+                Formulation::Hex8Shell => section.layers as f64 / hex8_shell::usual_layers(&section.material) as f64,
+                _ => 1.0,
+            };
+            counts.iter_mut().zip(&all).filter(|(_, kind)| Some(**kind) == work).for_each(|(count, _)| *count += times);
         }
         let slaves = model.pairs.iter().map(|pair| pair.slaves.len()).sum::<usize>() as f64;
         let (mut sums, mut most) = ([hexahedra, quadratic, resident_mb()], [slaves, seconds]);

@@ -61,7 +61,9 @@ impl Work {
     /// All of them.
     pub fn all() -> Vec<Self> {
         let in_space = Formulation::ALL.iter().map(|element| Shape::Solid(element.key()));
-        let bricks = Formulation::ALL.iter().filter(|element| element.shape() == SolidShape::Hex8);
+        let is_plane =
+            |element: &&Formulation| element.shape() == SolidShape::Hex8 && **element != Formulation::Hex8Shell;
+        let bricks = Formulation::ALL.iter().filter(is_plane);
         let shapes = in_space.chain(bricks.map(|element| Shape::Plane(element.key())));
         let elements = shapes.flat_map(|shape| MATERIALS.map(|material| Self::Element(shape, material)));
         elements.chain(Self::OTHERS).collect()
@@ -111,7 +113,7 @@ impl Work {
                     ("tet4", _) => 600.0,
                     ("tet10" | "tet10-sri", _) => 3000.0,
                     ("hex8-fbar", false) => 5000.0,
-                    ("hex8-eas", false) => 16_000.0,
+                    ("hex8-eas" | "hex8-shell", false) => 16_000.0,
                     (_, false) => 3300.0,
                     ("hex8-eas", true) => 4000.0,
                     (_, true) => 1000.0,
@@ -121,6 +123,8 @@ impl Work {
                         ("neo-hookean", _) => 1.0,
                         ("hooke", _) => 1.7,
                         (_, "hex8-eas" | "hex8-fbar") => 2.6,
+                        // More points, too.
+                        (_, "hex8-shell") => 6.5,
                         _ => 4.0,
                     }
             }

@@ -25,7 +25,6 @@ use crate::interrupt;
 use crate::model::{Model, elements};
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{any, max, sum};
-use crate::solid::element::Formulation;
 use crate::system::assembly;
 use crate::system::dofs::{NONE, Prescribed};
 use crate::system::{DofMap, Pattern};
@@ -329,7 +328,7 @@ impl<'a> Newton<'a> {
         let of_element = |section: u32, force: f64| balance.element(section as usize, force);
         let model = &*self.system.model;
         // Enhanced strain goes on from the last tangent: one that is not used must not be it.
-        let with_tangent = will_go_on && model.sections.iter().all(|section| section.element != Formulation::Hex8Eas);
+        let with_tangent = will_go_on && model.sections.iter().all(|section| !section.element.is_enhanced());
         let tangent = with_tangent.then(|| {
             self.values.fill(0.0);
             (&*self.system.pattern, &mut self.values[..])

@@ -25,9 +25,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let (body, card) = (&scene.bodies[b], scene.material(&material.value));
         let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
         let poisson = elastic.map_or(0.0, MaterialModel::poisson);
-        if let Some(asked) =
-            body.element.as_ref().filter(|_| section.element == Formulation::Hex8Eas && poisson < AUXETIC)
-        {
+        if let Some(asked) = body.element.as_ref().filter(|_| section.element.is_enhanced() && poisson < AUXETIC) {
             let what = format!(
                 "body `{}`: elements with enhanced strain buckle in a material with Poisson's ratio {poisson}",
                 body.name.value

@@ -91,7 +91,7 @@ const DISPLACEMENTS: usize = 24;
 /// The amplitudes of an element near some displacements, to first order. Smaller elements leave entries unused.
 #[derive(Clone, Debug)]
 pub struct Amplitudes {
-    at: [f64; DISPLACEMENTS],
+    pub(super) at: [f64; DISPLACEMENTS],
     /// alpha there.
     pub(super) values: [f64; MODES],
     /// d(alpha)/du = -K_mn^-1 K_na.
@@ -109,7 +109,7 @@ impl Default for Amplitudes {
 impl Amplitudes {
     /// At displacements `u`.
     #[inline(always)]
-    fn ahead<const M: usize, const N: usize>(&self, u: &[[f64; 3]; N]) -> [f64; M] {
+    pub(super) fn ahead<const M: usize, const N: usize>(&self, u: &[[f64; 3]; N]) -> [f64; M] {
         let mut by = [0.0; DISPLACEMENTS];
         by.iter_mut().zip(u.as_flattened()).zip(&self.at).for_each(|((by, u), at)| *by = u - at);
         std::array::from_fn(|m| self.values[m] + dot(&self.slopes[m], &by))
@@ -131,10 +131,10 @@ enum Way {
 /// The ways, the last from zero, and the most iterations.
 const WAYS: [(Way, usize); 3] = [(Way::Descend, 10), (Way::Carry, 25), (Way::Descend, 60)];
 /// Most halvings of a step.
-const MOST_HALVINGS: usize = 12;
+pub(super) const MOST_HALVINGS: usize = 12;
 /// The iteration ends when the energy of its step is below this times shear modulus and volume: strains are then off by
 /// 1e-8, forces by the square of that, as the step enters them.
-const TOLERANCE: f64 = 1e-16;
+pub(super) const TOLERANCE: f64 = 1e-16;
 
 /// Deformation and response at given amplitudes.
 struct Trial<const M: usize, const Q: usize> {
@@ -338,7 +338,7 @@ pub(super) fn solve<const M: usize, const N: usize, const Q: usize>(
     Err(failure)
 }
 
-fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
+pub(super) fn dot<const M: usize>(a: &[f64; M], b: &[f64; M]) -> f64 {
     (0..M).map(|m| a[m] * b[m]).sum()
 }
 
@@ -481,14 +481,14 @@ pub(super) fn samples<const M: usize, const N: usize, const Q: usize>(
 }
 
 /// L D L^T of a symmetric matrix, of which the lower half is read.
-struct Factor<const M: usize> {
-    lower: [[f64; M]; M],
-    diagonal: [f64; M],
+pub(super) struct Factor<const M: usize> {
+    pub lower: [[f64; M]; M],
+    pub diagonal: [f64; M],
 }
 
 impl<const M: usize> Factor<M> {
     /// `None` if a pivot nearly vanishes.
-    fn new(matrix: &[[f64; M]; M]) -> Option<Self> {
+    pub fn new(matrix: &[[f64; M]; M]) -> Option<Self> {
         let (mut lower, mut diagonal) = ([[0.0; M]; M], [0.0; M]);
         for i in 0..M {
             for j in 0..=i {
@@ -507,11 +507,11 @@ impl<const M: usize> Factor<M> {
     }
 
     /// Whether the matrix is positive definite.
-    fn positive(&self) -> bool {
+    pub fn positive(&self) -> bool {
         self.diagonal.iter().all(|&d| d > 0.0)
     }
 
-    fn solve(&self, right: &[f64; M]) -> [f64; M] {
+    pub fn solve(&self, right: &[f64; M]) -> [f64; M] {
         let mut x = *right;
         self.forward(&mut x);
         (0..M).for_each(|i| x[i] /= self.diagonal[i]);
@@ -522,7 +522,7 @@ impl<const M: usize> Factor<M> {
     }
 
     /// Of the step that `right` asks for, counting all its parts as positive.
-    fn energy(&self, right: &[f64; M]) -> f64 {
+    pub fn energy(&self, right: &[f64; M]) -> f64 {
         let mut x = *right;
         self.forward(&mut x);
         (0..M).map(|i| x[i] * x[i] / self.diagonal[i].abs()).sum()

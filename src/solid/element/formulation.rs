@@ -1,6 +1,7 @@
 //! The element formulations by name.
 
 use crate::mesh::SolidShape;
+use std::ops::RangeInclusive;
 
 /// How an element is formulated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,8 @@ pub enum Formulation {
     Hex8Sri,
     /// 8-node hexahedron, enhanced assumed strain.
     Hex8Eas,
+    /// 8-node hexahedron for thin sheets, one layer of which bends: assumed transverse strains, enhanced strain.
+    Hex8Shell,
     /// 4-node tetrahedron.
     Tet4,
     /// 10-node tetrahedron, four integration points.
@@ -22,14 +25,25 @@ pub enum Formulation {
 }
 
 impl Formulation {
+    /// The fewest and the most integration points through the thickness of a solid-shell element.
+    pub const LAYERS: RangeInclusive<usize> = 2..=9;
+
     /// All of them.
-    pub const ALL: [Self; 7] =
-        [Self::Hex8, Self::Hex8Fbar, Self::Hex8Sri, Self::Hex8Eas, Self::Tet4, Self::Tet10, Self::Tet10Sri];
+    pub const ALL: [Self; 8] = [
+        Self::Hex8,
+        Self::Hex8Fbar,
+        Self::Hex8Sri,
+        Self::Hex8Eas,
+        Self::Hex8Shell,
+        Self::Tet4,
+        Self::Tet10,
+        Self::Tet10Sri,
+    ];
 
     /// The elements that it is for.
     pub fn shape(self) -> SolidShape {
         match self {
-            Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas => SolidShape::Hex8,
+            Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas | Self::Hex8Shell => SolidShape::Hex8,
             Self::Tet4 => SolidShape::Tet4,
             Self::Tet10 | Self::Tet10Sri => SolidShape::Tet10,
         }
@@ -42,9 +56,15 @@ impl Formulation {
             Self::Hex8Fbar => "hex8-fbar",
             Self::Hex8Sri => "hex8-sri",
             Self::Hex8Eas => "hex8-eas",
+            Self::Hex8Shell => "hex8-shell",
             Self::Tet4 => "tet4",
             Self::Tet10 => "tet10",
             Self::Tet10Sri => "tet10-sri",
         }
+    }
+
+    /// Whether it has enhanced strain, whose amplitudes go on from the last tangent.
+    pub fn is_enhanced(self) -> bool {
+        matches!(self, Self::Hex8Eas | Self::Hex8Shell)
     }
 }

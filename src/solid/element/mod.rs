@@ -25,6 +25,7 @@ mod formulation;
 pub mod hex8;
 pub mod hex8_eas;
 pub mod hex8_fbar;
+pub mod hex8_shell;
 pub mod hex8_sri;
 pub mod plane4;
 pub mod ring4;

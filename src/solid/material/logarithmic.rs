@@ -22,7 +22,9 @@
 
 use crate::Mat3;
 use crate::solid::eigen::symmetric_eigen;
-use crate::solid::voigt::{INDEX, Voigt, compose, mirror, right_cauchy_green, symmetric_product};
+use crate::solid::voigt::{
+    INDEX, Voigt, combine, compose, congruent, mirror, right_cauchy_green, symmetric_product, transpose,
+};
 
 /// The components of a symmetric tensor: rows and columns.
 const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
@@ -167,34 +169,6 @@ impl Axes {
         }
         0.5 * close_difference(values.map(|v| (v - mean) / mean)) / (mean * mean)
     }
-}
-
-/// The sum of values times vectors.
-#[inline(always)]
-fn combine(values: &Voigt, vectors: &[Voigt; 6]) -> Voigt {
-    let mut sum = [0.0; 6];
-    for (value, vector) in values.iter().zip(vectors) {
-        (0..6).for_each(|i| sum[i] += value * vector[i]);
-    }
-    sum
-}
-
-/// A M A^T.
-#[inline(always)]
-fn congruent(a: &[Voigt; 6], m: &[Voigt; 6]) -> [Voigt; 6] {
-    let (transposed, mut half, mut product) = (transpose(a), [[0.0; 6]; 6], [[0.0; 6]; 6]);
-    (0..6).for_each(|i| half[i] = combine(&m[i], &transposed));
-    (0..6).for_each(|i| product[i] = combine(&a[i], &half));
-    product
-}
-
-#[inline(always)]
-fn transpose(a: &[Voigt; 6]) -> [Voigt; 6] {
-    let mut transposed = [[0.0; 6]; 6];
-    for i in 0..6 {
-        (0..6).for_each(|j| transposed[j][i] = a[i][j]);
-    }
-    transposed
 }
 
 /// Spread of three squares over their mean below which the series is better than the difference.

@@ -1,0 +1,80 @@
+//! Thin sheets of solid-shell elements against what is known of shells; bodies that are no sheets are refused.
+
+mod common;
+
+use common::{Bench, History, assert_close, assert_small};
+
+const ROOF: &str = r#"
+[body.roof]
+block = { sector = { radii = [24.875, 25.125], angles = [50.0, 90.0], length = 25.0 }, elements = [1, 8, 8] }
+material = "m"
+element = "hex8-shell"
+[material.m]
+model = "hooke"
+young = 4.32e8
+poisson = 0.0
+[[step]]
+increments = 1
+fix = [
+    { set = "roof.amax", directions = "x" }, { set = "roof.zmin", directions = "z" },
+    { set = "roof.zmax", directions = "xy" },
+]
+body_force = [{ body = "roof", per_volume = [0.0, -0.036, 0.0] }]
+[output]
+probe = [{ name = "edge", point = [16.069690242163485, 19.15111107797445, 0.0], fields = ["displacement"] }]
+"#;
+
+/// A quarter of the roof of Scordelis and Lo (1964), under a ten thousandth of its weight: the middle of its free edge sinks by
+/// 0.3024 of that. The mesh tells that its thickness is along the radius.
+#[test]
+fn a_roof_bears_its_weight() {
+    let run = Bench::new(ROOF).solve(1, &[]);
+    let edge = History::read(&run.out.join("probe-edge.csv"));
+    assert_close("sinking", edge.last("displacement.y"), -0.3024e-4, 0.01);
+}
+
+/// Turned up by more than half its length by a shear of 4 at its end (Sze, Liu and Lo, Finite Elem. Anal. Des. 40, 2004).
+#[test]
+fn a_strip_is_turned_up_by_its_end() {
+    let bench = Bench::new(
+        r#"
+        [body.strip]
+        block = { box = { size = [10.0, 1.0, 0.1] }, elements = [16, 1, 1] }
+        material = "m"
+        element = "hex8-shell"
+        shell = { points = 3, face = "zmax" }
+        [material.m]
+        model = "hooke"
+        young = 1.2e6
+        poisson = 0.0
+        [[step]]
+        increments = 10
+        fix = [{ set = "strip.xmin" }]
+        force = [{ target = "strip.xmax", total = [0.0, 0.0, 4.0] }]
+        [output]
+        history = ["strip.xmin", "strip.xmax"]
+        "#,
+    );
+    let alone = bench.solve(1, &[]).history();
+    assert_close("back", alone.last("strip.xmax.ux"), -3.286, 0.02);
+    assert_close("up", alone.last("strip.xmax.uz"), 6.698, 0.02);
+    assert_small("2 ranks", alone.difference(&bench.solve(2, &[]).history()), 1e-8);
+}
+
+#[test]
+fn what_is_no_sheet_is_refused() {
+    let bench = Bench::new(ROOF);
+    for (sets, words) in [
+        (&["body.roof.block.elements=[1, 70, 100]"][..], "which direction is the thickness is not clear"),
+        (&["body.roof.shell={ face = \"side\" }"], "has no group `side` of faces"),
+        (&["body.roof.shell={ points = 1 }"], "must be from 2 to 9"),
+        (&["body.roof.shell={ points = 5 }", "body.roof.element=hex8"], "is for solid-shell elements"),
+        (&["body.roof.plane_strain=true", "body.roof.block.elements=[2, 8, 1]"], "is in plane strain"),
+        (&["material.m.poisson=-0.95"], "buckle"),
+    ] {
+        let sets: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+        let run = bench.run(2, &sets);
+        assert_eq!(run.code, 2, "{words}: {}", run.stderr);
+        assert!(run.stderr.contains(words), "{}", run.stderr);
+    }
+}
