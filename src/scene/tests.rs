@@ -435,7 +435,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
     assert_eq!(
         message("material = \"rubber\"", "  materail = \"rubber\""),
         "in/test.toml:5:3: unknown key `materail` in body.slab\n  | materail = \"rubber\"\n  \
-         help: did you mean `material`? (known: mesh, group, block, material, materials, element, plane_strain, axisymmetric, symmetry, refine)"
+         help: did you mean `material`? (known: mesh, group, block, material, materials, element, shell, plane_strain, axisymmetric, symmetry, refine)"
     );
     assert_eq!(
         message("[material.steel]", "[materials.steel]"),
