@@ -426,6 +426,12 @@ pub fn run() -> i32 {
     if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {
         return run_alone();
     }
+    if let Err(error) = petsc::enough_to_start() {
+        if launched_as().is_none_or(|rank| rank == "0") {
+            eprintln!("error: {error}");
+        }
+        return 3;
+    }
     let Some(universe) = mpi::initialize() else {
         eprintln!("error: MPI cannot be initialized");
         return 3;
@@ -454,9 +460,14 @@ pub fn run() -> i32 {
     }
 }
 
+/// Under mpirun the number of this rank.
+fn launched_as() -> Option<String> {
+    ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok())
+}
+
 /// Runs a command that needs no MPI, or that starts others, to which MPI would hand its state down in the environment.
 fn run_alone() -> i32 {
-    let rank = ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok());
+    let rank = launched_as();
     let outcome = match (&rank, parse()) {
         (Some(_), Ok(Cli { command: Command::Convert { .. } })) => {
             Err(Error::input_anywhere("`convert` runs in one process, not under mpirun", "start it without"))

@@ -503,3 +503,18 @@ move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
     let (code, text) = verdict(&scene("more = [\"zmax\", \"xmax\"]", "low.more", "high.zmin"), 2);
     assert!(code == 0, "{text}");
 }
+
+/// In a plane of symmetry a tool that crosses it has a mirror image that goes the other way.
+#[test]
+fn conditions_that_a_mirror_turns() {
+    let half = ("material = \"soft\"\nblock", "material = \"soft\"\nsymmetry = [\"xmin\"]\nblock");
+    let by = "by = [0.0, 0.0, -0.1]";
+    accepted(&block(&[half]), "9 nodes that touch");
+    accepted(&block(&[half, (by, "by = [0.0, 0.1, -0.1]")]), "9 nodes that touch");
+    warned(
+        &block(&[half, (by, "by = [0.1, 0.0, -0.1]")]),
+        &["step `press`: in the symmetry `block.xmin` the mirror image of"],
+    );
+    let turned = format!("{by}, rotate = {{ point = [0.0, 0.0, 1.0], axis = [0.0, 0.0, 1.0], angle = 5.0 }}");
+    warned(&block(&[half, (by, &turned)]), &["the mirror image of tool `plate` turns the other way"]);
+}

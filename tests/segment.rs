@@ -171,3 +171,47 @@ move = [{{ target = "up.ymax", by = [3, 0, 0] }}]
         assert_small("balance", (low + up) / history.last("up.ymax.fy"), 1e-9);
     }
 }
+
+/// A block on a wider one, with friction, whole and as a quarter between planes of symmetry, on smooth patches and on facets.
+#[test]
+fn a_quarter_bears_a_quarter_of_the_force() {
+    let scene = |whole: bool, smoothing: &str| {
+        let block = |half: f64, elements: usize, z: f64| {
+            let (origin, part) = if whole { (-half, 2) } else { (0.0, 1) };
+            let (size, n) = (half * part as f64, elements * part);
+            format!(
+                "{{ box = {{ origin = [{origin}, {origin}, {z}], size = [{size}, {size}, 1.0] }}, elements = [{n}, {n}, 2] }}"
+            )
+        };
+        let symmetry = if whole { "" } else { ", symmetry = [\"xmin\", \"ymin\"]" };
+        Bench::new(&format!(
+            r#"
+            body.lower = {{ material = "m", block = {}{symmetry} }}
+            body.upper = {{ material = "n", block = {}{symmetry} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            material.n = {{ model = "neo-hookean", young = 10.0, poisson = 0.4 }}
+            [contact.c]
+            slave = "upper.zmin"
+            master = "lower.zmax"
+            friction = 0.3
+            discretization = "segment"
+            smoothing = "{smoothing}"
+            [[step]]
+            name = "press"
+            increments = 2
+            fix = [{{ set = "lower.zmin" }}, {{ set = "upper.zmax", directions = "xy" }}]
+            move = [{{ target = "upper.zmax", by = [0.0, 0.0, -0.2], directions = "z" }}]
+            [output]
+            history = ["lower.zmin"]
+            "#,
+            block(3.0, 3, -1.0),
+            block(2.0, 1, 0.0),
+        ))
+    };
+    for smoothing in ["nagata", "facet"] {
+        let [whole, quarter] = [true, false].map(|whole| scene(whole, smoothing).solve(2, &[]));
+        let [whole, quarter] = [whole, quarter].map(|run| run.history().last("lower.zmin.fz"));
+        // Points stand still from where little is left of the residual.
+        assert_small(smoothing, 4.0 * quarter / whole - 1.0, 1e-5);
+    }
+}

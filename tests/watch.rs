@@ -273,6 +273,35 @@ move = [{ target = "t", by = [0.0, 0.0, -0.6] }]"#;
     assert_eq!(pressed.summary()["cutbacks"], 0);
 }
 
+/// A blade and a small ball go into facets of the block between its nodes, which feel nothing: told of, then refused.
+#[test]
+fn what_goes_in_between_nodes_is_told_of() {
+    let blade = r#"profile]
+points = [[2.1, 4.0], [1.5, 2.0], [0.9, 4.0]]
+extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }"#;
+    let ball = "sphere]\ncenter = [1.5, 1.5, 2.2]\nradius = 0.2";
+    let run = |tool: &str, by: f64, ranks: usize, elements: usize| {
+        let how = format!("fix = [{{ set = \"b.bottom\" }}]\nmove = [{{ target = \"t\", by = [0.0, 0.0, {by}] }}]");
+        let elements = format!("body.b.block.elements=[{elements}, {elements}, 2]");
+        block(tool, &how).run(ranks, &["--set", &elements])
+    };
+    for tool in [blade, ball] {
+        assert!(!run(tool, -0.15, 1, 4).log().contains("between its nodes"));
+        for ranks in [1, 2] {
+            let told = run(tool, -0.3, ranks, 4);
+            let words = "contact `c`: the tool `t` is 3.0";
+            assert!(told.code == 0 && told.log().contains(words), "{}", told.log());
+            assert_eq!(told.history().last("t.fz"), 0.0);
+            let refused = run(tool, -0.7, ranks, 4);
+            assert_eq!(refused.code, 1, "{}", refused.log());
+            assert!(refused.stderr.contains("deep in body `b` between its nodes"), "{}", refused.stderr);
+        }
+    }
+    // A node is under the tip.
+    let felt = run(blade, -0.15, 1, 8);
+    assert!(felt.code == 0 && felt.history().last("t.fz") < -0.5 && !felt.log().contains("between its nodes"));
+}
+
 /// At the end of a run: a contact that never was, one that ended, and one that was ended on purpose.
 #[test]
 fn contacts_that_do_not_act_are_named_at_the_end() {

@@ -28,7 +28,7 @@ pub use linear::{
     Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE,
 };
 pub use matrix::Matrix;
-pub use memory::address_space_left;
+pub use memory::{address_space_left, enough_to_start};
 pub use multigrid::{Multipliers, Node, Unknowns};
 pub use runtime::Petsc;
 pub use snes::{Evaluation, Iterate, Jacobian, Outcome, Problem, Reason, Snes, Verdict};

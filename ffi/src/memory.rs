@@ -26,8 +26,9 @@ fn left(limits: &str, status: &str) -> Option<u64> {
     Some(limit.saturating_sub(number(status, "VmSize:").unwrap_or(0) << 10))
 }
 
-/// Lets OpenBLAS take its buffer now: it keeps it, and without memory for it would try again for ever.
-pub(crate) fn settle_blas() -> Result<(), String> {
+/// What is to be said if less is left than the program cannot do without. MPI would fail to start with half as much, and not
+/// say why.
+pub fn enough_to_start() -> Result<(), String> {
     if let Some(left) = address_space_left().filter(|left| *left < BLAS_BUFFER) {
         return Err(format!(
             "not enough memory to start: {} MB of address space are left of the limit (`ulimit -v`), and the linear \
@@ -36,6 +37,12 @@ pub(crate) fn settle_blas() -> Result<(), String> {
             BLAS_BUFFER >> 20
         ));
     }
+    Ok(())
+}
+
+/// Lets OpenBLAS take its buffer now: it keeps it, and without memory for it would try again for ever.
+pub(crate) fn settle_blas() -> Result<(), String> {
+    enough_to_start()?;
     // Large enough to be no small product, which needs no buffer.
     const SIZE: i32 = 128;
     let alone = SimpleCommunicator::self_comm();

@@ -139,7 +139,8 @@ fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> 
     match f.cause {
         Cause::Watch => Some(
             "see that the normals of the master look at the slave, that it has all faces to which the slave may come, and that \
-             the node is free to give way; load in smaller increments, or allow a smaller `increment.min`",
+             the node is free to give way; mesh the slave finer where the master goes in between its nodes; load in smaller \
+             increments, or allow a smaller `increment.min`",
         ),
         Cause::Rounds => Some(
             "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, or take \

@@ -8,13 +8,11 @@ use crate::Vec3;
 use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
 
-/// What contacts hold besides their normals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Friction {
-    Nothing,
-    /// A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns against that.
-    AsItIs,
-}
+/// What contacts hold besides their normals: of a pair by its index and a slave node of it, whether its friction holds.
+type Friction<'a> = &'a dyn Fn(usize, &Slave) -> bool;
+
+/// Where nothing presses, what has moved in an increment by less than this share of a facet has not been let go.
+const STILL: f64 = 1e-9;
 
 impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
@@ -25,24 +23,32 @@ impl Simulation<'_> {
 
     /// Whether friction alone holds something now. Collective.
     pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
-        let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, Friction::Nothing);
+        let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, None);
         !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
     }
 
-    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. Collective.
-    fn held(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, friction: Friction) -> RigidMotions {
+    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says; without friction what is near
+    /// counts as touching. A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns
+    /// against that. Collective.
+    fn held(
+        &self,
+        frame: &Frame,
+        u: &[Vec3],
+        of: impl Fn(&Slave) -> &Trial,
+        friction: Option<Friction>,
+    ) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
         let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
-        for (pair, (body, side)) in self.model.pairs.iter().zip(sides(&self.model, self.scene)) {
+        for (p, (pair, (body, side))) in self.model.pairs.iter().zip(sides(&self.model, self.scene)).enumerate() {
             for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
                 let trial = of(slave);
                 let Some(at) = trial.projection else { continue };
-                let near = friction == Friction::Nothing && at.gap <= pair.controls.touching_gap * pair.facet_size;
+                let near = friction.is_none() && at.gap <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !near {
                     continue;
                 }
                 let x = place(slave.node as usize);
-                let rough = friction == Friction::AsItIs && pair.friction > 0.0;
+                let rough = pair.friction > 0.0 && friction.is_some_and(|holds| holds(p, slave));
                 motions.touch(body, side, &x, &at.normal, rough && trial.status == Status::Stick);
                 let across = at.normal.cross(&trial.traction());
                 if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
@@ -59,7 +65,14 @@ impl Simulation<'_> {
         if !frame.hangs {
             return Attempt::Converged(converged);
         }
-        match self.held(frame, &converged.u, |slave| &slave.trial, Friction::AsItIs).free(self.comm).first() {
+        // A force that gaps round to says nothing of friction, which it would let hold or slip by chance.
+        let holds = |p: usize, slave: &Slave| {
+            let (pair, n) = (&self.model.pairs[p], slave.node as usize);
+            let moved = (converged.u[n] - self.state.u[n]).norm();
+            let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
+            moved <= STILL * pair.facet_size || slave.trial.traction().norm() > rounding.max(converged.limits[p])
+        };
+        match self.held(frame, &converged.u, |slave| &slave.trial, Some(&holds)).free(self.comm).first() {
             None => Attempt::Converged(converged),
             Some(free) => {
                 let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());

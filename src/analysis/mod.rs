@@ -11,7 +11,8 @@
 //! - `hold`: what holds bodies and tools
 //! - `shared_nodes`: nodes that bear several contacts with friction
 //! - [`preflight`]: what is checked before the first increment
-//! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies
+//! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
+//!   `between` between the nodes of slaves
 //! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
@@ -28,6 +29,7 @@
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
 //! again from it, shorter, until it would be shorter than the scene's minimum.
 
+mod between;
 mod body_fields;
 mod check;
 mod conditioning;

@@ -1,5 +1,6 @@
 //! One step: its equations, its increments, and what becomes of each.
 
+use super::between::Between;
 use super::conditions::Conditions;
 use super::cost::size::Systems;
 use super::increments::Increments;
@@ -102,6 +103,8 @@ pub(super) struct Converged {
     seen: Vec<f64>,
     /// Residual that is let through at each contact, N.
     pub(super) limits: Vec<f64>,
+    /// Of each pair how deep its master is between nodes, as the watch saw it.
+    pub(super) between: Vec<Between>,
     /// Largest residual that was let through, over the forces that it counts against.
     limit: f64,
     trace: Vec<f64>,
@@ -622,7 +625,7 @@ impl<'a> Simulation<'a> {
         frame.plain = None;
         self.state.time = time;
         self.state.increments += 1;
-        self.note_touches();
+        self.note_touches(&converged.between);
         self.summary.increments += 1;
         let [touching, slipping, calmed] = self.count(converged.calmed.len());
         let calmed_node = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n)));
@@ -732,6 +735,7 @@ fn converged(newton: Newton, x: &[f64]) -> Converged {
         multipliers,
         tie_forces,
         limits,
+        between: Vec::new(),
         limit,
         trace: course.trace,
         changes: course.changes,

@@ -4,6 +4,7 @@
 //! from how far they and the masters have moved.
 
 use super::Simulation;
+use super::between::{Between, between, too_deep};
 use super::conditions::Conditions;
 use super::intruders::intruders;
 use super::step::{Attempt, Converged};
@@ -31,9 +32,12 @@ pub struct Touch {
     /// Middle of the nodes that touched then, in space and on the tool.
     middle: Vec3,
     on_tool: Option<Vec3>,
+    /// The deepest that the master ever was between the slave's nodes, and when.
+    between: Between,
+    deepest_at: f64,
 }
 
-crate::words!(Touch { until, now, force, middle, on_tool });
+crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at });
 
 /// Where all is at an increment's beginning and end.
 struct Motion<'a> {
@@ -64,12 +68,12 @@ impl Simulation<'_> {
 
     /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
     pub(super) fn watched(&mut self, attempt: Attempt, conditions: &Conditions) -> Attempt {
-        let Attempt::Converged(converged) = attempt else { return attempt };
+        let Attempt::Converged(mut converged) = attempt else { return attempt };
         if self.model.is_alone() {
             return Attempt::Converged(converged);
         }
         let begun = Instant::now();
-        let reason = self.finding(&converged, conditions);
+        let reason = self.finding(&mut converged, conditions);
         self.phases.add(Phase::Search, begun.elapsed());
         match reason {
             None => Attempt::Converged(converged),
@@ -78,12 +82,12 @@ impl Simulation<'_> {
     }
 
     /// The worst that some node did, in words. Collective.
-    fn finding(&mut self, converged: &Converged, conditions: &Conditions) -> Option<String> {
+    fn finding(&mut self, converged: &mut Converged, conditions: &Conditions) -> Option<String> {
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let mut told: Option<(usize, usize, Finding)> = None;
-        for (p, travel) in travels.into_iter().enumerate() {
-            let sights = judge_pair(self.comm, &self.model, p, travel, &motion);
+        for (p, travel) in travels.iter().enumerate() {
+            let sights = judge_pair(self.comm, &self.model, p, *travel, &motion);
             for (s, (sight, finding)) in sights.into_iter().enumerate() {
                 self.model.pairs[p].slaves[s].sighted = sight;
                 let worst = told.map_or(0.0, |(_, _, worst)| worst.size());
@@ -94,9 +98,12 @@ impl Simulation<'_> {
             let far = self.model.pairs[p].slaves[s].sighted.gap.abs();
             told = told.or(Some((p, s, Finding::Within(far))));
         }
+        converged.between = between(self.comm, &self.model, &travels, &converged.u);
+        told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)));
         told = told.or_else(|| self.undetermined(conditions));
         let told = told.map(|told| (told, told.2.size()));
-        word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding)).map(|(word, _)| word)
+        word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]))
+            .map(|(word, _)| word)
     }
 
     /// A slave node that is prescribed along the normal of a tool that a torque turns: neither can give way.
@@ -119,9 +126,8 @@ impl Simulation<'_> {
         })
     }
 
-    fn word(&self, p: usize, s: usize, finding: Finding) -> String {
+    fn word(&self, p: usize, s: usize, finding: Finding, between: &Between) -> String {
         let pair = &self.model.pairs[p];
-        let node = node_name(&self.model, pair.slaves[s].node);
         let master = self.model.master_name(pair);
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
@@ -136,12 +142,24 @@ impl Simulation<'_> {
                 let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
                 format!("is inside body `{body}`, which it entered where no contact names a face, beside {master}")
             }
+            Finding::Between(_) => return self.word_between(p, between),
         };
-        format!("node {node} {did} (contact `{}`)", pair.name)
+        format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
     }
 
-    /// Notes which contacts touch in an increment that was accepted. Collective.
-    pub(super) fn note_touches(&mut self) {
+    /// How deep the master of a pair is between the nodes of the slave.
+    fn word_between(&self, p: usize, Between { share, depth, place }: &Between) -> String {
+        let pair = &self.model.pairs[p];
+        let (master, slave) = (self.model.master_name(pair), &self.model.bodies[pair.body].name);
+        format!(
+            "contact `{}`: {master} is {depth:.3e} deep in body `{slave}` between its nodes, {share:.2} of the facet at \
+             ({:.6}, {:.6}, {:.6}), where nothing resists it",
+            pair.name, place.x, place.y, place.z
+        )
+    }
+
+    /// Notes which contacts touch in an increment that was accepted, and how deep masters are between nodes. Collective.
+    pub(super) fn note_touches(&mut self, between: &[Between]) {
         const EACH: usize = 7;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         for pair in &self.model.pairs {
@@ -155,6 +173,11 @@ impl Simulation<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z]);
         }
         sum(self.comm, &mut sums);
+        for (touch, between) in self.state.touches.iter_mut().zip(between) {
+            if between.share > touch.between.share {
+                (touch.between, touch.deepest_at) = (*between, self.state.time);
+            }
+        }
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
             touch.now = sums[0] > 0.0;
             if touch.now {
@@ -167,7 +190,7 @@ impl Simulation<'_> {
         }
     }
 
-    /// What is to be said at the end: contacts that never touched, and those that no longer do, though nothing took the tool
+    /// What is to be said at the end: masters between nodes, contacts that never touched, and those that no longer do, though nothing took the tool
     /// away. Collective.
     pub fn idle_contacts(&self) -> Vec<String> {
         let mut warnings = Vec::new();
@@ -192,6 +215,10 @@ impl Simulation<'_> {
                 ));
             }
             let touch = &self.state.touches[p];
+            if touch.between.share > pair.controls.watch_between {
+                let word = self.word_between(p, &touch.between);
+                warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
+            }
             let other = pair.other.map(|other| self.state.touches[other]);
             if pair.is_second || touch.now || other.is_some_and(|o| o.now) {
                 continue;
@@ -228,12 +255,12 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
 }
 
 /// How far to look around nodes that have gone so far.
-fn reach(pair: &Pair, travel: f64) -> f64 {
+pub(super) fn reach(pair: &Pair, travel: f64) -> f64 {
     let around = if pair.is_self() { pair.controls.watch_around_self } else { pair.controls.watch_around };
     around * pair.facet_size + pair.controls.watch_farther * travel
 }
 
-fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'_> {
+pub(super) fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'_> {
     let in_the_mean = pair.faces.as_ref().map_or(0.0, |_| pair.controls.watch_segment * pair.facet_size);
     let explained = explained + in_the_mean;
     Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel), controls: &pair.controls }

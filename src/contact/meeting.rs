@@ -130,7 +130,8 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
 /// In which directions a slave node with a prescribed motion cannot give way on the master: where the nodes that bear the
 /// point are prescribed too, it is held when they move alike, else drawn.
 fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
-    const BEARS: f64 = 1e-6;
+    // A node in a plane of symmetry has its point off the patch's edge there by its gap times what the patch leans.
+    const BEARS: f64 = 1e-2;
     let Movement { axes, ways } = moves.slave;
     let mut guide = Guide { axes, ..Guide::default() };
     let bearing = ground.bearing(at).filter(|(_, weight)| weight.abs() > BEARS);

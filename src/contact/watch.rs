@@ -74,6 +74,8 @@ pub enum Finding {
     Through(f64),
     /// It is inside the body of the master, where no contact names a face, so far from those that one names.
     Within(f64),
+    /// Beside it, between nodes, the master is so deep in the slave.
+    Between(f64),
     /// It cannot give way to a tool that is only turned by a torque, which it touches with so much force: how much, nothing says.
     Undetermined(f64),
 }
@@ -82,7 +84,11 @@ impl Finding {
     /// A length to compare findings by.
     pub fn size(&self) -> f64 {
         match self {
-            Self::Behind(size) | Self::Through(size) | Self::Within(size) | Self::Undetermined(size) => *size,
+            Self::Behind(size)
+            | Self::Through(size)
+            | Self::Within(size)
+            | Self::Between(size)
+            | Self::Undetermined(size) => *size,
         }
     }
 }
@@ -265,6 +271,21 @@ fn of_one_behind(seen: &Seen, last: &Sight) -> (Sight, Option<Finding>) {
     let side = if seen.is_behind() { last.side } else { Side::Front };
     let deeper = side == Side::Inside && seen.depth > last.depth + seen.allowed;
     (seen.sight(side), deeper.then_some(Finding::Behind(seen.depth)))
+}
+
+/// How far the master is in the slave at a point `x` of its faces, along the inward normal there; no farther than `most`. The
+/// ground is known `reach` around the point.
+pub fn intrusion(view: &View, x: &Vec3, inward: &Vec3, most: f64, reach: f64, may: &Allowance) -> f64 {
+    let depth = |way: f64| {
+        let at = view.ground.seen_from(&(x + inward * way));
+        let far = -view.nearest(&at, reach - way)?.gap;
+        view.depth(&at, far).filter(|_| far > may.controls.watch_step * may.facet)
+    };
+    let mut way = 0.0;
+    while let Some(depth) = depth(way).filter(|_| way < most) {
+        way += depth;
+    }
+    way.min(most)
 }
 
 /// Whether a way from the front of the surface goes through it, also when it is lifted off it at its beginning and, with

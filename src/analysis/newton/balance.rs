@@ -231,7 +231,7 @@ impl Newton<'_> {
     }
 
     /// What rounding leaves of a sum of products, over these.
-    fn epsilon(&self) -> f64 {
+    pub(super) fn epsilon(&self) -> f64 {
         self.system.model.controls.rounding * f64::EPSILON
     }
 

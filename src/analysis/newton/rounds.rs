@@ -54,10 +54,6 @@ pub struct Rounds {
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
-        if std::mem::take(&mut self.strategy.settling) {
-            self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
-            return self.again();
-        }
         let Controls { uzawa_tolerance, outer_rounds, .. } = self.system.model.controls;
         let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
@@ -80,6 +76,16 @@ impl Newton<'_> {
         let mut largest = [open.0, wrong.0];
         max(self.system.comm, &mut largest);
         let (is_open, is_wrong) = (largest[0] > 1.0, largest[1] > 1.0);
+        if self.strategy.settling {
+            // What a set has let touch presses bodies together that only friction holds: they stick until it stands.
+            self.course.rounds.count += usize::from(is_wrong);
+            let changes =
+                is_wrong && self.course.rounds.count <= outer_rounds && self.change_set(tolerance, largest[1]);
+            if !changes {
+                self.let_slip();
+            }
+            return self.again();
+        }
         if !is_open && !is_wrong {
             self.course.rounds.settled = true;
             return if self.found.balance.holds(self.tolerance_now()) { Round::Done } else { self.again() };
@@ -100,6 +106,15 @@ impl Newton<'_> {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
         }
         self.again()
+    }
+
+    /// Ends the settling: what touches may slip from now on.
+    fn let_slip(&mut self) {
+        self.strategy.settling = false;
+        self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
+        let rounds = &mut self.course.rounds;
+        (rounds.singly, rounds.settled) = (false, false);
+        rounds.sets.clear();
     }
 
     /// After convergence: lets constraints that gave way do so about the multipliers at `x` instead, and says whether that is

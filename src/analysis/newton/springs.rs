@@ -40,7 +40,11 @@ impl Newton<'_> {
         let System { model, dofs, conditions, .. } = &self.system;
         for &n in conditions.springs.keys() {
             let force = self.footing_force(n);
-            self.found.balance.load(model.part.section[n as usize] as usize, force.amax());
+            // What a place rounds to is no displacement.
+            let (place, u) = (model.part.points[n as usize], self.found.u[n as usize]);
+            if u.amax() > self.epsilon() * place.amax() {
+                self.found.balance.load(model.part.section[n as usize] as usize, force.amax());
+            }
             let force = dofs.axes.inward(n as usize, &force);
             for d in 0..3 {
                 if let Some(k) = dofs.local(dofs.node[n as usize][d]) {

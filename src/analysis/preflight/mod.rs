@@ -11,6 +11,7 @@
 //! - `support`: what holds every body and every force-driven tool, in each step
 //! - `pressed`: bodies that nothing presses against what touches them
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
+//! - `mirrored`: conditions that would be others beyond a plane of symmetry
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
 //! Places of probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read: [`crate::model`].
@@ -18,6 +19,7 @@
 mod facing;
 mod gaps;
 mod locking;
+mod mirrored;
 mod opposite;
 mod pressed;
 pub mod rigid;
@@ -55,6 +57,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let mut lines = gaps::check(comm, &contacts, model, &sights)?;
     lines.extend(model.joined.clone());
     units::sizes(comm, scene, model, &sights);
+    mirrored::check(comm, scene, model, &steps);
     stuck::check(comm, scene, model, &steps)?;
     tied::check(comm, scene, model, &steps)?;
     support::check(comm, scene, model, (&steps, &sights))?;

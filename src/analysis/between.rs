@@ -1,0 +1,160 @@
+//! What masters do between the nodes of a slave, where no contact feels them: an edge of a tool that goes into a facet, a ball
+//! smaller than a facet. By places alone, in points of the facets near a master.
+//!
+//! Facets at whose nodes the master looks the same way are looked at in their middle, others, at edges and small radii, closely.
+//! How deep nodes are themselves is left out: that belongs to the law of contact. In a contact of two passes the nodes of the
+//! other side see what happens.
+
+use super::watch::{allowance, reach};
+use crate::contact::watch::{self, Finding, Side, View};
+use crate::contact::{Pair, Sight};
+use crate::model::Model;
+use crate::mortar::Corners;
+use crate::mortar::face::bilinear;
+use crate::parallel::{max, sum};
+use crate::partition::PartFacet;
+use crate::{Vec2, Vec3};
+use mpi::topology::SimpleCommunicator;
+
+/// Cosine between normals at nodes of a facet that count as the same, 14 degrees: an arc between is 1/30 of its chord deep.
+const SAME: f64 = 0.97;
+/// Where a facet is looked at closely, in each direction.
+const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+
+/// How deep a master was in a slave between its nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Between {
+    /// Over the shortest edge of the facet.
+    pub share: f64,
+    pub depth: f64,
+    pub place: Vec3,
+}
+
+crate::words!(Between { share, depth, place });
+
+impl Between {
+    /// The one that is deeper, measured by its facet.
+    pub fn or_deeper(self, other: Self) -> Self {
+        if other.share > self.share { other } else { self }
+    }
+}
+
+/// The deepest between the nodes of each pair, of which none has gone farther than its entry of `travels`, as the watch
+/// sighted them. Collective.
+pub(super) fn between(comm: &SimpleCommunicator, model: &Model, travels: &[f64], u: &[Vec3]) -> Vec<Between> {
+    let deepest = |(pair, travel): (&Pair, &f64)| {
+        let is_seen = pair.other.is_none() && pair.slaves.iter().all(|slave| slave.mate.is_none());
+        let sights = Sights::new(comm, model, pair);
+        let facets = model.part.pieces(&model.part.sets[pair.set].facets);
+        let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
+        facets.iter().filter(|_| is_seen).filter_map(of).fold(Between::default(), Between::or_deeper)
+    };
+    let mine: Vec<Between> = model.pairs.iter().zip(travels).map(deepest).collect();
+    let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
+    max(comm, &mut shares);
+    // Ranks that have the same facet say the same.
+    let said = |(mine, share): (&Between, &f64)| {
+        let Between { depth, place, .. } = *mine;
+        if mine.share == *share { [1.0, depth, place.x, place.y, place.z] } else { [0.0; 5] }
+    };
+    let mut sums = mine.iter().zip(&shares).map(said).collect::<Vec<_>>().concat();
+    sum(comm, &mut sums);
+    let deepest = |(share, sums): (f64, &[f64])| Between {
+        share,
+        depth: sums[1] / sums[0],
+        place: Vec3::from_column_slice(&sums[2..]) / sums[0],
+    };
+    shares.into_iter().zip(sums.chunks_exact(5)).map(deepest).collect()
+}
+
+/// What the watch sighted of the nodes of a slave, by local node whose displacements they have.
+struct Sights(Vec<[f64; 4]>);
+
+impl Sights {
+    /// Collective.
+    fn new(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Self {
+        let mut sights = vec![[f64::NAN; 4]; model.part.points.len()];
+        for slave in &pair.slaves {
+            let Sight { gap, normal, side, .. } = slave.sighted;
+            sights[slave.node as usize] = match normal {
+                // Whatever is behind is told of by itself.
+                Some(_) if side != Side::Front => [f64::NEG_INFINITY; 4],
+                Some(n) => [gap, n.x, n.y, n.z],
+                None => [f64::INFINITY; 4],
+            };
+        }
+        model.part.halo.update(comm, 4, sights.as_flattened_mut());
+        Self(sights)
+    }
+
+    /// Those of some nodes that are slaves.
+    fn of(&self, nodes: &[u32]) -> Vec<[f64; 4]> {
+        nodes.iter().map(|&n| self.0[n as usize]).filter(|[gap, ..]| !gap.is_nan()).collect()
+    }
+}
+
+/// A facet near a master.
+struct Facet {
+    corners: Corners<Vec3>,
+    inward: Vec3,
+    /// One of its slave nodes.
+    slave: usize,
+    shortest: f64,
+    /// How deep the deepest of its nodes is.
+    deep: f64,
+    /// Its nodes see the same way of the master.
+    is_even: bool,
+}
+
+impl Facet {
+    /// `None` if the master is not near, or it has no slave node of this rank.
+    fn new(model: &Model, pair: &Pair, sights: &Sights, facet: &PartFacet, u: &[Vec3]) -> Option<Self> {
+        let part = &model.part;
+        let all = &facet.nodes[..facet.count as usize];
+        let nodes = all.iter().map(|&n| part.tie[n as usize]).collect::<Vec<_>>();
+        let slave_at = |n: &u32| pair.slaves.binary_search_by_key(n, |slave| slave.node).ok();
+        let slave = nodes.iter().find_map(slave_at)?;
+        let corners = Corners::new(all).map(|n| part.points[n as usize] + u[part.tie[n as usize] as usize]);
+        let seen = sights.of(&nodes);
+        let nearest = seen.iter().map(|[gap, ..]| *gap).fold(f64::INFINITY, f64::min);
+        if nearest == f64::NEG_INFINITY || nearest > corners.longest() {
+            return None;
+        }
+        let along = |edge: &Vec3| !pair.planar || edge.z.abs() < edge.xy().norm();
+        let edges = (0..corners.count).map(|k| corners.x[(k + 1) % corners.count] - corners.x[k]).filter(along);
+        let shortest = edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min);
+        let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
+        let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
+        let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
+        Some(Self { corners, inward, slave, shortest, deep: f64::max(-nearest, 0.0), is_even })
+    }
+
+    fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
+        let view = View { ground: model.masters.of(pair.master), pair, slave: self.slave };
+        let may = allowance(pair, 0.0, travel);
+        let around = (reach(pair, travel) - self.corners.longest()).max(pair.facet_size);
+        let most = pair.controls.watch_between_most * self.shortest;
+        let at = |place: Vec3| {
+            let depth = watch::intrusion(&view, &place, &self.inward, 2.0 * most + self.deep, around, &may) - self.deep;
+            Between { share: depth / self.shortest, depth, place }
+        };
+        let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };
+        let all = spots.iter().flat_map(|s| spots.iter().map(move |t| Vec2::new(*s, *t)));
+        all.map(|xi| at(self.place(&xi))).fold(Between::default(), Between::or_deeper)
+    }
+
+    /// The place at parameters in the unit square, of which a triangle has one side drawn together.
+    fn place(&self, xi: &Vec2) -> Vec3 {
+        match self.corners.count {
+            3 => self.corners.at(&[1.0 - xi.x, xi.x * (1.0 - xi.y), xi.x * xi.y, 0.0]),
+            _ => self.corners.at(&bilinear(xi)[0]),
+        }
+    }
+}
+
+/// What ends an increment: a pair whose master is deeper between the nodes of a facet than what these feel.
+pub(super) fn too_deep(model: &Model, between: &[Between]) -> Option<(usize, Finding)> {
+    let is_too_deep = |(pair, between): (&Pair, &Between)| between.share > pair.controls.watch_between_most;
+    let p = model.pairs.iter().zip(between).position(is_too_deep)?;
+    Some((p, Finding::Between(between[p].depth)))
+}

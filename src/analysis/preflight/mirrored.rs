@@ -1,0 +1,65 @@
+//! Conditions that would be others in the mirror image of a body: of what a plane of symmetry stands for they are no part.
+//!
+//! A vector has the same mirror image if it lies in the plane, an axis of rotation if it is normal to it. A tool that moves otherwise
+//! has a mirror image that moves the other way, which is right for two tools, not for one that meets the body up to the plane.
+
+use super::super::conditions::{Conditions, ToolMotion};
+use crate::Vec3;
+use crate::contact::Pair;
+use crate::model::{Model, SymmetryPlane};
+use crate::parallel::any;
+use crate::scene::Scene;
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
+
+/// Share of a vector that does not count.
+const SLIGHT: f64 = 1e-6;
+
+/// Warns of motions and loads in all steps that have another mirror image. Collective.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
+    let mut warnings = Vec::new();
+    let crossing: Vec<Vec<bool>> = model.symmetry.iter().map(|plane| crossing(comm, model, plane)).collect();
+    for (step, conditions) in scene.steps.iter().zip(steps) {
+        for (plane, crossing) in model.symmetry.iter().zip(&crossing) {
+            let mut found = Vec::new();
+            if step.gravity.as_ref().is_some_and(|gravity| is_across(&gravity.value, &plane.normal)) {
+                found.push("gravity has another mirror image".to_string());
+            }
+            let tools = model.masters.tools.iter().zip(&conditions.motions).zip(crossing);
+            for ((tool, motion), _) in tools.filter(|(_, crosses)| **crosses) {
+                let does = way_across(motion, plane);
+                found.extend(does.map(|does| format!("the mirror image of tool `{}` {does} the other way", tool.name)));
+            }
+            let (step, set) = (&step.name.value, &plane.set.value);
+            warnings.extend(found.iter().map(|found| format!("step `{step}`: in the symmetry `{set}` {found}")));
+        }
+    }
+    model.warnings.extend(warnings);
+}
+
+/// Which tools meet faces that end in a plane of symmetry.
+fn crossing(comm: &SimpleCommunicator, model: &Model, plane: &SymmetryPlane) -> Vec<bool> {
+    let nodes: BTreeSet<u32> = model.set(&plane.set.value).nodes.iter().copied().collect();
+    let ends = |pair: &Pair| pair.slaves.iter().any(|slave| nodes.contains(&slave.node));
+    let meets = |t: usize| model.pairs.iter().any(|pair| pair.master.tool() == Some(t) && ends(pair));
+    (0..model.masters.tools.len()).map(|t| any(comm, meets(t))).collect()
+}
+
+fn is_across(vector: &Vec3, normal: &Vec3) -> bool {
+    vector.dot(normal).abs() > SLIGHT * vector.norm()
+}
+
+/// What the mirror image of a tool does otherwise.
+fn way_across(motion: &ToolMotion, plane: &SymmetryPlane) -> Option<&'static str> {
+    let leans = |axis: &Vec3| axis.cross(&plane.normal).norm() > SLIGHT * axis.norm();
+    let is_free = (0..3).any(|d| motion.free[d] && plane.normal[d].abs() > SLIGHT);
+    if is_across(&motion.by, &plane.normal) {
+        Some("moves")
+    } else if motion.rotation.is_some_and(|rotation| leans(&rotation.axis))
+        || motion.axle.is_some_and(|axle| leans(&axle.axis))
+    {
+        Some("turns")
+    } else {
+        is_free.then_some("gives way")
+    }
+}
