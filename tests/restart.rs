@@ -278,7 +278,7 @@ fn a_state_out_of_balance_is_refused() {
     file.close().unwrap();
     let mut bytes = fs::read(&path).unwrap();
     let sum = nagata::output::checkpoint::checksum(&mut &bytes[..], u64::MAX).unwrap();
-    bytes.extend(b"nagata.3");
+    bytes.extend(b"nagata.4");
     bytes.extend(sum.to_le_bytes());
     fs::write(&path, bytes).unwrap();
     let refused = run(&bench, 2, &[&set[..], &["--restart"]].concat());

@@ -56,7 +56,13 @@ impl Newton<'_> {
     pub fn end_round(&mut self) -> Round {
         if std::mem::take(&mut self.strategy.settling) {
             self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
+            if self.strategy.central {
+                self.begin_central();
+            }
             return self.again();
+        }
+        if self.is_central() {
+            return self.end_stage();
         }
         let Controls { uzawa_tolerance, outer_rounds, .. } = self.system.model.controls;
         let tolerance = self.tolerance_now();
@@ -142,7 +148,7 @@ impl Newton<'_> {
     }
 
     /// The next solve judges this iterate again.
-    fn again(&mut self) -> Round {
+    pub(super) fn again(&mut self) -> Round {
         self.judge_again();
         Round::Again
     }
@@ -151,7 +157,7 @@ impl Newton<'_> {
     pub(super) fn tolerance_now(&self) -> f64 {
         let sets =
             !self.course.rounds.settled && self.system.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
-        if sets || self.strategy.settling {
+        if sets || self.strategy.settling || self.is_central() {
             self.strategy.tolerance.max(self.system.model.controls.loose_tolerance)
         } else {
             self.strategy.tolerance
