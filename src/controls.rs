@@ -235,9 +235,9 @@ controls! {
         soft_augmentation: f64 = 0.01, [1e-6, 1.0], "augmentation",
             "Of an increment that has failed, and of those after it where that helped: slender bodies bend far more easily than what is around a node. A hook of 20 x 1 that snaps over a catch fails after 321 increments and 192 cuts without, and takes 124 and none with it; in ironing, where nothing fails, as low from the beginning would take 40 times the iterations.";
         central_gap: f64 = 1e-4, [1e-8, 0.1], "longest edge of the slave facets",
-            "First stage of the central path: the gap that contacts have where forces are ε times it. A strip of 120 x 2 elements between die, holder and punch, elastic and without friction, ends in 11 increments without the path; with 1e-4 it runs to its end, with 1e-3 in strict steps, 3e-5 and 1e-5 it does not, or takes twice as long.";
+            "First stage of the central path: the gap that contacts have where forces are ε times it. A strip of 120 x 2 elements that is drawn by 10 mm between die, holder and punch, elastic and without friction, ends after 11 increments without the path, and takes 141 and 2456 iterations with it.";
         central_fall: f64 = 0.1, [1e-3, 0.9], "times the force of the stage before",
-            "How θ falls from stage to stage, each of which takes some iterations: with 0.01 there are half as many stages and as many iterations.";
+            "How θ falls from stage to stage: so far that each stage takes a few iterations. With 0.01 in three stages the strip takes as many.";
         central_stages: usize = 6, [1, 100], "stages",
             "Stages before the law itself. After six the gap that is left is 1e-9 of a facet, and the contacts are those of the solution but for a few.";
         uzawa_penalty: f64 = 1000.0, [1.0, 1e6], "the same stiffness",
