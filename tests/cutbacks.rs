@@ -227,3 +227,49 @@ fn a_slender_hook_snaps_over_a_catch() {
         assert_small("there and back", (up[way] - up[back]).hypot(along[way] - along[back]) / up[way].abs(), 1e-6);
     }
 }
+
+/// A sheet between die and holder, which a force drives, bent by a punch: far softer in bending than against what presses it, its
+/// nodes go to and fro between the tools unless they are brought there along the central path. What is found is an equilibrium,
+/// on one rank and on two.
+#[test]
+fn a_sheet_between_two_tools() {
+    let bench = Bench::new(
+        r#"
+        [body.blank]
+        material = "m"
+        element = "hex8-fbar"
+        plane_strain = true
+        block = { box = { size = [75.0, 0.78, 1.0] }, elements = [120, 2, 1] }
+        [material.m]
+        model = "neo-hookean"
+        young = 206e3
+        poisson = 0.3
+        [tool]
+        die = { profile = { points = [[37.0, -60.0], [37.0, 0.0], [150.0, 0.0]], fillets = 5.0 }, flip = true }
+        holder = { profile = { points = [[150.0, 0.78], [37.0, 0.78], [37.0, 60.0]], fillets = 5.0 }, flip = true }
+        punch = { profile = { points = [[35.0, 60.0], [35.0, 0.78], [-10.0, 0.78]], fillets = 8.0 }, flip = true }
+        [contact]
+        die = { slave = "blank.ymin", master = "die" }
+        holder = { slave = "blank.ymax", master = "holder" }
+        punch = { slave = "blank.ymax", master = "punch" }
+        [[step]]
+        increments = 2
+        fix = [{ set = "blank.xmin", directions = "x" }]
+        force = [{ target = "holder", total = [0.0, -65.0, 0.0], directions = "y" }]
+        [[step]]
+        increments = 1
+        fix = [{ set = "blank.xmin", directions = "x" }]
+        force = [{ target = "holder", total = [0.0, -65.0, 0.0], directions = "y" }]
+        move = [{ target = "punch", by = [0.0, -0.02, 0.0] }]
+        "#,
+    );
+    let run = bench.solve(1, &[]);
+    assert_eq!((&run.summary()["cutbacks"], &run.summary()["jumps"]), (&0.into(), &0.into()), "{}", run.log());
+    assert!(run.log().contains("along the central path"), "{}", run.log());
+    let history = run.history();
+    let [die, holder, punch] = ["die.fy", "holder.fy", "punch.fy"].map(|name| history.last(name));
+    assert_close("holder", holder, -65.0, 1e-9);
+    assert_small("balance", (die + holder + punch) / 65.0, 1e-8);
+    assert!(punch.abs() > 1e-3, "{punch}");
+    assert_small("ranks", history.difference(&bench.solve(2, &[]).history()), 1e-7);
+}

@@ -257,6 +257,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") where nodes bear several contacts",
         Remedy::Soften => "with other penalties",
+        Remedy::Central => "along the central path",
         Remedy::Settle => "with contacts that stick until they settle",
         Remedy::Jump => "as a jump",
     };

@@ -21,6 +21,9 @@
 //!    turns; what has helped is kept. Penalties come from the stiffness around a node, and a slender body, a sheet or a hook, is
 //!    far softer in bending: there an iteration leaves gaps that outweigh the force, the node lets go, and comes back. Where
 //!    contacts slide with friction lower penalties are slower. The solution does not depend on them.
+//!    What that does not help is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
+//!    closed: a sheet between two tools may touch them in so many ways that the iteration goes to and fro between them. Where
+//!    residuals do not fall there, it is tried once more with such that fall in each iteration.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
@@ -78,13 +81,14 @@ pub struct Tries {
     yields: Option<bool>,
     way: Way,
     soft: bool,
+    central: Option<bool>,
     turned: bool,
     failures: usize,
     jumps: usize,
     jumped: usize,
 }
 
-crate::words!(Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped });
+crate::words!(Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped });
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
 impl Words for Way {
@@ -109,6 +113,8 @@ impl Words for Way {
 pub struct Ladder {
     /// There are contacts.
     pub can_soften: bool,
+    /// Contacts can be sought along the central path: two tools press on a body.
+    pub can_center: bool,
     /// Some contact has friction, or a penalty that is not the automatic one.
     can_settle: bool,
     /// When constraints of multipliers give way more than they do anyway.
@@ -125,6 +131,8 @@ pub struct Ladder {
     way: Way,
     /// Penalties are lower.
     soft: bool,
+    /// Contacts are sought along the central path, and each residual must be below the last on it.
+    central: Option<bool>,
     /// Both kinds of penalties were tried in this increment, or in an earlier one, where the lower ones did not help.
     turned: bool,
     /// Failures in succession.
@@ -144,6 +152,7 @@ impl Ladder {
         let way = Way::Newton { settle: false };
         Self {
             can_soften: false,
+            can_center: false,
             can_settle,
             can_yield: Yields::Never,
             yields: Some(false),
@@ -152,6 +161,7 @@ impl Ladder {
             settles: false,
             way,
             soft: false,
+            central: None,
             turned: false,
             failures: 0,
             jumps: 0,
@@ -168,13 +178,14 @@ impl Ladder {
 
     /// How far it is.
     pub fn tries(&self) -> Tries {
-        let Self { can_yield, yields, way, soft, turned, failures, jumps, jumped, .. } = *self;
-        Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped }
+        let Self { can_yield, yields, way, soft, central, turned, failures, jumps, jumped, .. } = *self;
+        Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped }
     }
 
     /// Goes on from there.
-    pub fn go_on(&mut self, Tries { can_yield, yields, way, soft, turned, failures, jumps, jumped }: Tries) {
-        *self = Self { can_yield, yields, way, soft, turned, failures, jumps, jumped, ..*self };
+    pub fn go_on(&mut self, tries: Tries) {
+        let Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped } = tries;
+        *self = Self { can_yield, yields, way, soft, central, turned, failures, jumps, jumped, ..*self };
     }
 
     /// How to seek the increment now.
@@ -195,6 +206,11 @@ impl Ladder {
         self.soft
     }
 
+    /// Whether contacts are sought along the central path.
+    pub fn is_central(&self) -> bool {
+        self.central.is_some() && self.way != Way::Jump
+    }
+
     /// Whether a path of little but jumps, or jumps that are refused, leave nothing to try.
     pub fn jumps_on(&self) -> bool {
         self.jumped >= self.controls.jump_weight * self.controls.jump_run || self.refused > self.controls.jump_tries
@@ -210,10 +226,11 @@ impl Ladder {
         self.yields == Some(true)
     }
 
-    /// In plastic bodies each residual must be below the last, not only below the largest of the last few. What fails in one
+    /// In plastic bodies, and along the central path, each residual must be below the last, not only below the largest of the last few. What fails in one
     /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
     pub fn is_strict(&self) -> bool {
-        self.way == Way::Jump || self.failures % self.controls.remedy_period == 1
+        let by_turns = self.failures % self.controls.remedy_period == 1;
+        self.way == Way::Jump || self.central.unwrap_or(by_turns)
     }
 
     /// The increment has converged. Says how it was found.
@@ -258,6 +275,11 @@ impl Ladder {
             self.soft = !self.soft;
             return Some(Remedy::Soften);
         }
+        if self.can_center && cause.is_of_iteration() && self.central != Some(true) {
+            (self.central, self.soft) = (Some(self.central.is_some()), false);
+            return Some(Remedy::Central);
+        }
+        self.central = None;
         self.failures += 1;
         let again = self.can_settle && !self.is_remedy();
         let short = increments.is_short(end);
@@ -343,6 +365,27 @@ mod tests {
             ladder.fail(&mut increments, end, cause).is_none()
         });
         assert!(ended);
+    }
+
+    /// What other penalties do not help is tried along the central path before it is cut, each time; where that has helped,
+    /// it is the way of those after it.
+    #[test]
+    fn contacts_are_sought_along_the_central_path() {
+        let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder =
+            Ladder { can_soften: true, can_center: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut fail = |ladder: &mut Ladder| {
+            let end = increments.next().unwrap();
+            (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_central())
+        };
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
+        assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), false));
+        ladder.succeed();
+        assert!(ladder.is_central() && !ladder.is_soft());
+        assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), true));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
     }
 
     #[test]

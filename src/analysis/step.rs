@@ -187,6 +187,7 @@ impl<'a> Simulation<'a> {
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
         let mut ladder = Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls);
         ladder.can_soften = !self.model.pairs.is_empty();
+        ladder.can_center = can_center(&self.model.pairs);
         self.begun += 1;
         Progress {
             serial: self.begun,
@@ -439,6 +440,7 @@ impl<'a> Simulation<'a> {
             ahead: extrapolated,
             automatic: frame.progress.ladder.is_remedy() || frame.progress.ladder.yields(),
             soft: frame.progress.ladder.is_soft(),
+            central: frame.progress.ladder.is_central(),
             yields: frame.progress.ladder.yields(),
             again: frame.progress.ladder.has_failed(),
         };
@@ -709,6 +711,14 @@ impl<'a> Simulation<'a> {
         );
         Failure { what, ..failure }
     }
+}
+
+/// Whether contacts may be sought along the central path: two tools press on a body, and all have smooth forces there.
+fn can_center(pairs: &[Pair]) -> bool {
+    let other =
+        |pair: &Pair, tool| pairs.iter().any(|p| p.body == pair.body && p.master.tool().is_some_and(|t| t != tool));
+    let is_between = |pair: &Pair| pair.master.tool().is_some_and(|tool| other(pair, tool));
+    pairs.iter().all(Pair::is_smooth) && pairs.iter().any(is_between)
 }
 
 /// The matrix of a step, with zeros. Collective.

@@ -33,6 +33,13 @@
 //! and what touches would have another force than its multiplier. With these penalties, and no others, the frictionless
 //! tangent stays symmetric.
 //!
+//! On the way to a solution the normal force may be that of the central path of interior-point methods, with a parameter θ
+//! (Chen and Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168-1190; Kanzow, SIAM J. Matrix Anal. Appl. 17 (1996) 851-868):
+//!
+//!   F_n = (λ̂_n - √(λ̂_n² + 4θ²)) / 2,   so that F_n (F_n - λ̂_n) = θ²,
+//!
+//! and where λ_n = F_n, -F_n ε_n g = θ²: every node has a force and a gap, smoothly, and the law itself is the limit θ = 0.
+//!
 //! All methods have this law, and differ in the [`Multiplier`]:
 //!
 //! - augmented Lagrangian: λ is an unknown, and its residual -(λ - F).
@@ -90,6 +97,22 @@ pub struct Law {
     pub rough: bool,
     /// By how much the constraint of a multiplier that is an unknown gives way.
     pub compliance: Compliance,
+    /// θ of the central path, N; 0 for the law itself.
+    pub barrier: f64,
+}
+
+impl Law {
+    /// F_n of λ̂_n in contact, with its derivative.
+    fn pressed(&self, augmented: f64) -> (f64, f64) {
+        if self.barrier == 0.0 {
+            return (augmented, 1.0);
+        }
+        let root = augmented.hypot(2.0 * self.barrier);
+        // Where both almost cancel, their product with the sum.
+        let force =
+            if augmented > 0.0 { -2.0 * self.barrier.powi(2) / (augmented + root) } else { 0.5 * (augmented - root) };
+        (force, -force / root)
+    }
 }
 
 /// For tests.
@@ -101,6 +124,7 @@ pub const LAW: Law = Law {
     penalty: 100.0,
     rough: false,
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
+    barrier: 0.0,
 };
 
 /// By how much the constraint of a multiplier gives way: where several nodes or masters make the same condition, only this
@@ -311,7 +335,7 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
     let Section { free, normal: n, turn, tangential, lean } = section;
     let path = place.point - place.origin;
     let slip = tangential * path;
-    let lambda_n = multiplier.dot(&n) + law.normal * place.gap * lean;
+    let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
     let combined = multiplier + held + path * law.tangential;
     let lambda_t = tangential * combined;
     let (size, friction) = (lambda_t.norm(), law.friction * lean);
@@ -327,16 +351,16 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
         None if (law.rough || size <= bound * (1.0 - 1e-9)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
-    let n_by_normal = turn * multiplier - n * (law.normal * place.gap * lean * lean);
+    let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;
     let t_by_normal = -n * (turn * combined).transpose() - turn * n.dot(&combined);
     let (force, mut by, by_held) = match status {
         Status::Gap => return gap(law, multiplier, slip),
         Status::Stick => {
             let by = Slopes {
-                gap: n * (law.normal * lean),
+                gap: n * (law.normal * lean * share),
                 normal: n * n_by_normal.transpose() + turn * lambda_n + t_by_normal,
                 path: tangential * law.tangential,
-                multiplier: free,
+                multiplier: free - n * n.transpose() * (1.0 - share),
             };
             (n * lambda_n + lambda_t, by, tangential)
         }
@@ -346,10 +370,10 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
             let rotation = (Mat3::identity() - t * t.transpose()) * (bound / size);
             let leaning = t * n.transpose() * (friction * lambda_n * lean);
             let by = Slopes {
-                gap: direction * (law.normal * lean),
+                gap: direction * (law.normal * lean * share),
                 normal: direction * n_by_normal.transpose() + turn * lambda_n + rotation * t_by_normal + leaning,
                 path: rotation * tangential * law.tangential,
-                multiplier: direction * n.transpose() + rotation * tangential,
+                multiplier: direction * n.transpose() * share + rotation * tangential,
             };
             (direction * lambda_n, by, rotation * tangential)
         }
@@ -362,32 +386,39 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
         let (across, by_normal) = section.across(&place.normal, lambda_n, &n_by_normal);
         let lifted = (place.normal - free * place.normal) * lean;
         response.force += across;
-        by.gap += lifted * (law.normal * lean);
+        by.gap += lifted * (law.normal * lean * share);
         by.normal += by_normal;
-        by.multiplier += lifted * n.transpose();
+        by.multiplier += lifted * n.transpose() * share;
     }
     Response { force_by: by, ..response }
 }
 
 fn frictionless(law: Law, multiplier: f64, place: &Place, set: Option<Status>) -> Response {
-    let pressure = multiplier + law.normal * place.gap;
+    let (pressure, share) = law.pressed(multiplier + law.normal * place.gap);
     let touching = set.map_or(pressure <= 0.0, |set| set != Status::Gap);
     if !touching {
         return gap(law, &Vec3::new(multiplier, 0.0, 0.0), Vec3::zeros());
     }
-    let first = Vec3::x() * law.normal;
+    let first = Vec3::x() * (law.normal * share);
     Response {
         status: Status::Slip,
         asked: Status::Slip,
         force: place.normal * pressure,
         force_by: Slopes {
-            gap: place.normal * law.normal,
+            gap: place.normal * (law.normal * share),
             normal: Mat3::from_diagonal_element(pressure),
-            multiplier: place.normal * Vec3::x().transpose(),
+            multiplier: place.normal * Vec3::x().transpose() * share,
             ..Slopes::default()
         },
-        constraint: first * place.gap,
-        constraint_by: Slopes { gap: first, ..Slopes::default() },
+        constraint: match law.barrier {
+            0.0 => first * place.gap,
+            _ => Vec3::x() * (pressure - multiplier),
+        },
+        constraint_by: Slopes {
+            gap: first,
+            multiplier: Mat3::from_diagonal(&Vec3::x()) * (share - 1.0),
+            ..Slopes::default()
+        },
         ..Response::default()
     }
 }

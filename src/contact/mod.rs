@@ -123,6 +123,11 @@ impl Pair {
         self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &mut self.slaves[s])
     }
 
+    /// Whether it can be sought along the central path: with a status that is not given, between sides that tell gaps apart.
+    pub fn is_smooth(&self) -> bool {
+        self.method != Enforcement::Lagrange && !self.is_self() && self.other.is_none()
+    }
+
     /// Whether a surface meets itself.
     pub fn is_self(&self) -> bool {
         matches!(self.master, Master::Surface(_, Meets::Own))
@@ -216,6 +221,8 @@ pub struct Manner {
     pub automatic: bool,
     /// With penalties that are lower by `soft_augmentation` of the [`Controls`].
     pub soft: bool,
+    /// Along the central path.
+    pub central: bool,
     /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
     pub again: bool,
     /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
@@ -417,8 +424,15 @@ impl Slave {
     /// A node with the automatic augmentation, force per length, that is not enforced yet.
     pub fn new(node: u32, friction: f64, automatic: f64) -> Self {
         let (compliance, augmentation) = (Compliance::default(), automatic);
-        let law =
-            Law { friction, normal: automatic, tangential: automatic, penalty: automatic, rough: false, compliance };
+        let law = Law {
+            friction,
+            normal: automatic,
+            tangential: automatic,
+            penalty: automatic,
+            rough: false,
+            compliance,
+            barrier: 0.0,
+        };
         let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
         let (sight, sighted) = (Sight::default(), Sight::default());
@@ -469,6 +483,7 @@ impl Slave {
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
         let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
+        self.law.barrier = 0.0;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {
             (true, true) => controls.wide_slack,

@@ -34,6 +34,11 @@ impl LineSearch {
     pub(super) fn new(is_wanted: bool, memory: usize) -> Self {
         Self { is_wanted, tried: None, squared_residual: f64::INFINITY, recent: Vec::new(), memory }
     }
+
+    /// Begins anew with other equations.
+    pub(super) fn begin_anew(&mut self, is_wanted: bool) {
+        *self = Self::new(is_wanted, self.memory);
+    }
 }
 
 /// An iterate that has been evaluated, and will be asked for again.

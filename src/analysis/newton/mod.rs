@@ -4,11 +4,12 @@
 //! by torques times a length; all are lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
 //! the last converged increment. [`contact`] has the part of the contact elements, [`growth`] gives equations to slave nodes that
 //! come to touch, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
-//! from overshooting, [`drag`] what helps a jump along,
+//! from overshooting, [`central`] what keeps contacts of sheets from going to and fro, [`drag`] what helps a jump along,
 //! [`share`] how long an increment may be.
 
 mod backtrack;
 pub(super) mod balance;
+mod central;
 mod contact;
 mod drag;
 mod growth;
@@ -114,6 +115,9 @@ struct Strategy<'a> {
     settling: bool,
     /// Constraints give way by more than they do anyway.
     yields: bool,
+    /// It goes along the central path, and the stages of it that are left.
+    central: bool,
+    stages: usize,
     /// The prescribed displacements enter the first iteration linearly, from the last converged state.
     predicting: bool,
     /// Some prescribed displacement differs from that of the last converged state; the same on all ranks.
@@ -173,6 +177,8 @@ impl<'a> Newton<'a> {
             watcher,
             settling: start.manner.settles,
             yields: start.manner.yields,
+            central: start.manner.central,
+            stages: 0,
             predicting: true,
             moves: any(comm, conditions.prescribed.iter().enumerate().any(away)),
             drag: Drag::default(),
@@ -211,6 +217,9 @@ impl<'a> Newton<'a> {
         }
         note_bearers(&mut model.pairs);
         newton.learn();
+        if start.manner.central && !start.manner.settles {
+            newton.begin_central();
+        }
         newton
     }
 

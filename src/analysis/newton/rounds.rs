@@ -54,6 +54,9 @@ pub struct Rounds {
 impl Newton<'_> {
     /// After convergence: lets multipliers and active sets follow, and says whether that is all. Collective.
     pub fn end_round(&mut self) -> Round {
+        if self.is_central() {
+            return self.end_stage();
+        }
         let Controls { uzawa_tolerance, outer_rounds, .. } = self.system.model.controls;
         let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
@@ -83,6 +86,9 @@ impl Newton<'_> {
                 is_wrong && self.course.rounds.count <= outer_rounds && self.change_set(tolerance, largest[1]);
             if !changes {
                 self.let_slip();
+                if self.strategy.central {
+                    self.begin_central();
+                }
             }
             return self.again();
         }
@@ -157,7 +163,7 @@ impl Newton<'_> {
     }
 
     /// The next solve judges this iterate again.
-    fn again(&mut self) -> Round {
+    pub(super) fn again(&mut self) -> Round {
         self.judge_again();
         Round::Again
     }
@@ -166,7 +172,7 @@ impl Newton<'_> {
     pub(super) fn tolerance_now(&self) -> f64 {
         let sets =
             !self.course.rounds.settled && self.system.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
-        if sets || self.strategy.settling {
+        if sets || self.strategy.settling || self.is_central() {
             self.strategy.tolerance.max(self.system.model.controls.loose_tolerance)
         } else {
             self.strategy.tolerance

@@ -181,6 +181,38 @@ fn the_tangent_of_a_constraint_that_gives_way_is_the_derivative_where_the_rest_d
     }
 }
 
+/// What each node has of the central path: tangents, symmetric without friction, and force times gap, near and far.
+#[test]
+fn on_the_central_path_force_times_gap_is_given_and_smooth() {
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        for (_, x, lambda, origin) in states(master) {
+            for guide in [Guide::default(), Guide { held: [true, false, false], ..Guide::default() }] {
+                let law = Law { barrier: 3.0, ..LAW };
+                let lambda = guide.free() * lambda;
+                let local = Multiplier::Held { gap: 0.01, tangential: Vec3::zeros(), force: lambda };
+                for multiplier in [Multiplier::Augmented(lambda), local] {
+                    let error = errors(law, master, x, &multiplier, origin, &guide);
+                    assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+                }
+            }
+            let law = Law { friction: 0.0, barrier: 3.0, ..LAW };
+            let multiplier = Multiplier::Augmented(Vec3::x() * lambda.dot(&master.project(x).normal));
+            let e = element(law, &multiplier, &master.project(x), Vec3::zeros(), &Guide::default());
+            let error = errors(law, master, x, &multiplier, Vec3::zeros(), &Guide::default());
+            assert!(error < 2e-9, "{master:?}: {error:e}");
+            assert!((e.force_multiplier - e.constraint_position.transpose()).amax() < 1e-13);
+        }
+    }
+    let law = Law { friction: 0.0, barrier: 3.0, ..LAW };
+    let normal_gradient = Mat3::zeros();
+    for gap in [1e-9, 0.1, 1e9] {
+        let at = Projection { gap, point: Vec3::zeros(), normal: Vec3::z(), normal_gradient, patch: 0, xi: [0.0; 2] };
+        let lambda = -law.barrier * law.barrier / (law.normal * gap);
+        let e = element(law, &Multiplier::Augmented(Vec3::x() * lambda), &at, Vec3::zeros(), &Guide::default());
+        assert!((e.response.force.z / lambda - 1.0).abs() < 1e-12, "{gap}: {}", e.response.force);
+    }
+}
+
 /// For one gap and slip there is one force, from whatever multiplier it is sought, and it is the multiplier: nothing pulls,
 /// no gap is below zero but for what the constraint gives way by, and friction is that of the normal force.
 #[test]
