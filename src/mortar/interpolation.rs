@@ -8,8 +8,9 @@ use crate::surface::piece_set::tree::{Box, Tree};
 use nalgebra::DMatrix;
 use std::collections::BTreeMap;
 
-/// Points along a line: where they are exact for the products of four linear functions and the measure, and where nothing is.
-const POINTS: [usize; 2] = [4, 8];
+/// Points along a line: where they are exact for the products of four linear functions, and where nothing is, or where these are
+/// multiplied by a measure.
+const POINTS: [usize; 2] = [3, 8];
 /// Cosine between the normals of faces that look at each other, at most.
 const FACING: f64 = -0.5;
 /// Share of a slave face below which what the master covers of it is left out: its dual functions would be steep.
@@ -55,7 +56,8 @@ pub fn interpolate(
     measure: impl Fn(&Vec3) -> f64,
 ) -> Interpolation {
     let lines = POINTS.map(rule::on_line);
-    let lines = [&lines[0][..], &lines[1][..]];
+    let is_even = |face: &Corners<u32>| face.all().iter().all(|&n| measure(&place(n)) == 1.0);
+    let lines = [&lines[usize::from(!slaves.iter().all(is_even))][..], &lines[1][..]];
     let masters: Vec<(Corners<u32>, Corners<Vec3>)> = masters.iter().map(|face| (*face, face.map(&place))).collect();
     let boxes: Vec<Box> = masters.iter().map(|(_, x)| x.around(0.0)).collect();
     let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
