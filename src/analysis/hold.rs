@@ -11,9 +11,6 @@ use crate::failure::Cause;
 /// What contacts hold besides their normals: of a pair by its index and a slave node of it, whether its friction holds.
 type Friction<'a> = &'a dyn Fn(usize, &Slave) -> bool;
 
-/// Where nothing presses, what has moved in an increment by less than this share of a facet has not been let go.
-const STILL: f64 = 1e-9;
-
 impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
     pub(super) fn hangs(&self, frame: &Frame) -> bool {
@@ -65,12 +62,14 @@ impl Simulation<'_> {
         if !frame.hangs {
             return Attempt::Converged(converged);
         }
-        // A force that gaps round to says nothing of friction, which it would let hold or slip by chance.
+        // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What has moved by less
+        // than the shape of the body is known to has not been let go.
         let holds = |p: usize, slave: &Slave| {
             let (pair, n) = (&self.model.pairs[p], slave.node as usize);
             let moved = (converged.u[n] - self.state.u[n]).norm();
             let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
-            moved <= STILL * pair.facet_size || slave.trial.traction().norm() > rounding.max(converged.limits[p])
+            moved <= pair.controls.watch_deep * pair.facet_size
+                || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
         match self.held(frame, &converged.u, |slave| &slave.trial, Some(&holds)).free(self.comm).first() {
             None => Attempt::Converged(converged),
