@@ -302,6 +302,30 @@ extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }
     assert!(felt.code == 0 && felt.history().last("t.fz") < -0.5 && !felt.log().contains("between its nodes"));
 }
 
+/// How wide a layer is in plane strain says nothing of what is between its nodes.
+#[test]
+fn the_width_of_a_layer_does_not_matter() {
+    let force = |width: f64| {
+        let bench = Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [4.0, 2.0, {width}] }}, elements = [8, 4, 1] }} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            tool.t.cylinder = {{ point = [2.1, 4.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 2.0 }}
+            contact.c = {{ slave = "b.ymax", master = "t", friction = 0.3 }}
+            [[step]]
+            name = "press"
+            increments = 2
+            fix = [{{ set = "b.ymin" }}]
+            move = [{{ target = "t", by = [0.0, -0.2, 0.0] }}]
+            "#
+        ));
+        let run = bench.solve(1, &[]);
+        assert!(!run.log().contains("between its nodes"), "{}", run.log());
+        run.history().last("t.fy") / width
+    };
+    assert_close("force over width", force(0.01), force(1.0), 1e-8);
+}
+
 /// At the end of a run: a contact that never was, one that ended, and one that was ended on purpose.
 #[test]
 fn contacts_that_do_not_act_are_named_at_the_end() {

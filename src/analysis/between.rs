@@ -120,7 +120,9 @@ impl Facet {
         if nearest == f64::NEG_INFINITY || nearest > corners.longest() {
             return None;
         }
-        let along = |edge: &Vec3| !pair.planar || edge.z.abs() < edge.xy().norm();
+        // How wide a layer is says nothing.
+        let is_layer = model.bodies[pair.body].is_layer();
+        let along = |edge: &Vec3| !is_layer || edge.z.abs() < edge.xy().norm();
         let edges = (0..corners.count).map(|k| corners.x[(k + 1) % corners.count] - corners.x[k]).filter(along);
         let shortest = edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min);
         let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;

@@ -497,25 +497,27 @@ fn shared(table: &Option<Amplitude>) -> Option<Arc<Amplitude>> {
     table.clone().map(Arc::new)
 }
 
-/// Share of each owned node in a set: by reference area over the faces, evenly over bare nodes; the sum over ranks is 1.
-/// Collective.
+/// Share of each owned node in a set: by reference area over the faces, evenly over bare nodes and those of faces without an
+/// area, on the axis of rings; the sum over ranks is 1. Collective.
 pub fn nodal_weights(comm: &SimpleCommunicator, model: &Model, set: &str) -> BTreeMap<u32, f64> {
     let set = model.set(set);
-    let mut has_faces = [set.facets.len() as f64];
-    sum(comm, &mut has_faces);
+    let total = |weights: &BTreeMap<u32, f64>| {
+        let mut total = [weights.values().sum::<f64>()];
+        sum(comm, &mut total);
+        total[0]
+    };
     let mut weights: BTreeMap<u32, f64> = BTreeMap::new();
-    if has_faces[0] > 0.0 {
-        let still = vec![Vec3::zeros(); model.part.points.len()];
-        elements::add_nodal_areas(model, &set.facets, &still, |n, area| {
-            if (n as usize) < model.part.owned {
-                *weights.entry(n).or_default() += area;
-            }
-        });
-    } else {
-        weights.extend(set.nodes.iter().map(|&n| (n, 1.0)));
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    elements::add_nodal_areas(model, &set.facets, &still, |n, area| {
+        if (n as usize) < model.part.owned {
+            *weights.entry(n).or_default() += area;
+        }
+    });
+    let mut whole = total(&weights);
+    if whole == 0.0 {
+        weights = set.nodes.iter().map(|&n| (n, 1.0)).collect();
+        whole = total(&weights);
     }
-    let mut total = [weights.values().sum::<f64>()];
-    sum(comm, &mut total);
-    weights.values_mut().for_each(|w| *w /= total[0]);
+    weights.values_mut().for_each(|w| *w /= whole);
     weights
 }

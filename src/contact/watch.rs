@@ -276,16 +276,16 @@ fn of_one_behind(seen: &Seen, last: &Sight) -> (Sight, Option<Finding>) {
 /// How far the master is in the slave at a point `x` of its faces, along the inward normal there; no farther than `most`. The
 /// ground is known `reach` around the point.
 pub fn intrusion(view: &View, x: &Vec3, inward: &Vec3, most: f64, reach: f64, may: &Allowance) -> f64 {
-    let step = may.controls.watch_step * may.facet;
+    const STEPS: f64 = 32.0;
     let depth = |way: f64| {
         let at = view.ground.seen_from(&(x + inward * way));
         let far = -view.nearest(&at, reach - way)?.gap;
-        view.depth(&at, far).filter(|_| far > step)
+        view.depth(&at, far).filter(|_| far > may.controls.watch_step * may.facet)
     };
     let mut way = 0.0;
     while let Some(depth) = depth(way).filter(|_| way < most) {
         // Beside an end the surface may be nearer than what lies behind it.
-        way += depth.max(step);
+        way += depth.max(most / STEPS);
     }
     way.min(most)
 }
