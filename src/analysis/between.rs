@@ -2,7 +2,7 @@
 //! smaller than a facet. By places alone, in points of the facets near a master.
 //!
 //! Facets at whose nodes the master looks the same way are looked at in their middle, others, at edges and small radii, closely.
-//! How deep nodes are themselves is left out: that belongs to the law of contact. In a contact of two passes the nodes of the
+//! How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes the nodes of the
 //! other side see what happens.
 
 use super::watch::{allowance, reach};
@@ -15,6 +15,7 @@ use crate::parallel::{max, sum};
 use crate::partition::PartFacet;
 use crate::{Vec2, Vec3};
 use mpi::topology::SimpleCommunicator;
+use mpi::traits::*;
 
 /// Cosine between normals at nodes of a facet that count as the same, 14 degrees: an arc between is 1/30 of its chord deep.
 const SAME: f64 = 0.97;
@@ -43,7 +44,7 @@ impl Between {
 /// sighted them. Collective.
 pub(super) fn between(comm: &SimpleCommunicator, model: &Model, travels: &[f64], u: &[Vec3]) -> Vec<Between> {
     let deepest = |(pair, travel): (&Pair, &f64)| {
-        let is_seen = pair.other.is_none() && pair.slaves.iter().all(|slave| slave.mate.is_none());
+        let is_seen = pair.other.is_none() && !pair.is_self() && pair.slaves.iter().all(|slave| slave.mate.is_none());
         let sights = Sights::new(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
@@ -52,19 +53,20 @@ pub(super) fn between(comm: &SimpleCommunicator, model: &Model, travels: &[f64],
     let mine: Vec<Between> = model.pairs.iter().zip(travels).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
     max(comm, &mut shares);
-    // Ranks that have the same facet say the same.
-    let said = |(mine, share): (&Between, &f64)| {
+    // Of ranks that are as deep, the first says where.
+    let here = -f64::from(comm.rank());
+    let has = |(mine, share): (&Between, &f64)| if mine.share == *share { here } else { f64::NEG_INFINITY };
+    let mut first: Vec<f64> = mine.iter().zip(&shares).map(has).collect();
+    max(comm, &mut first);
+    let said = |(mine, first): (&Between, &f64)| {
         let Between { depth, place, .. } = *mine;
-        if mine.share == *share { [1.0, depth, place.x, place.y, place.z] } else { [0.0; 5] }
+        if here == *first { [depth, place.x, place.y, place.z] } else { [0.0; 4] }
     };
-    let mut sums = mine.iter().zip(&shares).map(said).collect::<Vec<_>>().concat();
+    let mut sums = mine.iter().zip(&first).map(said).collect::<Vec<_>>().concat();
     sum(comm, &mut sums);
-    let deepest = |(share, sums): (f64, &[f64])| Between {
-        share,
-        depth: sums[1] / sums[0],
-        place: Vec3::from_column_slice(&sums[2..]) / sums[0],
-    };
-    shares.into_iter().zip(sums.chunks_exact(5)).map(deepest).collect()
+    let deepest =
+        |(share, sums): (f64, &[f64])| Between { share, depth: sums[0], place: Vec3::from_column_slice(&sums[1..]) };
+    shares.into_iter().zip(sums.chunks_exact(4)).map(deepest).collect()
 }
 
 /// What the watch sighted of the nodes of a slave, by local node whose displacements they have.
@@ -134,7 +136,7 @@ impl Facet {
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
         let view = View { ground: model.masters.of(pair.master), pair, slave: self.slave };
         let may = allowance(pair, 0.0, travel);
-        let around = (reach(pair, travel) - self.corners.longest()).max(pair.facet_size);
+        let around = (reach(pair, travel) - self.corners.longest()).max(0.0);
         let most = pair.controls.watch_between_most * self.shortest;
         let at = |place: Vec3| {
             let depth = watch::intrusion(&view, &place, &self.inward, 2.0 * most + self.deep, around, &may) - self.deep;

@@ -208,7 +208,7 @@ impl Ladder {
 
     /// Whether contacts are sought along the central path.
     pub fn is_central(&self) -> bool {
-        self.central.is_some() && self.way != Way::Jump
+        self.can_center && self.central.is_some() && self.way != Way::Jump
     }
 
     /// Whether a path of little but jumps, or jumps that are refused, leave nothing to try.

@@ -1,7 +1,8 @@
 //! The thickness of sheets of hexahedra: which of the three directions of each element goes through the sheet.
 //!
 //! Directions of elements that share a face are one where they share its edges, and where they cross it. What hangs together
-//! so and has one direction of every element, no more and no less, may be the thickness; the shortest such one is taken.
+//! so and has one direction of every element, no more and no less, may be the thickness; that is taken along which all
+//! layers together are thinnest.
 
 use super::faces::{FaceKey, Owner, owners};
 use super::{Mesh, Solid, SolidShape};
@@ -52,6 +53,8 @@ struct Directions {
     sets: Sets,
     /// Elements that share faces, however far off.
     pieces: Sets,
+    /// A direction across each face that two elements share.
+    stacked: Vec<usize>,
 }
 
 /// Sets that are joined (Tarjan, J. ACM 22, 1975): each member points to another of its set, or to itself.
@@ -85,7 +88,8 @@ fn direction_of(solid: &Solid, edge: [u32; 2]) -> Option<usize> {
 impl Directions {
     fn new(solids: &[Solid]) -> Self {
         let count = solids.len() as u32;
-        let mut directions = Self { sets: Sets((0..3 * count).collect()), pieces: Sets((0..count).collect()) };
+        let mut directions =
+            Self { sets: Sets((0..3 * count).collect()), pieces: Sets((0..count).collect()), stacked: Vec::new() };
         let mut faces: Vec<(FaceKey, usize, usize)> = Vec::with_capacity(6 * solids.len());
         for (e, solid) in solids.iter().enumerate() {
             faces.extend((0..6).map(|face| (solid.face(face).key(), e, face)));
@@ -94,6 +98,7 @@ impl Directions {
         for pair in faces.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
             let [(_, a, of_a), (_, b, of_b)] = [pair[0], pair[1]];
             directions.pieces.join(a, b);
+            directions.stacked.push(3 * a + ACROSS[of_a]);
             directions.sets.join(3 * a + ACROSS[of_a], 3 * b + ACROSS[of_b]);
             let corners = solids[a].face(of_a).nodes;
             for edge in [[corners[0], corners[1]], [corners[1], corners[2]]] {
@@ -153,12 +158,18 @@ impl Directions {
                 sum.3 |= sets[i] == sets[a] || sets[i] == sets[b];
             }
         }
+        // Of each set how often elements are stacked; what is left of their number are columns, none in a closed ring.
+        let mut stacked = vec![0usize; 3 * count];
+        for k in 0..self.stacked.len() {
+            stacked[self.sets.find(self.stacked[k])] += 1;
+        }
+        let thickness = |set: usize| sums[set].1 / (sums[set].0 - stacked[set].min(sums[set].0)) as f64;
         let mut best: Vec<Option<usize>> = vec![None; count];
         for e in 0..count {
             let piece = self.pieces.find(e);
             for set in [0, 1, 2].map(|i| self.sets.find(3 * e + i)) {
                 let whole = sums[set].0 == elements[piece] && !sums[set].3;
-                if whole && best[piece].is_none_or(|other| sums[set].1 < sums[other].1) {
+                if whole && best[piece].is_none_or(|other| thickness(set) < thickness(other)) {
                     best[piece] = Some(set);
                 }
             }
@@ -175,7 +186,7 @@ impl Directions {
             let (_, thickness, other, _) = sums[set];
             if thickness > CLEAR * other {
                 return Err(format!(
-                    "which direction is the thickness is not clear: around element {} the shortest is {:.2} of the next",
+                    "which direction is the thickness is not clear: around element {} that of the sheet is {:.2} of the next",
                     solid.id,
                     thickness / other
                 ));
@@ -242,6 +253,9 @@ mod tests {
         assert!((0..4).all(|k| (x[k][0] - x[k + 4][0]).abs() == 1.0));
         let error = lay_flat(&mut mesh, &at, Some(&Located::given("rim"))).unwrap_err().to_string();
         assert!(error.contains("no group `rim`"), "{error}");
+        // Elements shorter along a strip than it is thick.
+        let error = lay_flat(&mut block([10.0, 1.2, 0.25], [60, 1, 1]), &at, None).unwrap_err().to_string();
+        assert!(error.contains("1.50 of the next"), "{error}");
         // A wall on a plate: the thickness of the one is along the other.
         let mut mesh = block([3.0, 1.0, 3.0], [3, 1, 3]);
         mesh.solids.retain(|solid| [1, 4, 7, 8, 9].contains(&solid.id));

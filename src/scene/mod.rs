@@ -150,7 +150,7 @@ impl Body {
 pub struct Shell {
     /// Integration points through the thickness; `None`: by the material.
     pub points: Option<usize>,
-    /// A group of faces on one side of the sheet; `None`: the thickness is the shortest direction.
+    /// A group of faces on one side of the sheet; `None`: the thickness is the thinnest direction.
     pub face: Option<Located<String>>,
 }
 

@@ -34,6 +34,7 @@ impl Newton<'_> {
         let gap = if self.is_central() { controls.central_gap * controls.central_fall.powi(done) } else { 0.0 };
         self.set_barrier(gap);
         self.course.rounds.count += 1;
+        self.course.rounds.early += 1;
         self.again()
     }
 

@@ -16,6 +16,9 @@
 //! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
 //! iterations.
 //!
+//! Where what touches is to stick first, it does until the active set stands, for a set that lets bodies touch may press what
+//! only friction holds; and where the iteration goes along the [central path](super::central), each of its stages is a round.
+//!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.
 
@@ -41,6 +44,9 @@ pub enum Round {
 #[derive(Clone, Debug, Default)]
 pub struct Rounds {
     pub count: usize,
+    /// Those of them that were steps on the way, under contacts that stick or on the central path, and do not count against
+    /// `outer_rounds`.
+    pub(super) early: usize,
     /// How often the constraints that give way were tightened.
     pub tightened: usize,
     /// The active sets of this rank that were tried.
@@ -81,9 +87,9 @@ impl Newton<'_> {
         let (is_open, is_wrong) = (largest[0] > 1.0, largest[1] > 1.0);
         if self.strategy.settling {
             // What a set has let touch presses bodies together that only friction holds: they stick until it stands.
-            self.course.rounds.count += usize::from(is_wrong);
-            let changes =
-                is_wrong && self.course.rounds.count <= outer_rounds && self.change_set(tolerance, largest[1]);
+            let stands = !is_wrong || self.course.rounds.count >= outer_rounds;
+            let changes = !stands && self.found.balance.holds(tolerance) && self.change_set(tolerance, largest[1]);
+            self.course.rounds.count += usize::from(changes);
             if !changes {
                 self.let_slip();
                 if self.strategy.central {
@@ -101,7 +107,7 @@ impl Newton<'_> {
         let worst = if is_open { open } else { wrong };
         let here = worst.1.filter(|_| worst.0 == if is_open { largest[0] } else { largest[1] });
         let here = here.map(|at| self.lacks(at));
-        if self.course.rounds.count > outer_rounds {
+        if self.course.rounds.count - self.course.rounds.early > outer_rounds {
             return Round::Failed(self.told(here, &format!("{outer_rounds} rounds of contact forces do not settle")));
         }
         if is_open {
@@ -119,7 +125,7 @@ impl Newton<'_> {
         self.strategy.settling = false;
         self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
         let rounds = &mut self.course.rounds;
-        (rounds.singly, rounds.settled) = (false, false);
+        (rounds.singly, rounds.settled, rounds.early) = (false, false, rounds.count);
         rounds.sets.clear();
     }
 

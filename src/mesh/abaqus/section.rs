@@ -37,7 +37,12 @@ impl Deck {
             }
         }
         let width = scopes().map(Scope::first_edge).fold(0.0, f64::max);
-        let above = 10u64.pow(scopes().flat_map(|scope| &scope.point_ids).max().map_or(1, |most| most.ilog10() + 1));
+        let most = scopes().flat_map(|scope| &scope.point_ids).max().copied().unwrap_or_default();
+        // Drawn-out nodes have the next digit besides.
+        let above = 10u64.checked_pow(most.checked_ilog10().map_or(1, |digits| digits + 1));
+        let Some(above) = above.filter(|above| above.checked_mul(2).is_some()) else {
+            return Err(refuse(format!("node number {most} leaves no room for the nodes of the second plane"), ""));
+        };
         for scope in self.scopes.iter_mut().chain(&mut self.parts) {
             if let Some(id) = scope.draw_out(above, width) {
                 return Err(refuse(format!("node {id} of an axisymmetric element is off the plane z = 0"), ""));
