@@ -721,7 +721,7 @@ pub fn master_patches(
         let smoothing = if is_quadratic { Smoothing::Facet } else { given.smoothing };
         let mut planes = symmetry::planes_of(planes, &master.value, &surface.points);
         let is_axis = (Vec3::zeros(), Vec3::x());
-        if scene.bodies.iter().any(scene::Body::is_axisymmetric)
+        if scene.is_axisymmetric()
             && surface.points.iter().any(|x| x[0] == 0.0)
             && planes.iter().all(|(_, normal)| normal.x == 0.0)
         {

@@ -226,8 +226,9 @@ impl Ladder {
         self.yields == Some(true)
     }
 
-    /// In plastic bodies, and along the central path, each residual must be below the last, not only below the largest of the last few. What fails in one
-    /// way is tried again in the other: neither serves both contacts that come and go and flow that overshoots.
+    /// In plastic bodies, and along the central path, each residual must be below the last, not only below the largest of the
+    /// last few. What fails in one way is tried again in the other: neither serves both contacts that come and go and flow that
+    /// overshoots.
     pub fn is_strict(&self) -> bool {
         let by_turns = self.failures % self.controls.remedy_period == 1;
         self.way == Way::Jump || self.central.unwrap_or(by_turns)

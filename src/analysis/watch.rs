@@ -190,8 +190,8 @@ impl Simulation<'_> {
         }
     }
 
-    /// What is to be said at the end: masters between nodes, contacts that never touched, and those that no longer do, though nothing took the tool
-    /// away. Collective.
+    /// What is to be said at the end: masters between nodes, contacts that never touched, and those that no longer do, though
+    /// nothing took the tool away. Collective.
     pub fn idle_contacts(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         let count = |side: watch::Side| {

@@ -62,7 +62,7 @@ pub struct Pair {
     /// Sections that nodes of the slave count as, and of a master on a body.
     pub sections: Vec<usize>,
     pub master_sections: Vec<usize>,
-    /// Both sides are bodies in plane strain: nothing happens along z.
+    /// Both sides are layers, in plane strain or axisymmetric: nothing happens along z.
     pub planar: bool,
     /// Coulomb coefficient.
     pub friction: f64,

@@ -133,10 +133,6 @@ pub(super) fn nodes_of<'a>(model: &'a Model, e: usize) -> impl Iterator<Item = u
     carrying(model, &model.part.solids[e]).iter().map(|&n| model.part.tie[n as usize] as usize)
 }
 
-fn is_plane(model: &Model, e: usize) -> bool {
-    model.is_of_layer(&model.part.solids[e])
-}
-
 /// Stress and strain at an integration point of element `e`.
 pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> std::result::Result<Values, Inverted> {
     let medium = medium(model, e);
@@ -199,7 +195,7 @@ impl Recovered {
 
     /// Whether element `e` is one of a single layer: no node of it has a polynomial that knows all directions.
     pub fn is_thin(&self, model: &Model, e: usize) -> bool {
-        let all = if is_plane(model, e) { 2.0 } else { 3.0 };
+        let all = if model.is_of_layer(&model.part.solids[e]) { 2.0 } else { 3.0 };
         nodes_of(model, e).all(|n| self.layer(model, e).known[n] < all)
     }
 }
@@ -218,7 +214,7 @@ impl Layer {
             });
             for n in nodes_of(model, e).filter(|n| *n < part.owned) {
                 sums[n].add(nodes_of(model, e).map(|m| part.points[m] - part.points[n]), &values);
-                plane[n] = is_plane(model, e);
+                plane[n] = model.is_of_layer(&model.part.solids[e]);
             }
         }
         let mut fits = vec![0.0; count * PACKED];

@@ -169,7 +169,7 @@ fn across(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Resu
 
 /// The planes of symmetry of axisymmetric bodies are orthogonal to the axis, or nothing but the axis.
 pub(super) fn check_planes(scene: &Scene, planes: &[SymmetryPlane]) -> Result<()> {
-    if !scene.bodies.iter().any(Body::is_axisymmetric) {
+    if !scene.is_axisymmetric() {
         return Ok(());
     }
     Faults::all(planes.iter().map(|plane| {

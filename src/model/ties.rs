@@ -162,7 +162,7 @@ fn one(
     let tolerance = tie.tolerance.unwrap_or(GAP * size);
     let reach = (SIGHT * size).max(tolerance);
     // All bodies are axisymmetric, or none.
-    let is_ring = scene.bodies.iter().any(Body::is_axisymmetric);
+    let is_ring = scene.is_axisymmetric();
     let measure = |x: &Vec3| if is_ring { x.x } else { 1.0 };
     let look = |global: &GlobalMesh| interpolate(&slaves, &masters, |n| global.points[n as usize], reach, measure);
     let mut found = look(global);
@@ -252,8 +252,8 @@ fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
     sums.into_iter().map(mean).collect()
 }
 
-/// The axes along which nodes must stay: those of planes of symmetry that they lie in, x on the axis of revolution, and those along which some step
-/// prescribes them.
+/// The axes along which nodes must stay: those of planes of symmetry that they lie in, x on the axis of revolution, and those
+/// along which some step prescribes them.
 fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeMap<u32, [bool; 3]> {
     /// Over the extent of a group, what is flat.
     const FLAT: f64 = 1e-6;

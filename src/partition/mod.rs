@@ -146,7 +146,7 @@ pub struct Part {
     pub id: Vec<u64>,
     /// Its number among the nodes of all bodies, whatever the partition.
     pub number: Vec<u64>,
-    /// The local node whose displacement this node shares (plane strain); mostly itself.
+    /// The local node whose displacement this node shares (a layer); mostly itself.
     pub tie: Vec<u32>,
     pub solids: Vec<PartSolid>,
     /// Of the edges of the facets of all sets.

@@ -145,6 +145,13 @@ impl Body {
     }
 }
 
+impl Scene {
+    /// Whether the bodies are axisymmetric: all are, or the model is refused.
+    pub fn is_axisymmetric(&self) -> bool {
+        self.bodies.iter().any(Body::is_axisymmetric)
+    }
+}
+
 /// What is asked of solid-shell elements.
 #[derive(Clone, Debug, Default)]
 pub struct Shell {

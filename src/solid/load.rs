@@ -120,7 +120,7 @@ pub fn ring_nodal_areas(x: &[[f64; 3]; 4]) -> [f64; 4] {
 }
 
 /// 2 pi over the width of a face along z, that of one without it being 1.
-pub fn around(x: &[[f64; 3]]) -> f64 {
+fn around(x: &[[f64; 3]]) -> f64 {
     const FLAT: f64 = 1e-9;
     let extent = |d: usize| {
         let ends = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x[d]), high.max(x[d])));

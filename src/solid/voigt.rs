@@ -12,6 +12,9 @@ pub type Voigt = [f64; 6];
 /// Position of component ij.
 pub const INDEX: [[usize; 3]; 3] = [[0, 3, 5], [3, 1, 4], [5, 4, 2]];
 
+/// Rows and columns of the components.
+pub const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+
 /// The unit tensor.
 pub const IDENTITY: Voigt = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
 

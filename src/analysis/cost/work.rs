@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 pub enum Shape {
     /// In space, as its key says.
     Solid(&'static str),
-    /// In plane strain.
+    /// In a layer, in plane strain or axisymmetric.
     Plane(&'static str),
 }
 

@@ -6,7 +6,8 @@
 //! residual falls below the largest of the last few iterates (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23,
 //! 1986). It need not fall below the last one: where contact changes it rises on the way to a solution, and short steps
 //! would creep. Where flow alone is in the way each fall counts: an increment that fails is tried again with the last
-//! iterate alone. When nothing helps, the full step is taken. Elastic bodies always take it.
+//! iterate alone. When nothing helps, the full step is taken. Elastic bodies
+//! always take it, but along the [central path](super::central), whose residual falls smoothly.
 
 use super::Newton;
 use crate::contact::{Slave, Trial};
@@ -19,7 +20,7 @@ const DECREASE: f64 = 1e-4;
 
 /// What is known of the steps so far.
 pub struct LineSearch {
-    /// Some body can flow.
+    /// Some body can flow, or the iteration is on the central path.
     pub(super) is_wanted: bool,
     /// The iterate that the last step leads to, where it was tried.
     pub(super) tried: Option<Tried>,

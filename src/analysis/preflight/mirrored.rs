@@ -1,7 +1,8 @@
 //! Conditions that would be others in the mirror image of a body: of what a plane of symmetry stands for they are no part.
 //!
-//! A vector has the same mirror image if it lies in the plane, an axis of rotation if it is normal to it. A tool that moves otherwise
-//! has a mirror image that moves the other way, which is right for two tools, not for one that meets the body up to the plane.
+//! A vector has the same mirror image if it lies in the plane, an axis of rotation if it is normal to it. A tool that moves
+//! otherwise has a mirror image that moves the other way, which is right for two tools, not for one that meets the body up to
+//! the plane.
 
 use super::super::conditions::{Conditions, ToolMotion};
 use crate::Vec3;

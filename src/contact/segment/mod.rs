@@ -22,10 +22,10 @@
 //!   onto the master's smooth surface then.
 //! - On a tool they are Gauss points of the slave faces.
 //!
-//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a tool, where the tangent is exact. On a body points and
-//! weights are found anew at each iterate, and stand still in the tangent. What they have in common is integrated whatever the
-//! overlap, so that only the error of the rule is left out; yet that makes convergence linear, by a factor of some hundredths.
-//! So they are kept from where little is left of the residual.
+//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a tool, where the
+//! tangent is exact. On a body points and weights are found anew at each iterate, and stand still in the tangent. What they
+//! have in common is integrated whatever the overlap, so that only the error of the rule is left out; yet that makes
+//! convergence linear, by a factor of some hundredths. So they are kept from where little is left of the residual.
 //!
 //! Slip of a point counts from where the same point of the slave was on the master at the last converged increment, as both
 //! were then: no point has a history. Points that nothing of the master is opposite to do not count; where less than

@@ -1,8 +1,8 @@
 //! Decks of axisymmetric elements, CAX4 in the plane of radius x and height y: drawn out along z by one layer of hexahedra.
 //!
-//! Elements keep their numbers; above node n stands node n + D, D the power of ten beyond all numbers. Side Sk of an element, its edge
-//! k, becomes the face S(k+2) of the hexahedron. How thick the layer is says nothing; all parts have the same. Only where no element
-//! of a deck is a solid: others write the faces of solids as CAX4.
+//! Elements keep their numbers; above node n stands node n + D, D the power of ten beyond all numbers. Side Sk of an element,
+//! its edge k, becomes the face S(k+2) of the hexahedron. How thick the layer is says nothing; all parts have the same. Only
+//! where no element of a deck is a solid: others write the faces of solids as CAX4.
 
 use super::super::message;
 use super::super::raw::CellShape;

@@ -44,7 +44,7 @@ use crate::Mat3;
 use crate::mortar::rule::on_line;
 use crate::solid::eigen::symmetric_eigen;
 use crate::solid::material::Material;
-use crate::solid::voigt::{Voigt, combine, compose, congruent, right_cauchy_green, to_matrix, transpose};
+use crate::solid::voigt::{PAIRS, Voigt, combine, compose, congruent, right_cauchy_green, to_matrix, transpose};
 use std::sync::LazyLock;
 use strain::{MEMBRANE, MODES, Place, Point, Row, Shape, TIES, component};
 
@@ -129,7 +129,6 @@ impl Stressed {
 
 /// Takes components of a stress to those of B t B^T.
 fn pull_back(b: &Mat3) -> [Voigt; 6] {
-    const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
     PAIRS.map(|(i, j)| {
         PAIRS.map(|(k, l)| {
             let one = b[(i, k)] * b[(j, l)];

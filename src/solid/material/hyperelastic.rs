@@ -33,7 +33,8 @@ use super::logarithmic::Principal;
 use super::model::Isochoric;
 use crate::Mat3;
 use crate::solid::voigt::{
-    IDENTITY, INDEX, Voigt, add_square, compose, double_contraction, left_cauchy_green, mirror, symmetric_product,
+    IDENTITY, INDEX, PAIRS, Voigt, add_square, compose, double_contraction, left_cauchy_green, mirror,
+    symmetric_product,
 };
 
 /// An isochoric law with its bulk modulus.
@@ -170,9 +171,6 @@ impl Hyperelastic {
         Some(Response { kirchhoff: compose(&stress, &directions), tangent })
     }
 }
-
-/// Rows and columns of the components.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 /// f_A - 1 of a power, without what rounding would leave of small strains.
 fn powers(alpha: f64, strains: &[f64; 3]) -> [f64; 3] {

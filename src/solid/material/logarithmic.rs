@@ -23,13 +23,10 @@
 use crate::Mat3;
 use crate::solid::eigen::symmetric_eigen;
 use crate::solid::voigt::{
-    INDEX, Voigt, combine, compose, congruent, mirror, right_cauchy_green, symmetric_product, transpose,
+    INDEX, PAIRS, Voigt, combine, compose, congruent, mirror, right_cauchy_green, symmetric_product, transpose,
 };
 
-/// The components of a symmetric tensor: rows and columns.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
-
-/// How often each of them stands in the tensor.
+/// How often each component stands in the tensor.
 const TIMES: Voigt = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
 
 /// The logarithmic strain at a point.
