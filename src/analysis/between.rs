@@ -1,13 +1,13 @@
 //! What masters do between the nodes of a slave, where no contact feels them: an edge of a tool that goes into a facet, a ball
 //! smaller than a facet. By places alone, in points of the facets near a master.
 //!
-//! Facets at whose nodes the master looks the same way are looked at in their middle, others, at edges and small radii, closely.
-//! How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes the nodes of the
-//! other side see what happens.
+//! Facets at whose nodes the master looks the same way are looked at in their middle, others, at edges and small radii,
+//! closely. How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes
+//! the nodes of the other side see what happens, and from node to node nothing is between.
 
 use super::watch::{allowance, reach};
 use crate::contact::watch::{self, Finding, Side, View};
-use crate::contact::{Pair, Sight};
+use crate::contact::{Master, Meets, Pair, Sight};
 use crate::model::Model;
 use crate::mortar::Corners;
 use crate::mortar::face::bilinear;
@@ -19,6 +19,8 @@ use mpi::traits::*;
 
 /// Cosine between normals at nodes of a facet that count as the same, 14 degrees: an arc between is 1/30 of its chord deep.
 const SAME: f64 = 0.97;
+/// Cosine between the outward normals of a facet and of a master beyond which the facet looks away from it, 60 degrees.
+const AWAY: f64 = 0.5;
 /// Where a facet is looked at closely, in each direction.
 const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
@@ -44,11 +46,13 @@ impl Between {
 /// sighted them. Collective.
 pub(super) fn between(comm: &SimpleCommunicator, model: &Model, travels: &[f64], u: &[Vec3]) -> Vec<Between> {
     let deepest = |(pair, travel): (&Pair, &f64)| {
-        let is_seen = pair.other.is_none() && !pair.is_self() && pair.slaves.iter().all(|slave| slave.mate.is_none());
+        if pair.other.is_some() || matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes)) {
+            return Between::default();
+        }
         let sights = Sights::new(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
-        facets.iter().filter(|_| is_seen).filter_map(of).fold(Between::default(), Between::or_deeper)
+        facets.iter().filter_map(of).fold(Between::default(), Between::or_deeper)
     };
     let mine: Vec<Between> = model.pairs.iter().zip(travels).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
@@ -106,6 +110,8 @@ struct Facet {
     deep: f64,
     /// Its nodes see the same way of the master.
     is_even: bool,
+    /// It looks away from a master that a node of it touches: nodes beyond an edge of the master have drawn it over.
+    is_folded: bool,
 }
 
 impl Facet {
@@ -125,21 +131,26 @@ impl Facet {
         // How wide a layer is says nothing.
         let is_layer = model.bodies[pair.body].is_layer();
         let along = |edge: &Vec3| !is_layer || edge.z.abs() < edge.xy().norm();
-        let edges = (0..corners.count).map(|k| corners.x[(k + 1) % corners.count] - corners.x[k]).filter(along);
-        let shortest = edges.map(|edge| edge.norm()).fold(f64::INFINITY, f64::min);
+        let shortest = corners.edges().filter(along).map(|edge| edge.norm()).fold(f64::INFINITY, f64::min);
         let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
         let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
-        Some(Self { corners, inward, slave, shortest, deep: f64::max(-nearest, 0.0), is_even })
+        let touch = |gap: f64| gap.abs() <= pair.controls.watch_between * shortest;
+        let is_away = |([gap, ..], n): (&[f64; 4], &Vec3)| touch(*gap) && n.dot(&inward) < -AWAY;
+        let is_folded = seen.iter().zip(&normals).any(is_away);
+        Some(Self { corners, inward, slave, shortest, deep: f64::max(-nearest, 0.0), is_even, is_folded })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
         let view = View { ground: model.masters.of(pair.master), pair, slave: self.slave };
         let may = allowance(pair, 0.0, travel);
         let around = (reach(pair, travel) - self.corners.longest()).max(0.0);
-        let most = pair.controls.watch_between_most * self.shortest;
+        let most = 2.0 * pair.controls.watch_between_most * self.shortest + self.deep;
         let at = |place: Vec3| {
-            let depth = watch::intrusion(&view, &place, &self.inward, 2.0 * most + self.deep, around, &may) - self.deep;
+            let way = |way: &Vec3| watch::intrusion(&view, &place, way, most, around, &may);
+            let inward = way(&self.inward);
+            // One that is folded over is out of the master where it is lifted off.
+            let depth = if self.is_folded { inward.min(way(&-self.inward)) } else { inward } - self.deep;
             Between { share: depth / self.shortest, depth, place }
         };
         let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };

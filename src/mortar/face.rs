@@ -50,10 +50,14 @@ impl Corners<Vec3> {
         (low.add_scalar(-by), high.add_scalar(by))
     }
 
+    /// The edges, from corner to corner.
+    pub fn edges(&self) -> impl Iterator<Item = Vec3> + '_ {
+        (0..self.count).map(|k| self.x[(k + 1) % self.count] - self.x[k])
+    }
+
     /// The longest edge.
     pub fn longest(&self) -> f64 {
-        let edge = |k: usize| (self.x[(k + 1) % self.count] - self.x[k]).norm();
-        (0..self.count).map(edge).fold(0.0, f64::max)
+        self.edges().map(|edge| edge.norm()).fold(0.0, f64::max)
     }
 }
 
