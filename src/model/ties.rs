@@ -17,7 +17,7 @@ use crate::mesh::message;
 use crate::mortar::{Corners, Interpolation, interpolate};
 use crate::parallel::serve;
 use crate::partition::{Gather, GlobalMesh, Part, owner};
-use crate::scene::{Body, Located, Reduction, Scene, Tie, body_of};
+use crate::scene::{Located, Reduction, Scene, Tie, body_of};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::{BTreeMap, BTreeSet};
