@@ -9,14 +9,14 @@ SHORT = 1e-3  # s, as exact as times are written
 
 
 def rest(row):
-    return row["wall_s"] - sum(row[phase] for phase in ("search", "assembly", "factor", "solve"))
+    return row["wall_s"] - sum(row[phase] for phase in ("search", "watch", "assembly", "factor", "solve"))
 
 
 def laws(**of_systems):
     """Of each phase what it takes, how often it is done, by what size it grows; `of_systems` are a solver's own."""
     return {
         "assembly": (lambda row: row["assembly"], "iterations", "elements"),
-        "search": (lambda row: row["search"], "iterations", "elements"),
+        "search": (lambda row: row["search"] + row["watch"], "iterations", "elements"),
         **{name.replace("_", " "): (lambda row, phase=phase: row[phase], often, "dofs")
            for name, (phase, often) in of_systems.items()},
         "rest": (rest, "increments", "elements"),

@@ -26,7 +26,7 @@ from shared import INPUTS, OUT, ROOT, add_out, arguments, say, study, written
 SCENES = ["sphere", "blocks", "ironing"]
 SERIES = ["strong", "weak"]
 SOLVERS = ["direct", "reuse", "iterative"]
-PHASES = ["read", "partition", "search", "assembly", "factor", "solve", "output"]
+PHASES = ["read", "partition", "search", "watch", "assembly", "factor", "solve", "output"]
 BY_RANK = ["peak_memory_mb", "messages", "sent_mb"]
 COUNTS = ["elements", "dofs", "increments", "iterations", "factorizations", "linear_iterations",
           "linear_reused", "linear_unsolved"]
@@ -137,7 +137,7 @@ def of_ranks(row, key):
 
 
 def show(rows):
-    head = ["scene", "series", "n", "unknowns", "solver", "ranks", "wall s", *(f"{phase} s" for phase in PHASES[2:6]),
+    head = ["scene", "series", "n", "unknowns", "solver", "ranks", "wall s", *(f"{phase} s" for phase in PHASES[2:7]),
             "MB", "of a rank", "iterations", "factored", "linear", "unsolved", "messages", "MB sent", "forces"]
     cells = []
     for row in rows:
@@ -146,7 +146,7 @@ def show(rows):
             cells.append([*cell, f"exit code {row['code']}", *[""] * (len(head) - len(cell) - 1)])
             continue
         memory, messages, sent = (of_ranks(row, key) for key in BY_RANK)
-        cells.append([*cell, f"{row['wall_s']:.1f}", *(f"{row[phase]:.1f}" for phase in PHASES[2:6]),
+        cells.append([*cell, f"{row['wall_s']:.1f}", *(f"{row[phase]:.1f}" for phase in PHASES[2:7]),
                       f"{sum(memory):.0f}", f"{max(memory):.0f}", row["iterations"],
                       row["factorizations"], f"{row['linear_iterations'] / row['iterations']:.1f}",
                       row["linear_unsolved"], f"{max(messages):.0f}", f"{max(sent):.1f}", row["forces"]])

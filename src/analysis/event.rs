@@ -52,6 +52,16 @@ pub enum Remedy {
     Jump,
 }
 
+/// The worst residual above the tolerance that was let through, since rounding leaves as much of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rounded {
+    /// The body, contact or tool, as in "contact `top`".
+    pub of: String,
+    /// Over the forces that it counts against; what was let through at most.
+    pub residual: f64,
+    pub limit: f64,
+}
+
 /// A converged increment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Increment {
@@ -69,6 +79,8 @@ pub struct Increment {
     pub changes: Vec<usize>,
     /// Largest residual that was let through, over the forces that it counts against.
     pub limit: f64,
+    /// What was let through above the tolerance, if anything.
+    pub rounded: Option<Rounded>,
     /// How it was found, after how many failures.
     pub way: Way,
     pub failures: usize,

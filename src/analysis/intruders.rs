@@ -10,10 +10,10 @@
 use super::conditions::Conditions;
 use crate::contact::watch::Side;
 use crate::contact::{Ground, Pair, Sight};
-use crate::model::{Model, elements, locate};
-use crate::parallel::{any, max, number, sum};
+use crate::model::locate::held;
+use crate::model::{Model, elements};
+use crate::parallel::{any, max};
 use crate::partition::parcels::{bounds, hull};
-use crate::surface::piece_set::tree::Tree;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -116,34 +116,4 @@ fn around(x: &Vec3, axes: &[Vec3], by: f64) -> Vec<Vec3> {
     let sign = |corner: usize, d: usize| if corner >> d & 1 == 1 { by } else { -by };
     let at = |corner: usize| axes.iter().enumerate().fold(*x, |x, (d, axis)| x + axis * sign(corner, d));
     (0..1 << axes.len()).map(at).collect()
-}
-
-/// Which of this rank's points are in an element of a body, on whatever rank, with nodes at `place`. Collective.
-fn held(
-    comm: &SimpleCommunicator,
-    model: &Model,
-    body: usize,
-    points: &[Vec3],
-    place: &dyn Fn(u32) -> Vec3,
-) -> Vec<bool> {
-    let (first, total) = number(comm, points.len() as u64);
-    let own = first as usize..first as usize + points.len();
-    if total == 0 {
-        return Vec::new();
-    }
-    let mut all = vec![0.0; 3 * total as usize];
-    for (x, to) in points.iter().zip(all[3 * own.start..].chunks_mut(3)) {
-        to.copy_from_slice(x.as_slice());
-    }
-    sum(comm, &mut all);
-    let solids: Vec<usize> = elements::of_body(model, body).collect();
-    let solid = |k: usize| &model.part.solids[solids[k]];
-    let boxes: Vec<_> = (0..solids.len()).filter_map(|k| bounds(solid(k).nodes().iter().map(|&n| place(n)))).collect();
-    let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
-    let is_held =
-        |x: &Vec3| tree.iter().flat_map(|tree| tree.meeting(x, x)).any(|(k, _)| locate::holds(solid(k), place, x));
-    let mut found: Vec<f64> =
-        all.chunks(3).map(|x| if is_held(&Vec3::from_column_slice(x)) { 1.0 } else { 0.0 }).collect();
-    max(comm, &mut found);
-    found[own].iter().map(|held| *held > 0.0).collect()
 }

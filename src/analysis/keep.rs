@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::estimate::facets::Stiffness;
 use crate::output::OutputFolder;
 use crate::output::checkpoint::{self, Stored, checksum};
+use crate::output::summary::Rounded;
 use crate::parallel::{agree, any};
 use crate::scene::{Checkpoint, Scene};
 use mpi::traits::*;
@@ -77,6 +78,7 @@ impl<'f> Keeper<'f> {
         summary.counts_mut().into_iter().zip(record.counts).for_each(|(count, was)| *count = was);
         let increments = summary.increments;
         summary.warnings = list("warnings").iter().filter_map(|w| w.as_str().map(str::to_string)).collect();
+        summary.rounded = Rounded::from_json(&told["rounded"]);
         summary.restarted = Some(increments);
         estimates.go_on(list("estimates"), record.stiffness.clone());
         self.last = (Instant::now(), increments);
@@ -111,6 +113,7 @@ impl<'f> Keeper<'f> {
         let counts = summary.clone().counts_mut().map(|count| *count);
         let told = json!({
             "estimates": estimates,
+            "rounded": summary.rounded.as_ref().map(Rounded::to_json),
             "warnings": summary.warnings,
             "probes": probes,
         });

@@ -62,7 +62,7 @@ mod suspects;
 mod watch;
 
 pub use check::check;
-pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried};
+pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried, Rounded};
 pub use ladder::Way;
 pub use run::{Options, run};
 pub use simulation::{ContactReading, SetReading, Simulation, ToolReading};

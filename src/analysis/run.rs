@@ -8,7 +8,7 @@ use super::estimates::Estimates;
 use super::keep::{Keeper, Record};
 use super::paths::{self, End};
 use super::results::{self, Results};
-use super::{Event, Increment, Simulation, describe};
+use super::{Event, Increment, Rounded, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
 use crate::estimate::recovery::Recovered;
@@ -422,6 +422,11 @@ impl Recorder<'_> {
             iterations: *iterations,
             note: &note,
         });
+        if let Some(Rounded { of, residual, limit }) = &increment.rounded {
+            let text =
+                format!("    {of}: residual {residual:.1e} let through, of which rounding leaves up to {limit:.1e}");
+            self.log.record(&text);
+        }
         if let Some(name) = &increment.calmed_node {
             self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }

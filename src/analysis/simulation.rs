@@ -4,12 +4,12 @@ use super::last_iterate::LastIterate;
 use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
-use super::{Event, Observer, State, preflight};
+use super::{Event, Observer, Rounded, State, preflight};
 use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::output::phases::Phases;
-use crate::output::summary::{Carried, Summary};
+use crate::output::summary::{self, Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
 use crate::{Mat3, Vec3};
@@ -150,6 +150,17 @@ impl<'a> Simulation<'a> {
     /// Counts an evaluation of stresses.
     pub fn count_stresses(&mut self) {
         self.summary.carried.stress_fields += 1;
+    }
+
+    /// Counts an increment that was let through above the tolerance.
+    pub(super) fn note_rounded(&mut self, rounded: Option<&Rounded>) {
+        let Some(Rounded { of, residual, limit }) = rounded else { return };
+        let told = self.summary.rounded.get_or_insert_default();
+        told.increments += 1;
+        if *residual > told.residual {
+            let (time, increments) = (self.state.time, told.increments);
+            *told = summary::Rounded { increments, time, of: of.clone(), residual: *residual, limit: *limit };
+        }
     }
 
     /// Adds a warning to the summary.

@@ -9,7 +9,8 @@ use super::last_iterate::LastIterate;
 use super::newton::{Newton, Round, Share, Start, System};
 use super::state::Progress;
 use super::{
-    Event, Increment, Iteration, Observer, Remedy, Retried, Simulation, conditioning, cost, describe, ending, suspects,
+    Event, Increment, Iteration, Observer, Remedy, Retried, Rounded, Simulation, conditioning, cost, describe, ending,
+    suspects,
 };
 use crate::Vec3;
 use crate::contact::{Manner, Pair, Pose, Status};
@@ -107,6 +108,7 @@ pub(super) struct Converged {
     pub(super) between: Vec<Between>,
     /// Largest residual that was let through, over the forces that it counts against.
     limit: f64,
+    rounded: Option<Rounded>,
     trace: Vec<f64>,
     changes: Vec<usize>,
     calmed: Vec<u32>,
@@ -629,6 +631,7 @@ impl<'a> Simulation<'a> {
         self.state.increments += 1;
         self.note_touches(&converged.between);
         self.summary.increments += 1;
+        self.note_rounded(converged.rounded.as_ref());
         let [touching, slipping, calmed] = self.count(converged.calmed.len());
         let calmed_node = first_word(self.comm, converged.calmed.first().map(|&n| node_name(&self.model, n)));
         Ok(Increment {
@@ -641,6 +644,7 @@ impl<'a> Simulation<'a> {
             residuals: converged.trace,
             changes: converged.changes,
             limit: converged.limit,
+            rounded: converged.rounded,
             way: found.way,
             failures: found.failures,
             touching,
@@ -732,6 +736,7 @@ fn matrix<'a>(petsc: &'a Petsc<'a>, dofs: &DofMap, pattern: &Pattern, symmetric:
 /// What is kept of a converged iterate.
 fn converged(newton: Newton, x: &[f64]) -> Converged {
     let (multipliers, limits, limit) = (newton.multipliers(x), newton.limits(), newton.limit());
+    let rounded = newton.rounded();
     let (tie_forces, damped) = (newton.tie_forces(x), newton.damped());
     let Newton { s: end, found, course, .. } = newton;
     Converged {
@@ -747,6 +752,7 @@ fn converged(newton: Newton, x: &[f64]) -> Converged {
         limits,
         between: Vec::new(),
         limit,
+        rounded,
         trace: course.trace,
         changes: course.changes,
         calmed: course.calmed,

@@ -74,7 +74,7 @@ impl Simulation<'_> {
         }
         let begun = Instant::now();
         let reason = self.finding(&mut converged, conditions);
-        self.phases.add(Phase::Search, begun.elapsed());
+        self.phases.add(Phase::Watch, begun.elapsed());
         match reason {
             None => Attempt::Converged(converged),
             Some(reason) => Attempt::Failed(converged.refused(Cause::Watch, reason)),

@@ -1,13 +1,14 @@
 //! Where points stand in the bodies as they are before anything deforms.
 
 use super::Model;
-use super::elements::mine;
+use super::elements::{mine, of_body};
 use crate::Vec3;
 use crate::mesh::{MOST_NODES, SolidShape};
-use crate::parallel::{max, word_of_largest};
+use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
 use crate::solid::element::{hex8, tet4, tet10};
+use crate::surface::piece_set::tree::Tree;
 use mpi::topology::SimpleCommunicator;
 
 /// A point in an element of this rank.
@@ -133,4 +134,33 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
         }
     };
     Some((if past < ROUNDING { 0.0 } else { past }, shape))
+}
+
+/// Which of this rank's points are in an element of a body, on whatever rank, with nodes at `place`. Collective.
+pub fn held(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    body: usize,
+    points: &[Vec3],
+    place: &dyn Fn(u32) -> Vec3,
+) -> Vec<bool> {
+    let (first, total) = number(comm, points.len() as u64);
+    let own = first as usize..first as usize + points.len();
+    if total == 0 {
+        return Vec::new();
+    }
+    let mut all = vec![0.0; 3 * total as usize];
+    for (x, to) in points.iter().zip(all[3 * own.start..].chunks_mut(3)) {
+        to.copy_from_slice(x.as_slice());
+    }
+    sum(comm, &mut all);
+    let solids: Vec<usize> = of_body(model, body).collect();
+    let solid = |k: usize| &model.part.solids[solids[k]];
+    let boxes: Vec<_> = (0..solids.len()).filter_map(|k| bounds(solid(k).nodes().iter().map(|&n| place(n)))).collect();
+    let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
+    let is_held = |x: &Vec3| tree.iter().flat_map(|tree| tree.meeting(x, x)).any(|(k, _)| holds(solid(k), place, x));
+    let mut found: Vec<f64> =
+        all.chunks(3).map(|x| if is_held(&Vec3::from_column_slice(x)) { 1.0 } else { 0.0 }).collect();
+    max(comm, &mut found);
+    found[own].iter().map(|held| *held > 0.0).collect()
 }

@@ -11,6 +11,7 @@ pub enum Phase {
     Read,
     Partition,
     Search,
+    Watch,
     Assembly,
     Factor,
     Solve,
@@ -18,10 +19,11 @@ pub enum Phase {
 }
 
 /// All phases with their names in `summary.json`, in the order of [`Phases::slowest`].
-pub const PHASES: [(Phase, &str); 7] = [
+pub const PHASES: [(Phase, &str); 8] = [
     (Phase::Read, "read"),
     (Phase::Partition, "partition"),
     (Phase::Search, "search"),
+    (Phase::Watch, "watch"),
     (Phase::Assembly, "assembly"),
     (Phase::Factor, "factor"),
     (Phase::Solve, "solve"),

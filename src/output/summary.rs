@@ -22,6 +22,37 @@ pub struct Carried {
     pub stress_fields: u64,
 }
 
+/// Increments that were accepted with residuals above the tolerance, since rounding leaves as much of them, and the worst.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rounded {
+    pub increments: usize,
+    /// Of the worst: its time, whose it is, as in "contact `top`", the residual over the forces that it counts against, and
+    /// how large it could have been.
+    pub time: f64,
+    pub of: String,
+    pub residual: f64,
+    pub limit: f64,
+}
+
+impl Rounded {
+    /// As it stands in `summary.json` and in checkpoints.
+    pub fn to_json(&self) -> Value {
+        let Self { increments, time, of, residual, limit } = self;
+        json!({ "increments": increments, "time": time, "of": of, "residual": residual, "limit": limit })
+    }
+
+    /// What [`Self::to_json`] has written, if it has.
+    pub fn from_json(value: &Value) -> Option<Self> {
+        Some(Self {
+            increments: value["increments"].as_u64()? as usize,
+            time: value["time"].as_f64()?,
+            of: value["of"].as_str()?.into(),
+            residual: value["residual"].as_f64()?,
+            limit: value["limit"].as_f64()?,
+        })
+    }
+}
+
 /// The outcome of a run. Counts are of the whole model, over all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
@@ -67,6 +98,8 @@ pub struct Summary {
     pub linear_solver: String,
     /// What is estimated of the errors at the ends of steps.
     pub estimates: Vec<Value>,
+    /// What was let through above the tolerance.
+    pub rounded: Option<Rounded>,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
     /// The preset of accuracy, as in "balanced".
@@ -196,6 +229,7 @@ impl Summary {
             },
             "matrix": self.matrix,
             "linear_solver": self.linear_solver,
+            "rounded": self.rounded.as_ref().map(Rounded::to_json),
             "estimate": self.estimates,
             "warnings": self.warnings,
             "accuracy": self.accuracy,
@@ -251,13 +285,13 @@ mod tests {
             ..Summary::default()
         };
         let ranks = [[100.0, 7.0, 0.5, 1.5], [20.4567, 8.0, 0.25, 1.25], [3.0, 9.0, 0.0, 0.01]];
-        let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], &[1; 7], &ranks);
+        let text = summary.render(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], &[1; 8], &ranks);
         let value: Value = serde_json::from_str(&text).unwrap();
         let keys = |value: &Value| value.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         let mut promised: Vec<_> =
             "converged interrupted restarted scene version ranks dofs multipliers matrix_entries carried elements increments cutbacks jumps iterations outer_iterations \
              pattern_rebuilds growths analyses factorizations linear_iterations linear_reused linear_unsolved search_fetches \
-             wall_s cpu_s phases_s phase_calls peak_memory_mb by_rank matrix linear_solver estimate warnings accuracy controls \
+             wall_s cpu_s phases_s phase_calls peak_memory_mb by_rank matrix linear_solver rounded estimate warnings accuracy controls \
              predicted"
                 .split_whitespace()
                 .collect();
@@ -266,9 +300,9 @@ mod tests {
         found.sort();
         assert_eq!(found, promised);
         assert_eq!(value["phases_s"]["read"], 1.0);
-        assert_eq!(value["phases_s"]["factor"], 5.0);
-        assert_eq!(value["phases_s"]["output"], 7.0);
-        assert_eq!(value["phases_s"].as_object().unwrap().len(), 7);
+        assert_eq!(value["phases_s"]["factor"], 6.0);
+        assert_eq!(value["phases_s"]["output"], 8.0);
+        assert_eq!(value["phases_s"].as_object().unwrap().len(), 8);
         assert_eq!((&value["scene"], &value["ranks"], &value["dofs"]), (&json!("a \"b\""), &json!(3), &json!(12)));
         assert_eq!((&value["wall_s"], &value["peak_memory_mb"]), (&json!(1.25), &json!(123.457)));
         assert_eq!(value["cpu_s"], 2.76);

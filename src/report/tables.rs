@@ -106,13 +106,13 @@ pub fn overview(runs: &[Run]) -> Markup {
 }
 
 /// The phases of a run, as `summary.json` names them in its order of work, and what is left.
-const PHASES: [&str; 8] = ["read", "partition", "search", "assembly", "factor", "solve", "output", "rest"];
+const PHASES: [&str; 9] = ["read", "partition", "search", "watch", "assembly", "factor", "solve", "output", "rest"];
 
 /// Seconds in each of the phases of each run.
-pub fn phases(runs: &[Run]) -> ([&'static str; 8], Vec<Vec<f64>>) {
+pub fn phases(runs: &[Run]) -> ([&'static str; 9], Vec<Vec<f64>>) {
     let of_run = |run: &Run| {
         let second = |name: &str| run.summary["phases_s"][name].as_f64().unwrap_or_default();
-        let mut seconds: Vec<f64> = PHASES[..7].iter().map(|name| second(name)).collect();
+        let mut seconds: Vec<f64> = PHASES[..8].iter().map(|name| second(name)).collect();
         let wall = run.summary["wall_s"].as_f64().unwrap_or_default();
         // Phases are those of the slowest rank in each, and may add up to more.
         seconds.push((wall - seconds.iter().sum::<f64>()).max(0.0));

@@ -188,6 +188,15 @@ fn reversed_tool() -> Vec<Case> {
         );
         cases.push(by(Case::text(format!("plane, {above} above"), plane(2.0 + above, 1.0)), above));
     }
+    for inside in [0.01, 0.6, 1.5] {
+        let text = format!("{inside} inside the bar");
+        let tool = plate(12, 9.0, 2.0 - inside, true);
+        cases.push(
+            by(Case::text(format!("mesh, {text}"), mesh.as_str()).file("tool.msh", tool), 0.0).must_be_refused(&[]),
+        );
+        let plane = Case::text(format!("plane, {text}"), plane(2.0 - inside, 1.0));
+        cases.push(by(plane, 0.0).must_be_refused(&[]));
+    }
     let hollow = |name: &str, z: f64| {
         let ball = format!("sphere = {{ center = [0.0, 0.0, {z:?}], radius = 2.0, hollow = true }}");
         Case::text(name, BAR.replace("plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }", &ball))

@@ -13,6 +13,7 @@
 //! they are to steel. If rounding leaves more, there is no result. Neither is there one where supports alone have changed
 //! lengths in a body, and what rounding leaves is more than that share of the forces.
 
+use super::super::Rounded;
 use super::Newton;
 use crate::contact::{Pair, Slave, Status};
 use crate::model::{Model, Section};
@@ -297,6 +298,30 @@ impl Newton<'_> {
             .collect()
     }
 
+    /// What is above the tolerance, and accepted as what rounding leaves.
+    pub fn rounded(&self) -> Option<Rounded> {
+        let (balance, tolerance) = (&self.found.balance, self.strategy.tolerance);
+        let relative = |g: usize| balance.groups[g].residual / balance.scale(g);
+        let above = (0..balance.groups.len()).filter(|g| relative(*g) > tolerance);
+        let worst = above.max_by(|a, b| relative(*a).total_cmp(&relative(*b)))?;
+        let limit = balance.limit(worst, tolerance) / balance.scale(worst);
+        Some(Rounded { of: self.name_of(worst), residual: relative(worst), limit })
+    }
+
+    /// A group in words.
+    fn name_of(&self, group: usize) -> String {
+        let Model { sections, pairs, masters, bodies, .. } = &*self.system.model;
+        let beyond = group.checked_sub(sections.len());
+        match (sections.get(group), beyond.and_then(|p| pairs.get(p)), beyond) {
+            (Some(section), ..) => format!("body `{}`", bodies[section.body].name),
+            (_, Some(pair), _) => format!("contact `{}`", pair.name),
+            (.., tool) => {
+                let tool = tool.map_or(0, |t| (t - pairs.len()) % masters.tools.len());
+                format!("tool `{}`", masters.tools[tool].name)
+            }
+        }
+    }
+
     fn set_limits(&mut self) {
         let groups = 0..self.found.balance.groups.len();
         self.found.balance.loaded = groups.clone().map(|g| self.is_loaded(g)).collect();
@@ -425,10 +450,7 @@ impl Newton<'_> {
             let rounds = residual > allowed && residual <= self.rounding(g);
             let lost = if rounds { residual } else { rest };
             (rounds || converged && rest > model.controls.rounding_cap * forces).then(|| {
-                let what = match model.sections.get(g) {
-                    Some(section) => format!("body `{}`", model.bodies[section.body].name),
-                    None => format!("tool `{}`", model.masters.tools[(g - first_tool) % tools].name),
-                };
+                let what = self.name_of(g);
                 let why = if g >= first_tool {
                     "what it touches is too stiff for them"
                 } else if self.rounding(g) > self.own_rounding(g) {

@@ -10,11 +10,14 @@
 //! one is inside it, and no slave is inside with all its nodes.
 
 use super::sight::Standing;
-use crate::contact::{Master, Meets};
+use crate::Vec3;
+use crate::contact::{Master, Meets, Pair};
 use crate::error::{Error, Result};
 use crate::model::Model;
+use crate::model::locate::held;
 use crate::parallel::{any, max};
 use crate::scene::Contact;
+use crate::surface::Projection;
 use mpi::topology::SimpleCommunicator;
 
 /// Cosine between the normals from which both sides look the same way.
@@ -31,26 +34,9 @@ pub fn check(
         if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
             continue;
         }
-        // Least distances, and that of nodes in front that look away, as negative numbers.
-        let mut least = [f64::NEG_INFINITY; 3];
-        for sight in sights {
-            let (Some(normal), Some(gap)) = (sight.nearest.map(|(normal, _)| normal), sight.gap()) else { continue };
-            // Beyond an end of the master nothing tells inside from outside.
-            let known = sight.contact.is_some();
-            let cosine = sight.outward.dot(&normal);
-            let kind = match () {
-                _ if cosine < 0.0 => 0,
-                _ if cosine > SAME
-                    && known
-                    && gap <= (pair.controls.touching_gap * pair.facet_size).max(0.5 * sight.depth) =>
-                {
-                    1
-                }
-                _ if cosine > SAME => 2,
-                _ => continue,
-            };
-            least[kind] = f64::max(least[kind], -gap.abs());
-        }
+        let mut least = least(pair, sights);
+        let within = within(comm, model, pair, sights);
+        least[1] = least[1].max(within);
         max(comm, &mut least);
         let master = model.master_name(pair);
         let in_front = |s: &Standing| s.gap().is_none_or(|gap| gap >= -pair.controls.touching_gap * pair.facet_size);
@@ -82,6 +68,44 @@ pub fn check(
         }
     }
     Ok(())
+}
+
+/// Least distances of nodes that face the master, that are behind it, and of those in front that look away, as negative
+/// numbers.
+fn least(pair: &Pair, sights: &[Standing]) -> [f64; 3] {
+    let mut least = [f64::NEG_INFINITY; 3];
+    for sight in sights {
+        let (Some((normal, _)), Some(gap)) = (sight.nearest, sight.gap()) else { continue };
+        // Beyond an end of the master nothing tells inside from outside.
+        let known = sight.contact.is_some();
+        let cosine = sight.outward.dot(&normal);
+        let kind = match () {
+            _ if cosine < 0.0 => 0,
+            _ if cosine > SAME && known && gap <= pair.controls.touching_gap * pair.facet_size => 1,
+            _ if cosine > SAME => 2,
+            _ => continue,
+        };
+        least[kind] = f64::max(least[kind], -gap.abs());
+    }
+    least
+}
+
+/// The least distance of nodes in front that look away from a master inside their own body, as a negative number.
+/// Collective.
+fn within(comm: &SimpleCommunicator, model: &Model, pair: &Pair, sights: &[Standing]) -> f64 {
+    /// How far behind the master the body is asked for, over the depth of elements: one that lies on the body is not in it.
+    const BEHIND: f64 = 0.1;
+    let place = |n: u32| model.part.points[n as usize];
+    let looks_away = |sight: &&Standing| sight.nearest.is_some_and(|(normal, _)| sight.outward.dot(&normal) > SAME);
+    let feet = pair.slaves.iter().zip(sights).filter(|(_, sight)| looks_away(sight));
+    let (gaps, points): (Vec<f64>, Vec<Vec3>) = feet
+        .filter_map(|(slave, Standing { contact, depth, .. })| {
+            let Projection { gap, normal, .. } = (*contact)?;
+            (gap > 0.0).then(|| (gap, place(slave.node) - normal * (gap + BEHIND * depth)))
+        })
+        .unzip();
+    let held = held(comm, model, pair.body, &points, &place);
+    gaps.iter().zip(held).filter(|(_, held)| *held).fold(f64::NEG_INFINITY, |least, (gap, _)| least.max(-gap))
 }
 
 fn help(contact: &Contact) -> &'static str {
