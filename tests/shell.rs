@@ -61,6 +61,45 @@ fn a_strip_is_turned_up_by_its_end() {
     assert_small("2 ranks", alone.difference(&bench.solve(2, &[]).history()), 1e-8);
 }
 
+/// Two leaves of a spring, clamped at one end and pressed at the other, share the force, F/2 each, which the upper one passes on
+/// at the tip; between they touch and bear nothing. Each bends by F/2 L^3 / 3 E I.
+#[test]
+fn leaves_of_a_spring_share_a_force() {
+    let leaf = |name: &str, z: f64| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex8-shell\"\n\
+             block = {{ box = {{ origin = [0.0, 0.0, {z:?}], size = [10.0, 1.0, 0.1] }}, elements = [40, 1, 1] }}\n"
+        )
+    };
+    let bench = Bench::new(&format!(
+        r#"{}{}
+        [material.m]
+        model = "hooke"
+        young = 1000.0
+        poisson = 0.0
+        [contact.c]
+        slave = "upper.zmin"
+        master = "lower.zmax"
+        discretization = "one-pass"
+        [[step]]
+        increments = 2
+        fix = [{{ set = "lower.xmin" }}, {{ set = "upper.xmin" }}]
+        force = [{{ target = "upper.xmax", total = [0.0, 0.0, -1e-5] }}]
+        [output]
+        history = ["lower.xmax", "upper.xmax"]
+        "#,
+        leaf("lower", 0.0),
+        leaf("upper", 0.1),
+    ));
+    let run = bench.solve(1, &[]);
+    let history = run.history();
+    assert_eq!(run.summary()["cutbacks"], 0);
+    for leaf in ["lower", "upper"] {
+        assert_close(leaf, history.last(&format!("{leaf}.xmax.uz")), -0.02, 2e-3);
+    }
+    assert_close("force passed on", history.last("c.fz").abs(), 5e-6, 2e-3);
+}
+
 #[test]
 fn what_is_no_sheet_is_refused() {
     let bench = Bench::new(ROOF);

@@ -257,6 +257,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") where nodes bear several contacts",
         Remedy::Soften => "with other penalties",
+        Remedy::Sets => "with active sets that stand still in the iteration, or not",
         Remedy::Central => "along the central path",
         Remedy::Settle => "with contacts that stick until they settle",
         Remedy::Jump => "as a jump",

@@ -44,6 +44,8 @@ pub enum Remedy {
     Hold,
     /// Contacts have lower penalties, or those again that they had.
     Soften,
+    /// Active sets stand still until Newton's method has converged, or no more.
+    Sets,
     /// Forces of contacts grow smoothly before gaps are closed.
     Central,
     /// What touches sticks until it settles.

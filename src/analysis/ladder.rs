@@ -21,7 +21,10 @@
 //!    turns; what has helped is kept. Penalties come from the stiffness around a node, and a slender body, a sheet or a hook, is
 //!    far softer in bending: there an iteration leaves gaps that outweigh the force, the node lets go, and comes back. Where
 //!    contacts slide with friction lower penalties are slower. The solution does not depend on them.
-//!    What that does not help is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
+//!    What that does not help is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
+//!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
+//!    fro. It has the unknowns and the solution of the augmented Lagrangian; what has helped is kept.
+//!    Then it is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
 //!    closed: a sheet between two tools may touch them in so many ways that the iteration goes to and fro between them. Where
 //!    residuals do not fall there, it is tried once more with such that fall in each iteration.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
@@ -81,14 +84,16 @@ pub struct Tries {
     yields: Option<bool>,
     way: Way,
     soft: bool,
+    sets: bool,
     central: Option<bool>,
     turned: bool,
+    sorted: bool,
     failures: usize,
     jumps: usize,
     jumped: usize,
 }
 
-crate::words!(Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped });
+crate::words!(Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped });
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
 impl Words for Way {
@@ -113,6 +118,8 @@ impl Words for Way {
 pub struct Ladder {
     /// There are contacts.
     pub can_soften: bool,
+    /// Some contact has an augmented Lagrangian, which active sets can have the place of.
+    pub can_sort: bool,
     /// Contacts can be sought along the central path: two tools press on a body.
     pub can_center: bool,
     /// Some contact has friction, or a penalty that is not the automatic one.
@@ -131,10 +138,14 @@ pub struct Ladder {
     way: Way,
     /// Penalties are lower.
     soft: bool,
+    /// Active sets stand still while Newton's method runs.
+    sets: bool,
     /// Contacts are sought along the central path, and each residual must be below the last on it.
     central: Option<bool>,
     /// Both kinds of penalties were tried in this increment, or in an earlier one, where the lower ones did not help.
     turned: bool,
+    /// The same of active sets.
+    sorted: bool,
     /// Failures in succession.
     failures: usize,
     /// Jumps that have failed, and those that the watch has refused.
@@ -152,6 +163,7 @@ impl Ladder {
         let way = Way::Newton { settle: false };
         Self {
             can_soften: false,
+            can_sort: false,
             can_center: false,
             can_settle,
             can_yield: Yields::Never,
@@ -161,8 +173,10 @@ impl Ladder {
             settles: false,
             way,
             soft: false,
+            sets: false,
             central: None,
             turned: false,
+            sorted: false,
             failures: 0,
             jumps: 0,
             refused: 0,
@@ -178,14 +192,14 @@ impl Ladder {
 
     /// How far it is.
     pub fn tries(&self) -> Tries {
-        let Self { can_yield, yields, way, soft, central, turned, failures, jumps, jumped, .. } = *self;
-        Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped }
+        let Self { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped, .. } = *self;
+        Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped }
     }
 
     /// Goes on from there.
     pub fn go_on(&mut self, tries: Tries) {
-        let Tries { can_yield, yields, way, soft, central, turned, failures, jumps, jumped } = tries;
-        *self = Self { can_yield, yields, way, soft, central, turned, failures, jumps, jumped, ..*self };
+        let Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped } = tries;
+        *self = Self { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped, ..*self };
     }
 
     /// How to seek the increment now.
@@ -204,6 +218,11 @@ impl Ladder {
     /// Whether penalties are lower than they are given, or come of themselves.
     pub fn is_soft(&self) -> bool {
         self.soft
+    }
+
+    /// Whether active sets stand still while Newton's method runs.
+    pub fn is_by_sets(&self) -> bool {
+        self.can_sort && self.sets && self.way != Way::Jump
     }
 
     /// Whether contacts are sought along the central path.
@@ -241,7 +260,7 @@ impl Ladder {
         self.jumped =
             if self.way == Way::Jump { self.jumped + self.controls.jump_weight } else { self.jumped.saturating_sub(1) };
         (self.way, self.failures) = (Way::Newton { settle: false }, 0);
-        (self.turned, self.refused) = (self.turned && !self.soft, 0);
+        (self.turned, self.sorted, self.refused) = (self.turned && !self.soft, self.sorted && !self.sets, 0);
         found
     }
 
@@ -276,6 +295,12 @@ impl Ladder {
             self.soft = !self.soft;
             return Some(Remedy::Soften);
         }
+        let of_sets = self.sets && cause == Cause::Rounds;
+        if self.can_sort && (cause.is_of_iteration() || of_sets) && !std::mem::replace(&mut self.sorted, true) {
+            (self.sets, self.soft) = (!self.sets, false);
+            return Some(Remedy::Sets);
+        }
+        self.sets = false;
         if self.can_center && cause.is_of_iteration() && self.central != Some(true) {
             (self.central, self.soft) = (Some(self.central.is_some()), false);
             return Some(Remedy::Central);
@@ -349,6 +374,28 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false, 0.5));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), true, 0.5));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, 0.25));
+    }
+
+    /// What other penalties do not help is tried by active sets; where they help they stay, and else they are not tried again.
+    #[test]
+    fn active_sets_are_tried_before_increments_are_cut() {
+        let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = Ladder { can_soften: true, can_sort: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut fail = |ladder: &mut Ladder, cause: Cause| {
+            let end = increments.next().unwrap();
+            (ladder.fail(&mut increments, end, cause), ladder.is_by_sets())
+        };
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));
+        ladder.succeed();
+        assert!(ladder.is_by_sets());
+        assert_eq!(fail(&mut ladder, Cause::Rounds), (Some(Remedy::Sets), false));
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
+        ladder.succeed();
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
     }
 
     /// The watch refuses what jumps come to, and Newton's method finds nothing: that ends, too.

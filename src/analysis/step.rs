@@ -21,7 +21,7 @@ use crate::interrupt;
 use crate::model::{Model, states};
 use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, sum, word_of_largest};
-use crate::scene::{Linear, Step};
+use crate::scene::{Enforcement, Linear, Step};
 use crate::system::dofs::node_name;
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
@@ -189,6 +189,7 @@ impl<'a> Simulation<'a> {
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
         let mut ladder = Ladder::new(frictional || given, frictional || self.model.can_flow(), &self.scene.controls);
         ladder.can_soften = !self.model.pairs.is_empty();
+        ladder.can_sort = self.model.pairs.iter().any(can_sort);
         ladder.can_center = can_center(&self.model.pairs);
         self.begun += 1;
         Progress {
@@ -348,8 +349,8 @@ impl<'a> Simulation<'a> {
         }
         let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
         let Progress { increments, ladder, past, .. } = &mut frame.progress;
-        let was_soft = ladder.is_soft();
-        let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.way() == Way::Jump;
+        let was = (ladder.is_soft(), ladder.is_by_sets());
+        let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.is_by_sets() || ladder.way() == Way::Jump;
         (ladder.can_yield, ladder.can_hold) = (can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
             if let Some(told) = self.runaway(frame, end, true) {
@@ -362,7 +363,7 @@ impl<'a> Simulation<'a> {
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
             return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
         };
-        if ladder.is_soft() != was_soft {
+        if (ladder.is_soft(), ladder.is_by_sets()) != was {
             // Multipliers are unknowns over the penalty.
             past.clear();
         }
@@ -458,6 +459,10 @@ impl<'a> Simulation<'a> {
             floors: &self.floors,
         };
         let reach: Vec<f64> = self.model.pairs.iter().map(|p| p.reach).collect();
+        let sorted: Vec<usize> = (0..self.model.pairs.len())
+            .filter(|p| frame.progress.ladder.is_by_sets() && can_sort(&self.model.pairs[*p]))
+            .collect();
+        sorted.iter().for_each(|&p| self.model.pairs[p].enforce(Enforcement::Lagrange));
         let system = System {
             comm: self.comm,
             model: &mut self.model,
@@ -531,6 +536,7 @@ impl<'a> Simulation<'a> {
         for (pair, reach) in self.model.pairs.iter_mut().zip(reach) {
             pair.reach = reach;
         }
+        sorted.into_iter().for_each(|p| self.model.pairs[p].enforce(Enforcement::AugmentedLagrangian));
         let attempt = match self.watched(attempt?, frame.conditions()) {
             Attempt::Converged(converged) if drag == 0.0 => self.still_held(frame, converged),
             attempt => attempt,
@@ -715,6 +721,11 @@ impl<'a> Simulation<'a> {
         );
         Failure { what, ..failure }
     }
+}
+
+/// Whether active sets can have the place of the augmented Lagrangian.
+fn can_sort(pair: &Pair) -> bool {
+    pair.method == Enforcement::AugmentedLagrangian && !pair.is_self()
 }
 
 /// Whether contacts may be sought along the central path: two tools press on a body, and all have smooth forces there.
