@@ -292,9 +292,9 @@ controls! {
             "From there a penetration is one. Contact is at nodes: between them a facet that touches a radius of ten of its lengths is 1/80 of its length inside, and no finer is the shape of the body known.";
         watch_segment: f64 = 0.25, [1e-6, 1.0], "longest edge of the slave facets",
             "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
-        watch_between: f64 = 0.2, [0.01, 10.0], "shortest edge of the slave facet",
+        watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
             "A master that is deeper in the slave between its nodes is told of at the end. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
-        watch_between_most: f64 = 0.5, [0.01, 10.0], "shortest edge of the slave facet",
+        watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
             "The same, deeper than this, ends the run: what is between nodes is larger than what they feel.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",
             "Lift of the way of a node: by so much it may cut a corner. What turns more in one increment than its chord and this lift allow is no longer followed by it.";

@@ -27,7 +27,7 @@ const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// How deep a master was in a slave between its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Between {
-    /// Over the shortest edge of the facet.
+    /// Over the size of the facet that counts.
     pub share: f64,
     pub depth: f64,
     pub place: Vec3,
@@ -105,7 +105,9 @@ struct Facet {
     inward: Vec3,
     /// One of its slave nodes.
     slave: usize,
-    shortest: f64,
+    /// What depths count against: its shortest edge, but its diagonal where a node touches the master, which holds it off there;
+    /// over an edge of the master of 90 degrees it is half as deep at most.
+    size: f64,
     /// How deep the deepest of its nodes is.
     deep: f64,
     /// Its nodes see the same way of the master.
@@ -130,28 +132,32 @@ impl Facet {
         }
         // How wide a layer is says nothing.
         let is_layer = model.bodies[pair.body].is_layer();
+        let length = |line: Vec3| if is_layer { line.xy().norm() } else { line.norm() };
         let along = |edge: &Vec3| !is_layer || edge.z.abs() < edge.xy().norm();
-        let shortest = corners.edges().filter(along).map(|edge| edge.norm()).fold(f64::INFINITY, f64::min);
+        let shortest = corners.edges().filter(along).map(length).fold(f64::INFINITY, f64::min);
+        let touches = nearest.abs() <= pair.controls.watch_deep * shortest || nearest < 0.0;
+        let lines = corners.all().iter().flat_map(|a| corners.all().iter().map(move |b| a - b));
+        let size = if touches { lines.map(length).fold(0.0, f64::max) } else { shortest };
         let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
         let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
         let touch = |gap: f64| gap.abs() <= pair.controls.watch_between * shortest;
         let is_away = |([gap, ..], n): (&[f64; 4], &Vec3)| touch(*gap) && n.dot(&inward) < -AWAY;
         let is_folded = seen.iter().zip(&normals).any(is_away);
-        Some(Self { corners, inward, slave, shortest, deep: f64::max(-nearest, 0.0), is_even, is_folded })
+        Some(Self { corners, inward, slave, size, deep: f64::max(-nearest, 0.0), is_even, is_folded })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
         let view = View { ground: model.masters.of(pair.master), pair, slave: self.slave };
         let may = allowance(pair, 0.0, travel);
         let around = (reach(pair, travel) - self.corners.longest()).max(0.0);
-        let most = 2.0 * pair.controls.watch_between_most * self.shortest + self.deep;
+        let most = 2.0 * pair.controls.watch_between_most * self.size + self.deep;
         let at = |place: Vec3| {
             let way = |way: &Vec3| watch::intrusion(&view, &place, way, most, around, &may);
             let inward = way(&self.inward);
             // One that is folded over is out of the master where it is lifted off.
             let depth = if self.is_folded { inward.min(way(&-self.inward)) } else { inward } - self.deep;
-            Between { share: depth / self.shortest, depth, place }
+            Between { share: depth / self.size, depth, place }
         };
         let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };
         let all = spots.iter().flat_map(|s| spots.iter().map(move |t| Vec2::new(*s, *t)));

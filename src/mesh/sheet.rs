@@ -27,14 +27,27 @@ const TURNED: [[usize; 8]; 3] = [[0, 3, 7, 4, 1, 2, 6, 5], [0, 4, 5, 1, 3, 7, 6,
 /// thickness is the direction across the faces of a group, if one is given. Other elements stay.
 ///
 /// # Errors
-/// A body, at `at`, whose thickness is not clear, or a group that does not tell.
+/// A body, at `at`, whose thickness is not clear, or a group that does not tell, or tells what is clear to be another.
 pub fn lay_flat(mesh: &mut Mesh, at: &Location, face: Option<&Located<String>>) -> Result<()> {
     if mesh.solids.iter().any(|solid| solid.shape != SolidShape::Hex8) {
         return Ok(());
     }
     let mut directions = Directions::new(&mesh.solids);
     let through = match face {
-        Some(group) => directions.across(mesh, group)?,
+        Some(group) => {
+            let through = directions.across(mesh, group)?;
+            let clear = directions.shortest(mesh).unwrap_or_else(|_| through.clone());
+            if let Some(e) = (0..through.len()).find(|&e| through[e] != clear[e]) {
+                let (lengths, id) = (lengths(mesh, &mesh.solids[e]), mesh.solids[e].id);
+                let what = format!(
+                    "`{}` is an edge of the sheet and not one of its sides: element {id} is {:.3e} long across it, and {:.3e} \
+                     across the sheet",
+                    group.value, lengths[through[e]], lengths[clear[e]]
+                );
+                return Err(Error::input(&group.at, what, "name a group of faces on one side of the sheet, or none"));
+            }
+            through
+        }
         None => directions.shortest(mesh).map_err(|what| {
             let help =
                 "name a group of faces on one side of the sheet: shell = { face = \"top\" }; or take \"hex8-eas\"";
@@ -253,6 +266,8 @@ mod tests {
         assert!((0..4).all(|k| (x[k][0] - x[k + 4][0]).abs() == 1.0));
         let error = lay_flat(&mut mesh, &at, Some(&Located::given("rim"))).unwrap_err().to_string();
         assert!(error.contains("no group `rim`"), "{error}");
+        let error = lay_flat(&mut block([4.0, 4.0, 0.5], [4, 4, 1]), &at, Some(&Located::given("xmax"))).unwrap_err();
+        assert!(error.to_string().contains("1.000e0 long across it, and 5.000e-1 across the sheet"), "{error}");
         // Elements shorter along a strip than it is thick.
         let error = lay_flat(&mut block([10.0, 1.2, 0.25], [60, 1, 1]), &at, None).unwrap_err().to_string();
         assert!(error.contains("1.50 of the next"), "{error}");
