@@ -7,7 +7,7 @@
 
 use super::watch::{allowance, reach};
 use crate::contact::watch::{self, Finding, Side, View};
-use crate::contact::{Master, Meets, Pair, Sight};
+use crate::contact::{Master, Meets, Pair, Sight, Status};
 use crate::model::Model;
 use crate::mortar::Corners;
 use crate::mortar::face::bilinear;
@@ -27,7 +27,7 @@ const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 /// How deep a master was in a slave between its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Between {
-    /// Over the size of the facet that counts.
+    /// Over the size of the facet that counts; of a facet that touches no more than what would end the run.
     pub share: f64,
     pub depth: f64,
     pub place: Vec3,
@@ -82,6 +82,7 @@ impl Sights {
         let mut sights = vec![[f64::NAN; 4]; model.part.points.len()];
         for slave in &pair.slaves {
             let Sight { gap, normal, side, .. } = slave.sighted;
+            let gap = if slave.trial.status == Status::Gap { gap } else { gap.min(0.0) };
             sights[slave.node as usize] = match normal {
                 // Whatever is behind is told of by itself.
                 Some(_) if side != Side::Front => [f64::NEG_INFINITY; 4],
@@ -105,8 +106,10 @@ struct Facet {
     inward: Vec3,
     /// One of its slave nodes.
     slave: usize,
-    /// What depths count against: its shortest edge, but its diagonal where a node touches the master, which holds it off there;
-    /// over an edge of the master of 90 degrees it is half as deep at most.
+    /// A node of it touches the master, and holds it off: what goes in beside, as an edge that the facet spans, goes in no
+    /// farther than that lets it.
+    touches: bool,
+    /// What depths count against: its shortest edge, or its diagonal where it touches.
     size: f64,
     /// How deep the deepest of its nodes is.
     deep: f64,
@@ -135,7 +138,7 @@ impl Facet {
         let length = |line: Vec3| if is_layer { line.xy().norm() } else { line.norm() };
         let along = |edge: &Vec3| !is_layer || edge.z.abs() < edge.xy().norm();
         let shortest = corners.edges().filter(along).map(length).fold(f64::INFINITY, f64::min);
-        let touches = nearest.abs() <= pair.controls.watch_deep * shortest || nearest < 0.0;
+        let touches = nearest <= pair.controls.watch_deep * shortest;
         let lines = corners.all().iter().flat_map(|a| corners.all().iter().map(move |b| a - b));
         let size = if touches { lines.map(length).fold(0.0, f64::max) } else { shortest };
         let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
@@ -144,7 +147,7 @@ impl Facet {
         let touch = |gap: f64| gap.abs() <= pair.controls.watch_between * shortest;
         let is_away = |([gap, ..], n): (&[f64; 4], &Vec3)| touch(*gap) && n.dot(&inward) < -AWAY;
         let is_folded = seen.iter().zip(&normals).any(is_away);
-        Some(Self { corners, inward, slave, size, deep: f64::max(-nearest, 0.0), is_even, is_folded })
+        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), is_even, is_folded })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
@@ -157,7 +160,9 @@ impl Facet {
             let inward = way(&self.inward);
             // One that is folded over is out of the master where it is lifted off.
             let depth = if self.is_folded { inward.min(way(&-self.inward)) } else { inward } - self.deep;
-            Between { share: depth / self.size, depth, place }
+            let share = depth / self.size;
+            let is_bounded = self.touches && share > pair.controls.watch_between_most;
+            Between { share: if is_bounded { pair.controls.watch_between_most } else { share }, depth, place }
         };
         let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };
         let all = spots.iter().flat_map(|s| spots.iter().map(move |t| Vec2::new(*s, *t)));
