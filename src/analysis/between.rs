@@ -19,8 +19,6 @@ use mpi::traits::*;
 
 /// Cosine between normals at nodes of a facet that count as the same, 14 degrees: an arc between is 1/30 of its chord deep.
 const SAME: f64 = 0.97;
-/// Cosine between the outward normals of a facet and of a master beyond which the facet looks away from it, 60 degrees.
-const AWAY: f64 = 0.5;
 /// Where a facet is looked at closely, in each direction.
 const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
 
@@ -115,8 +113,6 @@ struct Facet {
     deep: f64,
     /// Its nodes see the same way of the master.
     is_even: bool,
-    /// It looks away from a master that a node of it touches: nodes beyond an edge of the master have drawn it over.
-    is_folded: bool,
 }
 
 impl Facet {
@@ -144,10 +140,7 @@ impl Facet {
         let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
         let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
-        let touch = |gap: f64| gap.abs() <= pair.controls.watch_between * shortest;
-        let is_away = |([gap, ..], n): (&[f64; 4], &Vec3)| touch(*gap) && n.dot(&inward) < -AWAY;
-        let is_folded = seen.iter().zip(&normals).any(is_away);
-        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), is_even, is_folded })
+        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), is_even })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
@@ -155,14 +148,10 @@ impl Facet {
         let may = allowance(pair, 0.0, travel);
         let around = (reach(pair, travel) - self.corners.longest()).max(0.0);
         let most = 2.0 * pair.controls.watch_between_most * self.size + self.deep;
+        let largest = if self.touches { pair.controls.watch_between_most } else { f64::INFINITY };
         let at = |place: Vec3| {
-            let way = |way: &Vec3| watch::intrusion(&view, &place, way, most, around, &may);
-            let inward = way(&self.inward);
-            // One that is folded over is out of the master where it is lifted off.
-            let depth = if self.is_folded { inward.min(way(&-self.inward)) } else { inward } - self.deep;
-            let share = depth / self.size;
-            let is_bounded = self.touches && share > pair.controls.watch_between_most;
-            Between { share: if is_bounded { pair.controls.watch_between_most } else { share }, depth, place }
+            let depth = watch::intrusion(&view, &place, &self.inward, most, around, &may) - self.deep;
+            Between { share: (depth / self.size).min(largest), depth, place }
         };
         let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };
         let all = spots.iter().flat_map(|s| spots.iter().map(move |t| Vec2::new(*s, *t)));
