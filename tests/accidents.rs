@@ -3,10 +3,10 @@
 
 mod common;
 
-use common::jobs::{BLOCK_UNDER_PLATE, Job, rows_in, send, shown_times, wait_for};
-use common::{Bench, History, Run, assert_small, nagata};
+use common::jobs::{BLOCK_UNDER_PLATE, Job, children, rows_in, send, shown_times, wait_for};
+use common::{Bench, History, Run, assert_small, mpirun, nagata};
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Pressed in very many increments, with fields seldom.
@@ -86,6 +86,31 @@ fn a_signal_to_one_rank_ends_all_in_order() {
     );
     assert_eq!((again.code, again.history().len()), (0, 2), "{}", again.stderr);
     assert_eq!(again.summary()["interrupted"], false);
+}
+
+/// While the model is set up, too, when nothing is in the folder yet: the run ends before its first increment.
+#[test]
+fn a_signal_during_the_set_up_ends_the_run_in_order() {
+    let bench = Bench::new(&scene());
+    let arguments = ["run", "scene.toml", "--out", "out", "--set", "body.block.block.elements=[30, 30, 10]"];
+    let mut command = mpirun(1);
+    let child = command.args(arguments).current_dir(bench.path("")).stderr(Stdio::piped()).spawn().unwrap();
+    let mut job = Job { child, ranks: Vec::new() };
+    // The mask of the signals that a process catches has that of SIGUSR1 as its tenth bit.
+    let catches = |pid: &u32| {
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+        status.starts_with("Name:\tnagata\n") && u64::from_str_radix(mask.trim(), 16).unwrap() & (1 << 9) != 0
+    };
+    let ready = |job: &mut Child| children(job.id()).into_iter().find(|pid| catches(pid));
+    job.ranks = vec![wait_for(&mut job.child, 60, "signals to be caught", ready)];
+    send("USR1", job.ranks[0]);
+    assert!(!bench.path("out").exists(), "the run has begun");
+    let (code, said) = job.end();
+    assert!(code == 4 && said.starts_with("error: SIGUSR1 ended the run in step `press`, after time 0.0000"), "{said}");
+    let run = results(&bench);
+    assert_eq!((&run.summary()["increments"], &run.summary()["interrupted"]), (&0.into(), &true.into()));
+    assert!(bench.path("out/checkpoint.h5").exists());
 }
 
 /// The scene that a run has saved, run into its own folder.
