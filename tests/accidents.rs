@@ -4,7 +4,8 @@
 mod common;
 
 use common::jobs::{BLOCK_UNDER_PLATE, Job, children, rows_in, send, shown_times, wait_for};
-use common::{Bench, History, Run, assert_small, mpirun, nagata};
+use common::{Bench, History, Run, assert_small, deck, mpirun, nagata};
+use std::io::Write;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
@@ -88,15 +89,18 @@ fn a_signal_to_one_rank_ends_all_in_order() {
     assert_eq!(again.summary()["interrupted"], false);
 }
 
-/// While the model is set up, too, when nothing is in the folder yet: the run ends before its first increment.
+/// While the model is set up, too: a run that reads its mesh from a pipe ends before its first increment.
 #[test]
 fn a_signal_during_the_set_up_ends_the_run_in_order() {
-    let bench = Bench::new(&scene());
-    let arguments = ["run", "scene.toml", "--out", "out", "--set", "body.block.block.elements=[30, 30, 10]"];
+    let text = scene();
+    let block = text.lines().find(|line| line.starts_with("block = ")).unwrap();
+    let bench = Bench::new(&text.replace(block, "mesh = \"block.inp\""));
+    let pipe = bench.path("block.inp");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     let mut command = mpirun(1);
-    let child = command.args(arguments).current_dir(bench.path("")).stderr(Stdio::piped()).spawn().unwrap();
-    let mut job = Job { child, ranks: Vec::new() };
-    // The mask of the signals that a process catches has that of SIGUSR1 as its tenth bit.
+    command.args(["run", "scene.toml", "--out", "out"]).current_dir(bench.path("")).stderr(Stdio::piped());
+    let mut job = Job { child: command.spawn().unwrap(), ranks: Vec::new() };
+    // Of the signals that a process catches SIGUSR1 is the tenth.
     let catches = |pid: &u32| {
         let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
         let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
@@ -105,7 +109,12 @@ fn a_signal_during_the_set_up_ends_the_run_in_order() {
     let ready = |job: &mut Child| children(job.id()).into_iter().find(|pid| catches(pid));
     job.ranks = vec![wait_for(&mut job.child, 60, "signals to be caught", ready)];
     send("USR1", job.ranks[0]);
-    assert!(!bench.path("out").exists(), "the run has begun");
+    let mut end = std::fs::File::options().write(true).open(&pipe).unwrap();
+    // Whoever reads it again finds a file.
+    bench.write("mesh.inp", &deck([2, 2, 2]));
+    std::fs::rename(bench.path("mesh.inp"), &pipe).unwrap();
+    end.write_all(deck([2, 2, 2]).as_bytes()).unwrap();
+    drop(end);
     let (code, said) = job.end();
     assert!(code == 4 && said.starts_with("error: SIGUSR1 ended the run in step `press`, after time 0.0000"), "{said}");
     let run = results(&bench);
