@@ -34,8 +34,7 @@ def refuse(what):
 
 
 def read(results, time):
-    """The grids of one time, as {kind: multiblock of its grids}, and that time: the written one next to `time`, which lies
-    between the first and the last."""
+    """The grids of one time, as {kind: multiblock of its grids}, and that time: the written one next to `time`."""
     # Of ParaView's Xdmf readers this one keeps the names of the grids. It wants an absolute path.
     reader = simple.Xdmf3ReaderT(FileName=[os.path.abspath(results)])
     reader.UpdatePipelineInformation()
