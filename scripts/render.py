@@ -15,25 +15,32 @@ KINDS = ("body", "contact", "tool")  # the part of a grid's name before the firs
 
 def arguments():
     parser = argparse.ArgumentParser(prog="scripts/render")
-    parser.add_argument("results")
+    parser.add_argument("results", help="the XDMF file")
     parser.add_argument("--out")
     parser.add_argument("--field", default="displacement")
     parser.add_argument("--time", type=float, nargs="+", default=[None])
     parser.add_argument("--view", choices=("xy", "xz", "yz", "iso"))
     parser.add_argument("--zoom", type=float, default=1.0)
     args = parser.parse_args()
-    args.out = args.out or os.path.normpath(args.results) + ".png"
+    folder, file = os.path.split(args.results)
+    args.out = args.out or (folder if file == "fields.xdmf" else os.path.splitext(args.results)[0]) + ".png"
     return args
+
+
+def refuse(what):
+    """Ends with exit code 2."""
+    print(f"scripts/render: {what}", file=sys.stderr)
+    sys.exit(2)
 
 
 def read(results, time):
     """The grids of one time, as {kind: multiblock of its grids}, and that time: the written one next to `time`."""
     # Of ParaView's Xdmf readers this one keeps the names of the grids. It wants an absolute path.
-    reader = simple.Xdmf3ReaderT(FileName=[os.path.abspath(os.path.join(results, "fields.xdmf"))])
+    reader = simple.Xdmf3ReaderT(FileName=[os.path.abspath(results)])
     reader.UpdatePipelineInformation()
     times = reader.TimestepValues or [0.0]
     times = [times] if isinstance(times, float) else list(times)  # ParaView hands a single one out bare
-    time = times[-1] if time is None else min(times, key=lambda t: abs(t - time))
+    time = times[-1] if time is None else nearest(times, time)
     reader.UpdatePipeline(time)
     data = servermanager.Fetch(reader)
 
@@ -44,6 +51,18 @@ def read(results, time):
         if group is not None and data.GetBlock(i).GetNumberOfCells() > 0:
             group.SetBlock(group.GetNumberOfBlocks(), data.GetBlock(i))
     return {kind: group for kind, group in groups.items() if group.GetNumberOfBlocks() > 0}, time
+
+
+def nearest(times, time):
+    """The written time next to one between the first and the last; says which if it is another one."""
+    rounding = 1e-5 * max(map(abs, times))
+    if not times[0] - rounding <= time <= times[-1] + rounding:
+        written = f"from {times[0]:g} to {times[-1]:g}" if len(times) > 1 else f"at {times[0]:g} alone"
+        refuse(f"there is no time {time:g}; fields are written {written}")
+    found = min(times, key=lambda t: abs(t - time))
+    if abs(found - time) > rounding:
+        print(f"scripts/render: nothing is written at time {time:g}: {found:g} is drawn", file=sys.stderr)
+    return found
 
 
 def displaced(group):
@@ -179,15 +198,21 @@ def place_camera(view, size, direction, points, centre, zoom):
 def draw(view, size, sources, time, args):
     """Draws one time in a view of `size`; `sources` are those of all times."""
     body, contact, tool = (sources[time].get(kind) for kind in KINDS)
-    name = args.field.partition(".")[0]
+    name, _, component = args.field.partition(".")
     colored = next((s for s in (body, contact) if association(s, name)), None)
     if colored is None:
         known = sorted({n for s in (body, contact) if s for n in s.PointData.keys() + s.CellData.keys()})
-        sys.exit(f"scripts/render: there is no field {name}; there are {', '.join(known)}")
+        refuse(f"there is no field {name}; there are {', '.join(known)}")
     data = colored.PointData if association(colored, name) == "POINTS" else colored.CellData
-    low, high = data.GetArray(name).GetRange(0)
+    array = data.GetArray(name)
+    if component:
+        count = array.GetNumberOfComponents()
+        known = [array.GetComponentName(i).lower() for i in range(count)] if count > 1 else []
+        if component.lower() not in known:
+            refuse(f"{name} has no component {component}; it has {', '.join(known) or 'one value'}")
+    low, high = array.GetRange(0)
     if not low <= high:
-        sys.exit(f"scripts/render: {name} has no values at time {time:g}; some fields have them at ends of steps only")
+        refuse(f"{name} has no values at time {time:g}; some fields have them at ends of steps only")
 
     view.UseColorPaletteForBackground = 0
     view.Background = [1, 1, 1]

@@ -426,8 +426,19 @@ pub fn run() -> i32 {
     if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {
         return run_alone();
     }
+    let parsed = parse();
+    // Help needs none of the memory that MPI takes to start. Of several ranks one that failed alone would have mpirun end the
+    // others before they have said why: they fail together, below.
+    if let Err(error) = &parsed
+        && (launched_as().is_none() || error.exit_code() == 0)
+    {
+        if speaks() {
+            let _ = error.print();
+        }
+        return error.exit_code();
+    }
     if let Err(error) = petsc::enough_to_start() {
-        if launched_as().is_none_or(|rank| rank == "0") {
+        if speaks() {
             eprintln!("error: {error}");
         }
         return 3;
@@ -440,7 +451,7 @@ pub fn run() -> i32 {
     abort_on_panic();
     interrupt::outlive_file_limit();
     let root = world.rank() == 0;
-    let cli = match parse() {
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(error) => {
             if root {
@@ -463,6 +474,11 @@ pub fn run() -> i32 {
 /// Under mpirun the number of this rank.
 fn launched_as() -> Option<String> {
     ["OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK"].iter().find_map(|name| std::env::var(name).ok())
+}
+
+/// Whether this process tells, before MPI runs, what all of them would.
+fn speaks() -> bool {
+    launched_as().is_none_or(|rank| rank == "0")
 }
 
 /// Runs a command that needs no MPI, or that starts others, to which MPI would hand its state down in the environment.
@@ -488,7 +504,7 @@ fn run_alone() -> i32 {
     match outcome {
         Ok(()) => 0,
         Err(error) => {
-            if rank.is_none_or(|rank| rank == "0") {
+            if speaks() {
                 eprintln!("error: {error}");
             }
             error.exit_code()

@@ -3,10 +3,11 @@
 
 mod common;
 
-use common::jobs::{BLOCK_UNDER_PLATE, Job, rows_in, send, shown_times, wait_for};
-use common::{Bench, History, Run, assert_small, nagata};
+use common::jobs::{BLOCK_UNDER_PLATE, Job, children, rows_in, send, shown_times, wait_for};
+use common::{Bench, History, Run, assert_small, deck, mpirun, nagata};
+use std::io::Write;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Pressed in very many increments, with fields seldom.
@@ -86,6 +87,39 @@ fn a_signal_to_one_rank_ends_all_in_order() {
     );
     assert_eq!((again.code, again.history().len()), (0, 2), "{}", again.stderr);
     assert_eq!(again.summary()["interrupted"], false);
+}
+
+/// While the model is set up, too: a run that reads its mesh from a pipe ends before its first increment.
+#[test]
+fn a_signal_during_the_set_up_ends_the_run_in_order() {
+    let text = scene();
+    let block = text.lines().find(|line| line.starts_with("block = ")).unwrap();
+    let bench = Bench::new(&text.replace(block, "mesh = \"block.inp\""));
+    let pipe = bench.path("block.inp");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let mut command = mpirun(1);
+    command.args(["run", "scene.toml", "--out", "out"]).current_dir(bench.path("")).stderr(Stdio::piped());
+    let mut job = Job { child: command.spawn().unwrap(), ranks: Vec::new() };
+    // Of the signals that a process catches SIGUSR1 is the tenth.
+    let catches = |pid: &u32| {
+        let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap_or("0");
+        status.starts_with("Name:\tnagata\n") && u64::from_str_radix(mask.trim(), 16).unwrap() & (1 << 9) != 0
+    };
+    let ready = |job: &mut Child| children(job.id()).into_iter().find(|pid| catches(pid));
+    job.ranks = vec![wait_for(&mut job.child, 60, "signals to be caught", ready)];
+    send("USR1", job.ranks[0]);
+    let mut end = std::fs::File::options().write(true).open(&pipe).unwrap();
+    // Whoever reads it again finds a file.
+    bench.write("mesh.inp", &deck([2, 2, 2]));
+    std::fs::rename(bench.path("mesh.inp"), &pipe).unwrap();
+    end.write_all(deck([2, 2, 2]).as_bytes()).unwrap();
+    drop(end);
+    let (code, said) = job.end();
+    assert!(code == 4 && said.starts_with("error: SIGUSR1 ended the run in step `press`, after time 0.0000"), "{said}");
+    let run = results(&bench);
+    assert_eq!((&run.summary()["increments"], &run.summary()["interrupted"]), (&0.into(), &true.into()));
+    assert!(bench.path("out/checkpoint.h5").exists());
 }
 
 /// The scene that a run has saved, run into its own folder.

@@ -53,6 +53,19 @@ fn succeeds(bench: &Bench, arguments: &[&str]) -> Run {
     run
 }
 
+/// Help needs no memory for MPI; what is wrong in the command line is told first.
+#[test]
+fn help_needs_little_memory() {
+    for (words, code, says) in
+        [("--help", 0, "Usage: nagata"), ("bogus", 2, "subcommand 'bogus'"), ("schema", 3, "memory")]
+    {
+        let command = format!("ulimit -v 200000; exec '{}' {words}", env!("CARGO_BIN_EXE_nagata"));
+        let done = std::process::Command::new("sh").args(["-c", &command]).output().unwrap();
+        let said = String::from_utf8_lossy(&[done.stdout, done.stderr].concat()).into_owned();
+        assert!(done.status.code() == Some(code) && said.contains(says), "{words}: {said}");
+    }
+}
+
 #[test]
 fn the_version_names_the_libraries() {
     let run = succeeds(&bench(), &["--version"]);

@@ -19,6 +19,10 @@ const AMPLITUDE: &str = include_str!("decks/prepomax-amplitude.inp");
 const BALL: &str = include_str!("decks/prepomax-ball.inp");
 const RIGID: &str = include_str!("decks/prepomax-rigid.inp");
 const RUBBER: &str = include_str!("decks/prepomax-rubber.inp");
+const TIE: &str = include_str!("decks/freecad-tie.inp");
+const TETS: &str = include_str!("decks/prepomax-tets.inp");
+const WHEEL: &str = include_str!("decks/prepomax-wheel.inp");
+const SLEEVE: &str = include_str!("decks/prepomax-sleeve.inp");
 const CARDS: &str = include_str!("decks/calculix-rubber.inp");
 const PLY: &str = include_str!("decks/calculix-ply.inp");
 const RING: &str = include_str!("decks/calculix-ring.inp");
@@ -168,22 +172,6 @@ fn a_block_is_drawn_over_a_plate() {
     assert_eq!(history.last(&format!("{contact}.slip")), 16.0);
 }
 
-/// The same block tied to the plate, whose faces are others, and drawn by a hundredth of that: CalculiX 2.20, which ties the
-/// slave's nodes to faces of the master, has 263.63 N with the same enhanced strain.
-#[test]
-fn a_tied_block_is_drawn() {
-    let (head, tail) = FRICTION.split_once("*CONTACT PAIR").unwrap();
-    let (_, tail) = tail.split_once("0.2, 500000").unwrap();
-    let tie = "*TIE, NAME=Bond, POSITION TOLERANCE=0.1\nDEPConstraintContact,INDConstraintContact";
-    let deck = format!("{head}{tie}{tail}").replace("Displacement,1,1,6.0", "Displacement,1,1,0.06");
-    let (bench, _) = converted(&deck.replace("TYPE=C3D8,", "TYPE=C3D8I,"));
-    assert!(scene(&bench).contains("[tie.Bond]"), "{}", scene(&bench));
-    let history = bench.solve(1, &[]).history();
-    let plate = |component: &str| history.last(&format!("M0S0.ConstraintFixed.{component}"));
-    assert_close("support", plate("fz"), 900.0, 1e-9);
-    assert_close("tie", plate("fx"), -263.63, 2e-2);
-}
-
 /// Parts, internal sets, a table of yield stresses, and an amplitude that bends: the scene written by hand for a block.
 #[test]
 fn a_plastic_bar_is_pulled_and_pressed() {
@@ -318,8 +306,10 @@ fn what_cannot_be_converted_is_refused() {
         (FRICTION, "ConstraintDisplacement,1,1,6.0", "*DLOAD\n101, P2, 3.", "not on a boundary"),
         (FRICTION, "DEPConstraintContact,IND", "DEPConstraintContact,OUT", "no surface of elements"),
         (FRICTION, "TYPE=C3D8,", "TYPE=C3D20R,", "which is not read"),
-        (CLIP, "CAMREF, 4, 6\n", "CAMREF, 4, 5\n", "free to turn about z"),
-        (CLIP, "CAMREF, 4, 6\n", "CAMREF, 4, 6, 0.1\n", "turns about several axes"),
+        (CLIP, "CAMREF, 4, 6\n", "CAMREF, 4, 4\n", "turns, or is free to, about y and z"),
+        (WHEEL, "902, 2, 300", "902, 7, 300", "expected a degree of freedom 1 to 6, found '7'"),
+        (RIGID, "*Cload, op=New", "*Cload\n902, 2, 300", "a force or moment on the rigid body of"),
+        (CLIP, "CAMREF, 4, 6\n", "CAMREF, 4, 6, 0.1\n", "turns, or is free to, about x and y and z"),
         (CLIP, "TOP, CAMFACE", "CAMFACE, TOP", "is on a rigid body"),
         (CLIP, "CAMREF, 3, 3", "1001, 3, 3", "reference node"),
         (BAR, "400., 0.1", "400., 0.1, 20", "varies with temperature"),
@@ -328,7 +318,7 @@ fn what_cannot_be_converted_is_refused() {
         (BAR, "type=C3D8R", "type=C3D20", "which is not read"),
         (BAR, "amplitude=Pull", "amplitude=Push", "no amplitude 'Push'"),
         (BAR, "*Amplitude, name=Pull", "*Amplitude, name=Pull, definition=SMOOTH STEP", "SMOOTH STEP"),
-        (STEPS, "1, 1, 50.", "1, 4, 50.", "a moment cannot be converted"),
+        (STEPS, "1, 1, 50.", "1, 4, 50.", "a moment on nodes of a body cannot be converted"),
         (STEPS, "LEFT, S6", "LOWER, S6", "not on a boundary"),
         (STEPS, "SIDE, P, 2.", "SIDE, TRVEC, 2., 0, 0, 1", "the load TRVEC"),
     ];
@@ -444,6 +434,55 @@ fn a_block_is_pressed_and_drawn_by_amplitudes() {
     let run = as_calculix(AMPLITUDE, "Lower.Internal_Selection-1_Fixed", &steps, 1e-2);
     let last = |component: &str| run.history().last(&format!("Lower.Internal_Selection-1_Fixed.{component}"));
     assert_close("friction", last("fx"), -0.3 * last("fz"), 1e-3);
+}
+
+/// A post is tied to a plate of other faces, pressed and sheared: CalculiX ties the slave's nodes to faces of the master.
+#[test]
+fn a_tied_post_is_pressed() {
+    assert_eq!(scene(&converted(TIE).0).matches("[tie.ConstraintTie]").count(), 1);
+    as_calculix(TIE, "M0S0.ConstraintFixed", &[[Some(-2482.787), Some(0.0), Some(3833.076)]], 3e-2);
+}
+
+/// A leaning block of quadratic tetrahedra is pressed on a plate of them and drawn: in the end it slips as a whole.
+#[test]
+fn quadratic_tetrahedra_slide() {
+    let steps = [[None, None, Some(2010.364)], [Some(-463.3125), Some(0.0), Some(1853.219)]];
+    let run = as_calculix(TETS, "Plate.Internal_Selection-1_Fixed", &steps, 4e-2);
+    let last = |component: &str| run.history().last(&format!("Plate.Internal_Selection-1_Fixed.{component}"));
+    assert_close("friction", last("fx"), -0.25 * last("fz"), 1e-3);
+}
+
+/// A moment turns a rigid wheel on a pad that it is pressed on; the reference node may have it, too. A wheel that nothing turns
+/// is free to.
+#[test]
+fn a_moment_turns_a_wheel() {
+    let steps = [[Some(0.0), Some(0.0), Some(61.03974)], [Some(20.14598), Some(0.0), Some(60.45771)]];
+    let run = as_calculix(WHEEL, "Pad.Internal_Selection-1_Fixed", &steps, 1e-2);
+    let last = |component: &str| run.history().last(&format!("Internal_Selection-1_Rigid_Body-1.{component}"));
+    assert_close("moment", last("moment"), 300.0, 1e-8);
+    assert_close("angle", last("angle").to_radians(), 0.02385381, 2e-2);
+    let of = |moment: &str| scene(&converted(&WHEEL.replace("902, 2, 300\n", moment)).0);
+    assert_eq!(of("901, 5, 300\n"), of("902, 2, 300\n"));
+    assert!(of("").contains("total = 0.0, point = [0.0, 3.0, 14.4], axis = [0.0, 1.0, 0.0] }"), "{}", of(""));
+    // Half of it comes in the first tenth, and goes again.
+    let wave = "*Amplitude, Name=Wave\n0, 0, 0.1, 0.5, 1, 0\n** Initial";
+    let wavy = WHEEL.replacen("** Initial", wave, 1).replace("*Cload\n902", "*Cload, Amplitude=Wave\n902");
+    let text = scene(&converted(&wavy).0);
+    assert!(text.contains("total = 150.0") && text.contains("table = [[0.0, 0.0], [0.1, 1.0], [1.0, 0.0]]"), "{text}");
+}
+
+/// A sleeve is pushed onto a cone, axisymmetric both: forces on its nodes that are those of an even load on a ring are one.
+#[test]
+fn a_sleeve_is_pushed_onto_a_cone() {
+    let (bench, _) = converted(SLEEVE);
+    assert_eq!(scene(&bench).matches("total = ").count(), 1, "{}", scene(&bench));
+    let run = bench.solve(1, &[]);
+    assert_close("force", run.history().last("Cone.Internal_Selection-1_Fixed.fy"), 6000.0, 1e-9);
+    let moved = run.vectors(run.written(), "body.Sleeve", "displacement");
+    let node = run.points("body.Sleeve").iter().position(|x| *x == [14.0, 9.0, 0.0]).unwrap();
+    for (d, of_calculix) in [9.804491e-3, -6.851931e-2].into_iter().enumerate() {
+        assert_close("outer edge", moved[node][d], of_calculix, 1e-2);
+    }
 }
 
 /// A quarter of a ball in its seat: where its nodes are held in planes it goes on, or its smoothed surface would end in a ridge.

@@ -49,8 +49,9 @@ pub struct Options<'a> {
 /// Wrong input; no convergence, a failing library, a signal: the results until then are kept.
 pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Options) -> Result<()> {
     let begun = Instant::now();
-    let mut simulation = Simulation::new(comm, petsc, scene)?;
+    // A signal while the model is set up ends the run in its first increment, in order.
     agree(comm, interrupt::heed())?;
+    let mut simulation = Simulation::new(comm, petsc, scene)?;
     let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
     let folder = open(comm, options)?;
     let mut recorder = Recorder::new(&folder, &mut simulation, (scene, options), size)?;

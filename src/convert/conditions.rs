@@ -21,6 +21,8 @@ pub(super) struct Conditions {
     pub supports: Supports,
     /// Forces on nodes.
     pub forces: Loads,
+    /// Moments on rigid bodies, by their reference nodes.
+    pub moments: Loads,
     /// Pressures on faces, as vectors of one number.
     pub pressures: Loads,
     /// Accelerations of [sections](Bodies::sections).
@@ -49,19 +51,23 @@ impl Conditions {
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.step += 1;
         self.supports.begin(last, next, amplitudes);
-        let kinds = [&mut self.forces, &mut self.pressures, &mut self.gravity];
+        let kinds = [&mut self.forces, &mut self.moments, &mut self.pressures, &mut self.gravity];
         kinds.into_iter().for_each(|loads| loads.begin(last, next, amplitudes));
     }
 
     /// After the cards of a step: refuses what goes on from the step before and cannot.
     pub fn check(&self) -> Result<()> {
         self.supports.check()?;
-        [&self.forces, &self.pressures, &self.gravity].into_iter().try_for_each(Loads::check)
+        self.kinds().into_iter().try_for_each(Loads::check)
+    }
+
+    fn kinds(&self) -> [&Loads; 4] {
+        [&self.forces, &self.moments, &self.pressures, &self.gravity]
     }
 
     /// All loads.
     pub fn loads(&self) -> impl Iterator<Item = &Load> {
-        [&self.forces, &self.pressures, &self.gravity].into_iter().flat_map(Loads::live)
+        self.kinds().into_iter().flat_map(Loads::live)
     }
 
     /// Takes a card of the step.
@@ -81,6 +87,7 @@ impl Conditions {
             "CLOAD" => {
                 if is_new {
                     self.forces.reset();
+                    self.moments.reset();
                 }
                 // The lines with single nodes are one load, as programs write that on a face.
                 let mut loads = BTreeMap::new();
@@ -151,34 +158,39 @@ impl Conditions {
         let is_one = line.nodes(set)?.len() == 1;
         let Split { of_bodies, of_rigids } = line.split(set)?;
         let dof: usize = match dof.parse() {
-            Ok(dof @ 1..=3) => dof - 1,
-            Ok(4..=6) => return Err(row.error("a moment cannot be converted", "nagata's loads are forces")),
-            _ => return Err(row.error(format!("expected a direction 1 to 3, found '{dof}'"), "")),
+            Ok(dof @ 1..=DOFS) => dof - 1,
+            _ => return Err(row.error(format!("expected a degree of freedom 1 to 6, found '{dof}'"), "")),
         };
+        if dof >= 3 && !of_bodies.is_empty() {
+            return Err(row.error("a moment on nodes of a body cannot be converted", "solids have no rotations"));
+        }
         let is_one = is_one && of_rigids.is_empty();
         let name = if is_one { format!("loaded-{}", line.card.at.line) } else { hint(set) };
-        let rigids = &line.setting.bodies.rigids;
+        let value = row.number(value, 0.0)?;
+        let mut acts: Vec<(u32, usize)> = of_bodies.iter().map(|&node| (node, dof)).collect();
         for &(rigid, is_rotation) in &of_rigids {
-            if is_rotation || !rigids[rigid].nodes.is_empty() {
-                let what = format!("a force or moment on the rigid body of {} cannot be converted", rigids[rigid].at);
+            let body = &line.setting.bodies.rigids[rigid];
+            if !body.nodes.is_empty() {
+                let what = format!("a force or moment on the rigid body of {} cannot be converted", body.at);
                 return Err(row.error(what, "it holds nodes of a body that deforms: load those"));
             }
+            // The forces on a node for the rotations are moments.
+            acts.push((body.reference, if is_rotation { dof + 3 } else { dof }));
         }
-        let value = row.number(value, 0.0)?;
-        let references = of_rigids.iter().map(|&(rigid, _)| rigids[rigid].reference);
-        let key = (name.to_uppercase(), dof);
-        let load = loads.entry(key).or_insert_with(|| Load::new(&row.at, name, self.step, line.amplitude));
-        for node in of_bodies.iter().copied().chain(references) {
-            load.values.entry(node).or_insert([0.0; 3])[dof] += value;
+        for (node, dof) in acts.into_iter().filter(|(_, dof)| *dof < DOFS) {
+            let new = || Load::new(&row.at, name.clone(), self.step, line.amplitude);
+            let load = loads.entry((name.to_uppercase(), dof)).or_insert_with(new);
+            load.values.entry(node).or_insert([0.0; 3])[dof % 3] += value;
         }
         Ok(())
     }
 
-    /// The forces of a card, by names for what they act on and directions.
+    /// The forces of a card, by names for what they act on and degrees of freedom.
     fn add_forces(&mut self, loads: BTreeMap<(String, usize), Load>, setting: &mut Setting) {
         for ((_, dof), load) in loads {
             let at = load.at.clone();
-            let twice = self.forces.add(load, [0, 1, 2].map(|axis| axis == dof));
+            let kind = if dof < 3 { &mut self.forces } else { &mut self.moments };
+            let twice = kind.add(load, [0, 1, 2].map(|axis| axis == dof % 3));
             if let Some(&node) = twice.first() {
                 let node = setting.groups.whole.mesh.point_ids[node as usize];
                 let what =

@@ -201,7 +201,7 @@ pub(super) fn carried(
         Some(factor) if factor == last.factor(amplitude, 1.0) => (None, None),
         _ => {
             let what = "the amplitude of this condition is over the time of its step, and another step follows";
-            let help = "write the amplitude over the time of all steps, with TIME=TOTAL TIME";
+            let help = "repeat the condition in the next step, or write the amplitude over the time of all, with TIME=TOTAL TIME";
             (None, Some(Error::input(at, what, help)))
         }
     }

@@ -12,16 +12,22 @@ pub(super) struct Times {
     pub min: Option<f64>,
 }
 
+/// Where a tool turns, or is free to.
 #[derive(Clone, Copy)]
-pub(super) struct Rotation {
+pub(super) struct Axis {
     pub point: [f64; 3],
     /// 0 to 2.
-    pub axis: usize,
+    pub along: usize,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct Rotation {
+    pub axis: Axis,
     /// Degrees.
     pub angle: f64,
 }
 
-/// A force on a set, a tool or a body, or a pressure as a vector of one number.
+/// A force on a set, a tool or a body, or a pressure or torque as a vector of one number.
 #[derive(Clone)]
 pub(super) struct Load {
     pub on: String,
@@ -50,6 +56,8 @@ pub(super) struct Lists {
     pub tools: Vec<ToolMove>,
     /// With the directions in which the tool is free.
     pub pushed: Vec<(Load, [bool; 3])>,
+    /// Torques on tools.
+    pub turned: Vec<(Load, Axis)>,
     pub forces: Vec<Load>,
     pub pressures: Vec<Load>,
     pub body_forces: Vec<Load>,
@@ -63,6 +71,14 @@ impl Load {
     pub fn last(&self) -> [f64; 3] {
         let share = self.table.as_ref().and_then(|table| table.last()).map_or(1.0, |point| point[1]);
         self.value.map(|part| share * part)
+    }
+}
+
+impl Axis {
+    fn write(&self) -> String {
+        let mut along = [0.0; 3];
+        along[self.along] = 1.0;
+        format!("point = {:?}, axis = {along:?}", self.point)
     }
 }
 
@@ -88,6 +104,10 @@ impl Lists {
         self.pushed.push((Load { on: tool.to_string(), value, table: None }, free));
     }
 
+    pub fn turn_tool(&mut self, tool: &str, moment: f64, axis: Axis) {
+        self.turned.push((Load { on: tool.to_string(), value: [moment, 0.0, 0.0], table: None }, axis));
+    }
+
     fn fix(&self) -> Vec<String> {
         let held = self.supported.iter().zip(&self.ways).map(|(set, ways)| (set, ways.map(|way| way == Some(0.0))));
         let held = held.filter(|(_, held)| held.contains(&true));
@@ -106,15 +126,21 @@ impl Lists {
             }
         }
         for ToolMove { name, by, rotation, table } in &self.tools {
-            let rotate = rotation.map_or(String::new(), |Rotation { point, axis, angle }| {
-                let mut along = [0.0; 3];
-                along[axis] = 1.0;
-                format!(", rotate = {{ point = {point:?}, axis = {along:?}, angle = {angle:?} }}")
+            let rotate = rotation.map_or(String::new(), |Rotation { axis, angle }| {
+                format!(", rotate = {{ {}, angle = {angle:?} }}", axis.write())
             });
             let by = if *by == [0.0; 3] { String::new() } else { format!(", by = {by:?}") };
             moves.push(format!("{{ target = {}{by}{rotate}{} }}", quoted(name), in_time(table, duration)));
         }
         moves
+    }
+
+    fn torques(&self, duration: f64) -> Vec<String> {
+        let write = |(Load { on, value, table }, axis): &(Load, Axis)| {
+            let (tool, table) = (quoted(on), in_time(table, duration));
+            format!("{{ tool = {tool}, total = {:?}, {}{table} }}", value[0], axis.write())
+        };
+        self.turned.iter().map(write).collect()
     }
 
     fn all_forces(&self, duration: f64) -> Vec<String> {
@@ -186,6 +212,7 @@ pub(super) fn step(name: &str, times: &Times, lists: &Lists) -> String {
         ("fix", lists.fix()),
         ("move", lists.moves(duration)),
         ("force", lists.all_forces(duration)),
+        ("torque", lists.torques(duration)),
         ("pressure", pressures.collect()),
         ("body_force", body_forces.collect()),
         ("spring", springs.collect()),

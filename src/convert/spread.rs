@@ -5,7 +5,8 @@ use super::bodies::Bodies;
 use super::groups::{Face, Groups};
 use super::loads::Load;
 use crate::error::{Error, Result};
-use crate::solid::load::{quad4_nodal_areas, tri3_nodal_areas, tri6_nodal_areas};
+use crate::mesh::abaqus::LOWEST;
+use crate::solid::load::{quad4_nodal_areas, ring_nodal_areas, tri3_nodal_areas, tri6_nodal_areas};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far a force may be from its share by area, of the largest: the digits that programs write.
@@ -48,19 +49,27 @@ pub(super) fn sets(
 
 /// The faces between the nodes, if the forces are those of a total force spread over them.
 fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<Face>, [f64; 3])> {
+    let mesh = &groups.whole.mesh;
     let loaded: BTreeSet<u32> = nodes.iter().copied().collect();
-    let within = |face: &Face| groups.face_nodes(*face).iter().all(|node| loaded.contains(node));
+    // The deck of a section knows its upright faces alone, and of these the nodes at z = 0.
+    let is_known = |node: &u32| !mesh.is_section || mesh.points[*node as usize][2] == 0.0;
+    let within = |face: &Face| {
+        (!mesh.is_section || groups.boundary[*face as usize].1 >= LOWEST)
+            && groups.face_nodes(*face).iter().all(|node| !is_known(node) || loaded.contains(node))
+    };
     let faces: Vec<Face> = (0..groups.boundary.len() as u32).filter(within).collect();
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
     for &face in &faces {
         let nodes = groups.face_nodes(face);
-        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| groups.whole.mesh.points[node as usize]).collect();
+        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
         let shares = match x.len() {
             3 => tri3_nodal_areas(x.as_array()?).to_vec(),
             6 => tri6_nodal_areas(x.as_array()?).to_vec(),
+            _ if mesh.is_section => ring_nodal_areas(x.as_array()?).to_vec(),
             _ => quad4_nodal_areas(x.as_array()?).to_vec(),
         };
-        nodes.iter().zip(shares).for_each(|(&node, area)| *areas.entry(node).or_default() += area);
+        let own = nodes.iter().zip(shares).filter(|(node, _)| is_known(node));
+        own.for_each(|(&node, area)| *areas.entry(node).or_default() += area);
     }
     let area: f64 = areas.values().sum();
     let total = forces.iter().fold([0.0; 3], |sum, force| [0, 1, 2].map(|d| sum[d] + force[d]));

@@ -6,12 +6,13 @@ use super::cards::Notes;
 use super::conditions::{Conditions, Setting};
 use super::contacts::Tool;
 use super::groups::Groups;
-use super::loads::Clock;
+use super::loads::{Clock, Loads};
 use super::materials::Material;
 use super::names::Namer;
 use super::planes::Still;
 use super::scene::{self, Lists};
 use super::springs::Springs;
+use super::supports::DOFS;
 use super::tables;
 use crate::AXIS_NAMES;
 use crate::error::{Error, Result};
@@ -313,13 +314,7 @@ impl Writer<'_, '_> {
                 Err(Error::input(at, format!("{what} in the step of line {}", self.step.card.at.line), help))
             };
             let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
-            if let Some(dof) = (3..6).find(|&dof| hold(dof).is_none()) {
-                let what = format!("the rigid body is free to turn about {}", AXIS_NAMES[dof - 3]);
-                return refuse(
-                    what,
-                    "hold 4 to 6 of the reference node, and give the tool a `torque` in the scene by hand",
-                );
-            }
+            // Those that are free are none of 0.
             let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();
             if !rigid.nodes.is_empty() {
                 // Nodes of a body that all move alike, see `Conditions`.
@@ -330,10 +325,11 @@ impl Writer<'_, '_> {
                 continue;
             }
             let free = [0, 1, 2].map(|dof| hold(dof).is_none());
-            if free.contains(&true) && tools.len() > 1 {
+            let is_free = (0..DOFS).any(|dof| hold(dof).is_none());
+            if is_free && tools.len() > 1 {
                 return refuse("a rigid body that meets several surfaces moves freely".into(), "join the surfaces");
             }
-            let rotation = match turns[..] {
+            let axis = match turns[..] {
                 [] => None,
                 [dof] if *self.axes.entry(number).or_insert(dof) == dof => {
                     let place = |axis: usize| {
@@ -341,28 +337,37 @@ impl Writer<'_, '_> {
                         let moved = hold(axis).map(|hold| hold.place(from, &self.clock, self.model.amplitudes));
                         at + moved.filter(|moved| !moved.is_nan()).unwrap_or(0.0)
                     };
-                    Some(scene::Rotation {
-                        point: [0, 1, 2].map(place),
-                        axis: dof - 3,
-                        angle: by(dof).unwrap_or(0.0).to_degrees(),
-                    })
+                    Some(scene::Axis { point: [0, 1, 2].map(place), along: dof - 3 })
                 }
-                _ => return refuse("the rigid body turns about several axes".into(), "nagata's tools about one"),
+                _ => {
+                    let names: Vec<_> = turns.iter().map(|dof| AXIS_NAMES[dof - 3].to_string()).collect();
+                    let what = format!("the rigid body turns, or is free to, about {}", names.join(" and "));
+                    return refuse(
+                        what,
+                        "nagata's tools turn about one axis: hold the others of 4 to 6 of the reference node",
+                    );
+                }
             };
             let way = [0, 1, 2].map(|dof| by(dof).unwrap_or(0.0));
+            let angle = axis.map(|axis| by(axis.along + 3));
+            let rotation = axis.zip(angle.flatten()).map(|(axis, by)| scene::Rotation { axis, angle: by.to_degrees() });
             for tool in tools {
                 lists.move_tool(&tool.name, way, rotation);
                 if free.contains(&true) {
-                    let force = self.force_on(rigid.reference, to);
+                    let force = self.on_node(&self.conditions.forces, rigid.reference, to);
                     lists.push_tool(&tool.name, [0, 1, 2].map(|d| if free[d] { force[d] } else { 0.0 }), free);
+                }
+                if let (Some(axis), Some(None)) = (axis, angle) {
+                    let moment = self.on_node(&self.conditions.moments, rigid.reference, to);
+                    lists.turn_tool(&tool.name, moment[axis.along], axis);
                 }
             }
         }
         Ok(())
     }
 
-    fn force_on(&self, node: u32, s: f64) -> [f64; 3] {
-        let fields = self.conditions.forces.at(s, &self.clock, self.model.amplitudes);
+    fn on_node(&self, loads: &Loads, node: u32, s: f64) -> [f64; 3] {
+        let fields = loads.at(s, &self.clock, self.model.amplitudes);
         let parts = fields.filter_map(|(_, field)| field.get(&node).copied());
         parts.fold([0.0; 3], |sum, part| [0, 1, 2].map(|d| sum[d] + part[d]))
     }

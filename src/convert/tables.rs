@@ -68,13 +68,8 @@ pub(super) fn joined(before: &Lists, parts: &[Lists], ends: &[f64]) -> Option<Li
     for name in names(parts.iter().map(|part| part.tools.iter().map(|tool| &tool.name))) {
         all.tools.push(tool(name, parts, ends)?);
     }
-    for (at, (_, free)) in first.pushed.iter().enumerate() {
-        let name = &first.pushed[at].0.on;
-        let of = |lists: &Lists| lists.pushed.iter().find(|(load, _)| load.on == *name).map(|(load, _)| load.last());
-        let values: Vec<_> = [before].into_iter().chain(parts).map(|lists| of(lists).unwrap_or_default()).collect();
-        let Course { whole, table } = course(&values, ends)?;
-        all.pushed.push((Load { on: name.clone(), value: whole, table }, *free));
-    }
+    all.pushed = on_tools(before, parts, ends, |lists| &lists.pushed)?;
+    all.turned = on_tools(before, parts, ends, |lists| &lists.turned)?;
     let of_gravity: Vec<_> = [before].into_iter().chain(parts).map(|lists| lists.gravity).collect();
     match course(&of_gravity, ends)? {
         Course { whole, table: None } => all.gravity = whole,
@@ -101,11 +96,27 @@ fn tool(name: &str, parts: &[Lists], ends: &[f64]) -> Option<ToolMove> {
     let Course { whole: [x, y, z, angle], table } = course(&places, ends)?;
     let rotation = turn.map(|(mut rotation, place)| {
         // The axis goes along with the tool.
-        (0..3).for_each(|axis| rotation.point[axis] -= place[axis]);
+        (0..3).for_each(|axis| rotation.axis.point[axis] -= place[axis]);
         rotation.angle = angle;
         rotation
     });
     Some(ToolMove { name: name.to_string(), by: [x, y, z], rotation, table })
+}
+
+/// Loads on tools, each with the way in which its tool is free; these are the same in all parts.
+fn on_tools<F: Copy>(
+    before: &Lists,
+    parts: &[Lists],
+    ends: &[f64],
+    of: impl Fn(&Lists) -> &Vec<(Load, F)>,
+) -> Option<Vec<(Load, F)>> {
+    let course_of = |(load, free): &(Load, F)| {
+        let own = |lists: &Lists| of(lists).iter().find(|(other, _)| other.on == load.on).map(|(own, _)| own.last());
+        let values: Vec<_> = [before].into_iter().chain(parts).map(|lists| own(lists).unwrap_or_default()).collect();
+        let Course { whole, table } = course(&values, ends)?;
+        Some((Load { on: load.on.clone(), value: whole, table }, *free))
+    };
+    of(parts.first()?).iter().map(course_of).collect()
 }
 
 /// Loads of one kind, those of the last step, too; what falls to zero straight is not listed.
