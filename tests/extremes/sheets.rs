@@ -56,14 +56,8 @@ fn cantilevers() -> Vec<Case> {
         let name = format!("lengths times {length:e}, E times {modulus:e}");
         cases.push(strip(name, 0.1, [length, modulus], 16).must_run().slow());
     }
-    for increments in [1000] {
-        cases.push(
-            strip(format!("{increments} increments"), 0.1, [1.0; 2], 16)
-                .set(format!("step.bend.increments={increments}"))
-                .slow(),
-        );
-    }
-    cases.push(strip("7 ranks on an element".into(), 1.0, [1.0; 2], 16).ranks(7).must_run().slow());
+    cases.push(strip("1000 increments".into(), 0.1, [1.0; 2], 16).set("step.bend.increments=1000").slow());
+    cases.push(strip("7 ranks".into(), 1.0, [1.0; 2], 16).ranks(7).must_run().slow());
     cases
 }
 

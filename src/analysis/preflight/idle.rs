@@ -31,7 +31,6 @@ fn acting(step: &Step) -> impl Iterator<Item = (&'static str, &str, Vec3)> {
     let everywhere = Vec3::repeat(1.0);
     (step.forces.iter().map(|f| ("the force", f.target.value.as_str(), f.total)))
         .chain(step.pressures.iter().map(move |p| ("the pressure", p.set.value.as_str(), everywhere * p.value)))
-        .chain(step.body_forces.iter().map(|b| ("the body force", b.body.value.as_str(), b.per_volume)))
         .chain(step.springs.iter().map(|s| ("the spring", s.set.value.as_str(), s.stiffness)))
         .chain(step.dashpots.iter().map(|d| ("the dashpot", d.set.value.as_str(), d.damping)))
         .filter(|(_, _, along)| *along != Vec3::zeros())
