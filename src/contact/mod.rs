@@ -219,7 +219,7 @@ pub struct Manner {
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
     pub automatic: bool,
-    /// With penalties that are lower by `soft_augmentation` of the [`Controls`].
+    /// With penalties that are lower than the automatic ones, and those that are given, by `soft_augmentation` of the [`Controls`].
     pub soft: bool,
     /// Along the central path.
     pub central: bool,
@@ -479,7 +479,8 @@ impl Slave {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
         self.trial = Trial { status, yields, patience, ..Trial::default() };
-        let augmentation = if manner.automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
+        let automatic = manner.automatic || manner.soft;
+        let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
         let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);

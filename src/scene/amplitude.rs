@@ -77,7 +77,7 @@ impl BodyForce {
 /// Refuses loads whose tables do not go on from what they were at the end of the step before.
 ///
 /// # Errors
-/// A load that would jump; one with a table among others on the same faces or body.
+/// A load that would jump.
 pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()> {
     for force in &step.forces {
         let earlier = before.and_then(|b| b.forces.iter().find(|other| other.target.value == force.target.value));
@@ -89,18 +89,15 @@ pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()>
         let last = before.and_then(|b| b.torques.iter().find(same)).map_or(0.0, Torque::last);
         check_beginning(step, ("turns", &torque.tool), (&[torque.total], &torque.table), &[last])?;
     }
-    for pressure in step.pressures.iter().filter(|pressure| pressure.table.is_some()) {
+    for pressure in &step.pressures {
         let same = |other: &&Pressure| other.set.value == pressure.set.value;
-        let last: f64 = before.map_or(0.0, |b| b.pressures.iter().filter(same).map(Pressure::last).sum());
-        let pressing = ("presses on", &pressure.set);
-        check_alone(step, pressing, step.pressures.iter().filter(same).count())?;
-        check_beginning(step, pressing, (&[pressure.value], &pressure.table), &[last])?;
+        let last = before.and_then(|b| b.pressures.iter().find(same)).map_or(0.0, Pressure::last);
+        check_beginning(step, ("presses on", &pressure.set), (&[pressure.value], &pressure.table), &[last])?;
     }
-    for force in step.body_forces.iter().filter(|force| force.table.is_some()) {
+    for force in &step.body_forces {
         let same = |other: &&BodyForce| other.body.value == force.body.value;
-        let last: Vec3 = before.map_or(Vec3::zeros(), |b| b.body_forces.iter().filter(same).map(BodyForce::last).sum());
+        let last = before.and_then(|b| b.body_forces.iter().find(same)).map_or(Vec3::zeros(), BodyForce::last);
         let pulling = ("acts on body", &force.body);
-        check_alone(step, pulling, step.body_forces.iter().filter(same).count())?;
         check_beginning(step, pulling, (force.per_volume.as_slice(), &force.table), last.as_slice())?;
     }
     Ok(())
@@ -108,14 +105,6 @@ pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()>
 
 /// What a step does to what.
 type Act<'a> = (&'a str, &'a Located<String>);
-
-fn check_alone(step: &Step, (verb, target): Act, count: usize) -> Result<()> {
-    if count < 2 {
-        return Ok(());
-    }
-    let what = format!("step `{}` {verb} `{}` with a table, and once more", step.name.value, target.value);
-    Err(Error::input(&target.at, what, "merge the two"))
-}
 
 fn check_beginning(step: &Step, (verb, target): Act, load: (&[f64], &Option<Amplitude>), last: &[f64]) -> Result<()> {
     /// Of the loads, what is no jump.
@@ -224,11 +213,9 @@ mod tests {
             assert!(later.contains(&format!("{what} {last}")), "{later}");
         }
         let press = |value: f64| format!("pressure = [{{ set = \"b.a\", value = {value}, table = [[0, 1], [2, 0]] }}]");
-        let straight = "pressure = [{ set = \"b.a\", value = 1 }, { set = \"b.a\", value = 2 }]";
+        let straight = "pressure = [{ set = \"b.a\", value = 3 }]";
         assert!(scene(&[straight, &press(3.0)]).is_ok());
         assert!(refused(&[straight, &press(2.0)]).contains("presses on `b.a` with 2.0 at the beginning"));
-        let twice = "pressure = [{ set = \"b.a\", value = 1 }, { set = \"b.a\", value = 2, table = [[0, 0], [2, 1]] }]";
-        assert!(refused(&[twice]).contains("presses on `b.a` with a table, and once more"));
     }
 
     #[test]

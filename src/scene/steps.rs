@@ -117,7 +117,7 @@ impl Step {
     /// Refuses conditions that contradict each other, where `is_tool` tells tools from sets.
     ///
     /// # Errors
-    /// What is moved, pushed or turned twice, or moved where it is fixed or driven by a force.
+    /// What is moved, loaded or turned twice, or moved where it is fixed or driven by a force.
     pub fn check(&self, is_tool: impl Fn(&str) -> bool) -> Result<()> {
         check_repeats(self)?;
         check_fixed_moves(self)?;
@@ -279,7 +279,7 @@ fn resisting(item: &Item) -> Result<Vec3> {
     }
 }
 
-/// A target is moved once and loaded once in a step.
+/// A target is moved once, and loaded once in each way, in a step.
 fn check_repeats(step: &Step) -> Result<()> {
     let once = |verb: &str, targets: Vec<&Located<String>>| {
         let repeated = |&i: &usize| targets[..i].iter().any(|other| other.value == targets[i].value);
@@ -291,7 +291,11 @@ fn check_repeats(step: &Step) -> Result<()> {
         }
     };
     once("moves", step.moves.iter().map(|movement| &movement.target).collect())?;
-    once("pushes", step.forces.iter().map(|force| &force.target).collect())
+    once("pushes", step.forces.iter().map(|force| &force.target).collect())?;
+    once("presses on", step.pressures.iter().map(|pressure| &pressure.set).collect())?;
+    once("pulls at", step.body_forces.iter().map(|force| &force.body).collect())?;
+    once("has springs on", step.springs.iter().map(|spring| &spring.set).collect())?;
+    once("has dashpots on", step.dashpots.iter().map(|dashpot| &dashpot.set).collect())
 }
 
 /// A set is not moved in a direction in which it is fixed.

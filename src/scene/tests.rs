@@ -719,6 +719,23 @@ fn conditions_of_a_step_do_not_contradict_each_other() {
     let floor = "target = \"floor\"";
     let twice = conditions(&format!("move = [ {{ {floor}, by = [0, 0, 1] }}, {{ {floor}, by = [0, 1, 0] }} ]"));
     assert!(twice.contains("36:59: step `s` moves `floor` twice"), "{twice}");
+    for (one, verb, target) in [
+        ("pressure = [ @, @ ]".replace('@', "{ set = \"slab.top\", value = 1 }"), "presses on", "slab.top"),
+        ("body_force = [ @, @ ]".replace('@', "{ body = \"slab\", per_volume = [0, 0, 1] }"), "pulls at", "slab"),
+        (
+            "spring = [ @, @ ]".replace('@', "{ set = \"slab.top\", stiffness = [0, 0, 1] }"),
+            "has springs on",
+            "slab.top",
+        ),
+        (
+            "duration = 1\ndashpot = [ @, @ ]".replace('@', "{ set = \"slab\", damping = [0, 0, 1] }"),
+            "has dashpots on",
+            "slab",
+        ),
+    ] {
+        let twice = conditions(&one);
+        assert!(twice.contains(&format!("step `s` {verb} `{target}` twice")), "{twice}");
+    }
     let push = format!("force = [ {{ {floor}, total = [0, 0, -5], directions = \"z\" }} ]");
     assert_eq!(conditions(&push), "");
     assert_eq!(conditions(&format!("{push}\nmove = [ {{ {floor}, by = [1, 0, 0] }} ]")), "");

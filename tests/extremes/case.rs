@@ -68,6 +68,8 @@ pub struct Case {
     warning: Option<&'static [&'static str]>,
     /// Words of which one must stand in the reason of a refusal.
     reason: &'static [&'static str],
+    /// Ends after its first step, and goes on from its checkpoint.
+    goes_on: bool,
     /// Instead of a run: what to do in a scratch folder.
     act: Option<(&'static str, Act)>,
     /// Seconds until it counts as hung.
@@ -100,6 +102,7 @@ impl Case {
             expected: Expected::RightOrRefused,
             warning: None,
             reason: &[],
+            goes_on: false,
             act: None,
             limit: 120,
             quick: true,
@@ -146,6 +149,12 @@ impl Case {
         self
     }
 
+    /// Ends after its first step, and goes on from its checkpoint.
+    pub fn goes_on(mut self) -> Self {
+        self.goes_on = true;
+        self
+    }
+
     /// See [`Expected::Right`].
     pub fn must_run(mut self) -> Self {
         self.expected = Expected::Right;
@@ -167,6 +176,11 @@ impl Case {
     pub fn limit(mut self, seconds: u64) -> Self {
         self.limit = seconds;
         self
+    }
+
+    /// The same with other oracles to come.
+    pub fn without_oracles(self) -> Self {
+        Self { oracles: Vec::new(), ..self }
     }
 
     /// Only in the table: takes long.
@@ -244,7 +258,7 @@ impl Case {
             Scene::Text(text) => text,
             Scene::Input(name) => *name,
         };
-        let key = format!("{scene}\n{:?}\n{:?}\n{}", self.arguments, self.files, self.ranks);
+        let key = format!("{scene}\n{:?}\n{:?}\n{}{}", self.arguments, self.files, self.ranks, self.goes_on);
         let slot = DONE.lock().unwrap().entry(key).or_default().clone();
         slot.get_or_init(|| Arc::new(self.run_anew())).clone()
     }
@@ -267,7 +281,17 @@ impl Case {
         for entry in std::env::var("NAGATA_CONTROLS").unwrap_or_default().split_whitespace() {
             arguments.extend(["--set".into(), entry.into()]);
         }
-        let (code, hung, stdout, stderr) = nagata(folder.path(), self.ranks, &arguments, self.limit);
+        let run = |more: &[&str]| {
+            let arguments: Vec<String> =
+                arguments.iter().cloned().chain(more.iter().map(ToString::to_string)).collect();
+            nagata(folder.path(), self.ranks, &arguments, self.limit)
+        };
+        let (code, hung, stdout, stderr) = match self.goes_on {
+            true => {
+                Some(run(&["--steps", "1"])).filter(|first| first.0 != Some(0)).unwrap_or_else(|| run(&["--restart"]))
+            }
+            false => run(&[]),
+        };
         let out = folder.path().join("out");
         let summary = fs::read_to_string(out.join("summary.json")).ok();
         Done {

@@ -12,8 +12,12 @@ mod oracle;
 mod scenes;
 mod table;
 
+mod bars;
+mod checkpoints;
 mod conditions;
 mod edges;
+mod elastic;
+mod footings;
 mod friction;
 mod materials;
 mod meshes;
@@ -21,6 +25,11 @@ mod numbers;
 mod passage;
 mod penalty;
 mod ranks;
+mod rings;
+mod segments;
+mod sheets;
+mod ties;
+mod torques;
 
 /// All cases, in the order of the table.
 fn all() -> Vec<case::Case> {
@@ -34,6 +43,15 @@ fn all() -> Vec<case::Case> {
         edges::cases(),
         meshes::cases(),
         ranks::cases(),
+        segments::cases(),
+        bars::cases(),
+        rings::cases(),
+        sheets::cases(),
+        ties::cases(),
+        torques::cases(),
+        footings::cases(),
+        elastic::cases(),
+        checkpoints::cases(),
     ]
     .concat()
 }

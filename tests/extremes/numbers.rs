@@ -7,7 +7,7 @@ use crate::scenes::{METHODS, sphere};
 family!(units, offsets, vectors, tolerances, aspect_ratios, thin_sheets, stiffness_ratios, small_forces);
 
 /// A sphere on a block: all lengths times `length` with an offset, E = 100 times `modulus`.
-fn ball(name: &str, length: f64, modulus: f64, offset: f64) -> Case {
+pub fn ball(name: &str, length: f64, modulus: f64, offset: f64) -> Case {
     let l = |x: f64| x * length;
     let at = |[x, y, z]: [f64; 3]| [l(x + offset), l(y + offset), l(z + offset)];
     Case::text(
@@ -315,7 +315,7 @@ history = ["b.xmin"]
 
 /// Tolerance at a ratio of stiffness: the stiff body is strained by so much less than the soft one, here by a tenth, and
 /// strains are rounded in the size of 1.
-fn rounded(ratio: f64) -> f64 {
+pub fn rounded(ratio: f64) -> f64 {
     f64::max(1e-6, 10.0 * f64::EPSILON * f64::max(ratio, 1.0 / ratio))
 }
 
@@ -351,7 +351,7 @@ fn stiffness_ratios() -> Vec<Case> {
             }
         }
     }
-    for discretization in ["two-pass", "node-to-node"] {
+    for discretization in ["two-pass", "node-to-node", "segment"] {
         for upper in ["1e-4", "1e8", "1e14"] {
             let force = crate::scenes::stack_force(100.0, upper.parse().unwrap(), 0.3, 0.2);
             cases.push(

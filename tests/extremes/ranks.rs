@@ -18,7 +18,7 @@ fn more_than_elements() -> Vec<Case> {
         };
         cases.push(bar("one element".into(), "[1, 1, 1]"));
         cases.push(bar("two elements".into(), "[1, 1, 2]").slow());
-        for discretization in ["one-pass", "two-pass", "node-to-node"] {
+        for discretization in ["one-pass", "two-pass", "node-to-node", "segment"] {
             let stack = Case::text(format!("one on one, {discretization}, {ranks} ranks"), STACK)
                 .sets(["body.lower.block.elements=[1, 1, 1]", "body.upper.block.elements=[1, 1, 1]"])
                 .set(format!("contact.c.discretization={discretization}"))

@@ -13,6 +13,7 @@ mod grid;
 mod table;
 
 mod belt;
+mod carter;
 mod cattaneo_mindlin;
 mod four_bodies;
 mod greco_plate;

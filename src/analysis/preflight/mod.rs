@@ -10,6 +10,7 @@
 //! - `tied`: slave nodes of ties that a step moves otherwise than their masters
 //! - `support`: what holds every body and every force-driven tool, in each step
 //! - `pressed`: bodies that nothing presses against what touches them
+//! - `idle`: loads, springs and dashpots on nodes that are held
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
@@ -18,6 +19,7 @@
 
 mod facing;
 mod gaps;
+mod idle;
 mod locking;
 mod mirrored;
 mod opposite;
@@ -62,6 +64,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     tied::check(comm, scene, model, &steps)?;
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
+    idle::check(comm, scene, model, &steps);
     Ok(lines)
 }
 
