@@ -458,6 +458,7 @@ fn cell_shape(shape: SolidShape) -> CellShape {
     match shape {
         SolidShape::Tet4 => CellShape::Tetrahedron,
         SolidShape::Hex8 => CellShape::Hexahedron,
+        SolidShape::Wedge6 => CellShape::Wedge,
         SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
     }
 }
