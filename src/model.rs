@@ -829,7 +829,8 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
         let default =
             has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
         let is_filled = [SolidShape::Hex8, SolidShape::Wedge6].iter().all(|shape| has().any(|(own, _)| own == shape));
-        kinds.push((asked.map_or(default, |e| e.value), is_filled));
+        let first = has().next().map_or(SolidShape::Hex8, |(shape, _)| *shape);
+        kinds.push((asked.map_or(default, |e| e.value.beside(first)), is_filled));
     }
     Ok(kinds)
 }

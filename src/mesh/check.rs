@@ -488,6 +488,41 @@ mod tests {
         assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
     }
 
+    /// A wedge on the upper face of the cube, of which it has half; and one that is folded.
+    #[test]
+    fn wedges() {
+        let on_cube = |mesh: &mut Mesh| {
+            let wedge = Solid::new(SolidShape::Wedge6, &[8, 9, 10, 12, 13, 14], 72);
+            mesh.points.extend([8, 9, 10].map(|k: usize| mesh.points[k]).map(|[x, y, z]| [x, y, z + 1.0]));
+            mesh.point_ids.extend([120, 130, 140]);
+            mesh.solids.push(wedge);
+        };
+        assert_eq!(broken(on_cube), "a triangle of element 72 lies on a quadrilateral of element 71");
+        let alone = |mesh: &mut Mesh| {
+            on_cube(mesh);
+            mesh.facets.clear();
+            mesh.solids = vec![mesh.solids[2]];
+            mesh.points = mesh.points[8..].to_vec();
+            mesh.point_ids = mesh.point_ids[8..].to_vec();
+            mesh.points.remove(3);
+            mesh.point_ids.remove(3);
+            mesh.solids[0].nodes = [0, 1, 2, 3, 4, 5, 0, 0, 0, 0];
+        };
+        let mut sound = sample();
+        alone(&mut sound);
+        check(&sound).unwrap();
+        let with = |change: &dyn Fn(&mut Mesh)| {
+            broken(|mesh| {
+                alone(mesh);
+                change(mesh);
+            })
+        };
+        let mirrored = with(&|mesh| mesh.solids[0].nodes[..6].rotate_left(3));
+        assert_eq!(mirrored, "element 72 is inside out: the nodes are in mirrored order");
+        let folded = with(&|mesh| mesh.points[4] = [2.5, 3.4, 5.0]);
+        assert_eq!(folded, "element 72 is inverted: the Jacobian determinant is negative somewhere");
+    }
+
     /// A tetrahedron with a middle on an edge, moved towards the opposite one until elements fold at a node, and at an integration
     /// point; and a neighbour that has its own middle.
     #[test]

@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
 
-/// Shape of a cell. Node order as in VTK and [`crate::mesh`].
+/// Shape of a cell. Node order as in VTK.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellShape {
     Triangle,
