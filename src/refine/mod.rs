@@ -11,8 +11,8 @@
 //!     x = sum_i w_i x_i - sum_ab c_ab w_a w_b / s_ab            wedge; w = b times linear                             (3)
 //! ```
 //!
-//! over the edges ab; s_ab is w_a + w_b of an edge between the triangles of a wedge, of one of a triangle the sum of the weights of
-//! its nodes. On a face this is the Nagata patch of [`surface::patch`](crate::surface::patch) (along an edge of
+//! over the edges ab; s_ab is w_a + w_b where ab joins the triangles of a wedge, and on one of them the sum of the weights
+//! of its nodes. On a face this is the Nagata patch of [`surface::patch`](crate::surface::patch) (along an edge of
 //! a hexahedron with the parameter t, w_a w_b / (w_a + w_b) is t (1 - t) times the share of the edge), inside it is the
 //! transfinite interpolation of the edges. New nodes are those at parameters k / 2^n, so that splitting n times converges
 //! to the patches of the mesh as it was read, and nodes that elements share are the same from all sides.

@@ -18,8 +18,8 @@ const HEX_EDGES: [[usize; 2]; 12] =
 const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
 
 /// `mesh` with every edge split into 2^times parts, but those that are `whole`: hexahedra into as many layers along each
-/// of their directions, wedges into layers of wedges over the parts of their triangles, tetrahedra each time into four at the corners and four around the shortest diagonal of the
-/// octahedron between them, quadrilaterals and triangles into four.
+/// of their directions, wedges into layers over the parts of their triangles, tetrahedra each time into four at the corners
+/// and four around the shortest diagonal of the octahedron between them, quadrilaterals and triangles into four.
 ///
 /// Nodes of the mesh keep their place and number; new ones follow, numbered on from the highest number, element by element.
 /// Parts have the number of what they are parts of, and are in its groups; a group of nodes alone gets the new nodes of the

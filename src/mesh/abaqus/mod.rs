@@ -162,8 +162,8 @@ impl Unread {
 }
 
 /// What is read.
-const READ: &str = "nagata reads C3D8, C3D6, C3D4, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, ...: mesh with such, \
-                    or name a `group` without other elements";
+const READ: &str = "nagata reads C3D8, C3D6, C3D4, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, ...: mesh with \
+                    such, or name a `group` without other elements";
 
 /// A set as listed.
 #[derive(Clone, Default)]
