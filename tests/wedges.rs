@@ -8,8 +8,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// A quarter of a tube of radii 1 and 2 in plane strain, under inner pressure; `u(r) = (1 + nu) p / 3E ((1 - 2 nu) r + 4 / r)`. With
-/// every third hexahedron as two wedges it has up to two and a half times the largest error of hexahedra alone, at single nodes,
-/// which falls with their size as that does.
+/// every eighth hexahedron as two wedges its error (rms) is at most twice that of hexahedra alone, and falls as that does.
 #[test]
 fn a_filled_tube_converges_as_one_of_hexahedra() {
     let (young, p) = (100.0, 0.01);
@@ -32,24 +31,24 @@ fn a_filled_tube_converges_as_one_of_hexahedra() {
         let bench = Bench::new(&format!("{scene}[[step]]\nincrements = 1\nfix = [{fix}]\npressure = [{pressure}]\n"));
         for n in sizes {
             let mesh = msh::block([n, n, 1], false, place);
-            bench.write(&format!("mix{n}.msh"), &msh::wedges(&mesh, |e| (e % n + 2 * (e / n)) % 3 == 0));
+            bench.write(&format!("mix{n}.msh"), &msh::wedges(&mesh, |e| (3 * (e % n) + 5 * (e / n)) % 8 == 0));
             bench.write(&format!("hex{n}.msh"), &mesh);
         }
         let run = bench.solve(2, &[]);
-        let worst = |body: &String| {
+        let error = |body: &String| {
             let grid = format!("body.{body}");
             let (points, moved) = (run.points(&grid), run.vectors(1, &grid, "displacement"));
             let off = |(x, u): (&[f64; 3], &[f64; 3])| {
                 let r = x[0].hypot(x[1]);
                 let exact = (1.0 + poisson) * p / (3.0 * young) * ((1.0 - 2.0 * poisson) * r + 4.0 / r);
-                ((x[0] * u[0] + x[1] * u[1]) / r / exact - 1.0).abs()
+                ((x[0] * u[0] + x[1] * u[1]) / r / exact - 1.0).powi(2)
             };
-            points.iter().zip(&moved).map(off).fold(0.0, f64::max)
+            (points.iter().zip(&moved).map(off).sum::<f64>() / points.len() as f64).sqrt()
         };
-        let found: Vec<f64> = bodies.iter().map(worst).collect();
+        let found: Vec<f64> = bodies.iter().map(error).collect();
         println!("{element}, {poisson}: {found:?}");
         let [hex, mix, fine_hex, fine_mix] = found[..] else { panic!() };
-        assert!(mix < 2.6 * hex && fine_mix < 2.6 * fine_hex && fine_mix < 0.35 * mix, "{found:?}");
+        assert!(mix < 2.0 * hex && fine_mix < 2.0 * fine_hex && fine_mix < 0.25 * mix, "{found:?}");
     }
 }
 
@@ -95,7 +94,10 @@ fn filled_meshes_keep_their_volume_without_locking() {
         assert_small("balance", foot / mix + 1.0, 1e-8);
     }
     assert!(run.log().contains("body `mix-metal`: 55 % of its elements are wedges"), "{}", run.log());
-    let same = |what: &str, other: Run| assert_small(what, other.history().difference(&history), 1e-8);
+    // Rounding decides on the last iteration.
+    let same = |what: &str, other: Run| {
+        assert_small(what, other.history().without("iterations").difference(&history), 1e-8);
+    };
     same("two ranks", bench.solve(2, &[]));
     let first = bench.solve(2, &["--steps", "1"]);
     let (scene, out) = (bench.path("scene.toml"), first.out.to_str().unwrap());
