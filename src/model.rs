@@ -24,7 +24,7 @@ use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
 use crate::partition::{Gather, GlobalFacet, GlobalMesh, GlobalSet, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Enforcement, Formulation, Located, Reduction, Scene, body_of, did_you_mean};
-use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10};
+use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10, wedge6};
 use crate::solid::history::History;
 use crate::solid::material::Material;
 use crate::surface::{MovingPatch, Smoothing};
@@ -50,7 +50,10 @@ pub struct Body {
 pub struct Section {
     pub body: usize,
     pub material: Material,
+    /// Of the first of the shapes that it has; others have what goes with it, [`Formulation::beside`].
     pub element: Formulation,
+    /// Wedges fill in between hexahedra.
+    pub is_filled: bool,
     /// Points through the thickness of solid-shell elements.
     pub layers: usize,
     /// As of bodies, at the nodes that count as the section's.
@@ -72,6 +75,7 @@ impl Section {
             _ if is_layer => plane4::POINTS,
             SolidShape::Hex8 if self.element == Formulation::Hex8Shell => hex8_shell::POINTS * self.layers,
             SolidShape::Hex8 => hex8::POINTS,
+            SolidShape::Wedge6 => wedge6::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
         }
@@ -137,12 +141,12 @@ impl Model {
         drop(global);
         let elements = element_kinds(comm, scene, &part)?;
         let mut sections = Vec::new();
-        for ((body, name), element) in scene.sections().zip(elements) {
+        for ((body, name), (element, is_filled)) in scene.sections().zip(elements) {
             let card = scene.material(&name.value);
             let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
             let material = Material::new(card);
             let layers = scene.bodies[body].shell.points.unwrap_or_else(|| hex8_shell::usual_layers(&material));
-            sections.push(Section { body, material, element, layers, stiffness: 0.0 });
+            sections.push(Section { body, material, element, is_filled, layers, stiffness: 0.0 });
         }
         let body = |body: &scene::Body| Body {
             name: body.name.value.clone(),
@@ -157,7 +161,7 @@ impl Model {
         let remembers = |solid: &PartSolid| {
             let section: &Section = &sections[solid.section as usize];
             let is_layer = bodies[solid.body as usize].is_layer();
-            (section.points_with_memory(solid.shape, is_layer), section.element.is_enhanced())
+            (section.points_with_memory(solid.shape, is_layer), section.element.beside(solid.shape).is_enhanced())
         };
         let history = History::new(part.solids.iter().map(remembers));
         let mut model = Self {
@@ -249,6 +253,7 @@ impl Model {
                 SolidShape::Tet4 => tet4::volume(&std::array::from_fn(at)),
                 SolidShape::Tet10 => tet10::volume(&std::array::from_fn(at)),
                 SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)),
+                SolidShape::Wedge6 => wedge6::volume(&std::array::from_fn(at)),
             };
         }
         sum(comm, &mut volume);
@@ -784,10 +789,18 @@ fn shifted(mut set: GlobalSet, offset: u32) -> GlobalSet {
     set
 }
 
-/// The element formulation of each section: the user's, checked against the mesh, or the mesh's own. Collective.
-fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Formulation>> {
-    const SHAPES: [(SolidShape, &str); 3] = [
+/// Whether a body for which a formulation is asked may have elements of a shape: its own, and wedges between hexahedra.
+fn goes_with(asked: Formulation, shape: SolidShape) -> bool {
+    let fills = shape == SolidShape::Wedge6 && asked.shape() == SolidShape::Hex8 && asked != Formulation::Hex8Shell;
+    shape == asked.shape() || fills
+}
+
+/// The element formulation of each section: the user's, checked against the mesh, or the mesh's own; and
+/// whether wedges fill in between hexahedra. Collective.
+fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<(Formulation, bool)>> {
+    const SHAPES: [(SolidShape, &str); 4] = [
         (SolidShape::Hex8, "hexahedra"),
+        (SolidShape::Wedge6, "wedges"),
         (SolidShape::Tet4, "linear tetrahedra"),
         (SolidShape::Tet10, "quadratic tetrahedra"),
     ];
@@ -802,14 +815,22 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
         let body = &scene.bodies[body];
         let has = || SHAPES.iter().zip(has).filter(|(_, has)| **has > 0.0).map(|(shape, _)| shape);
         let asked = body.element.as_ref();
-        if let Some(asked) = asked.filter(|asked| has().any(|(shape, _)| asked.value.shape() != *shape)) {
+        if let Some(asked) = asked.filter(|asked| has().any(|(shape, _)| !goes_with(asked.value, *shape))) {
             let words: Vec<&str> = has().map(|(_, word)| *word).collect();
             let what = format!("the mesh of body `{}` has {}", body.name.value, words.join(" and "));
-            return Err(Error::input(&asked.at, what, "leave `element` out to take each element by its shape"));
+            let help = match asked.value {
+                Formulation::Hex8Shell if words == ["hexahedra", "wedges"] => {
+                    "solid-shell elements are hexahedra alone: mesh the sheet with these, or take \"hex8-eas\""
+                }
+                _ => "leave `element` out to take each element by its shape",
+            };
+            return Err(Error::input(&asked.at, what, help));
         }
         let default =
             has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
-        kinds.push(asked.map_or(default, |e| e.value));
+        let is_filled = [SolidShape::Hex8, SolidShape::Wedge6].iter().all(|shape| has().any(|(own, _)| own == shape));
+        let first = has().next().map_or(SolidShape::Hex8, |(shape, _)| *shape);
+        kinds.push((asked.map_or(default, |e| e.value.beside(first)), is_filled));
     }
     Ok(kinds)
 }

@@ -1,7 +1,8 @@
 //! Blocks under loads with closed-form answers, without contact.
 //!
 //! A homogeneous deformation must come out exactly, on any mesh and with any element: each scene has bodies side by
-//! side, of distorted hexahedra (full integration and F-bar) and tetrahedra, linear and quadratic, of both materials.
+//! side, of distorted hexahedra (full integration and F-bar), the same with wedges between them, and tetrahedra, linear and
+//! quadratic, of both materials.
 
 mod common;
 
@@ -48,14 +49,16 @@ impl Material {
 }
 
 /// A name and material for each of the bodies.
-const BODIES: [(&str, Material); 10] = [
+const BODIES: [(&str, Material); 12] = [
     ("hex-neo", NeoHookean),
     ("bar-neo", NeoHookean),
+    ("mix-neo", NeoHookean),
     ("tet-neo", NeoHookean),
     ("ten-neo", NeoHookean),
     ("sri-neo", NeoHookean),
     ("hex-log", Hooke),
     ("bar-log", Hooke),
+    ("mid-log", Hooke),
     ("tet-log", Hooke),
     ("ten-log", Hooke),
     ("sri-log", Hooke),
@@ -68,6 +71,7 @@ fn bodies(n: [usize; 3], increments: usize, conditions: &[(&str, &str)]) -> Benc
         let (kind, material) = name.split_once('-').unwrap();
         let (element, file) = match kind {
             "bar" => ("element = \"hex8-fbar\"", "hex"),
+            "mid" => ("element = \"hex8-fbar\"", "mix"),
             "sri" => ("element = \"tet10-sri\"", "ten"),
             file => ("", file),
         };
@@ -85,9 +89,15 @@ fn bodies(n: [usize; 3], increments: usize, conditions: &[(&str, &str)]) -> Benc
     let _ = writeln!(scene, "[output]\nevery = 100\nhistory = [{}]", sets.collect::<Vec<_>>().join(", "));
     let bench = Bench::new(&scene);
     bench.write("hex.msh", &msh::block(n, false, distorted));
+    bench.write("mix.msh", &filled(n, distorted));
     bench.write("tet.msh", &msh::block(n, true, distorted));
     bench.write("ten.msh", &msh::second_order(&msh::block(n, true, distorted)));
     bench
+}
+
+/// Hexahedra, every other one of a layer as two wedges.
+fn filled(n: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    msh::wedges(&msh::block(n, false, place), |e| e % (n[0] * n[1]) % 2 == 0)
 }
 
 /// The unit cube to the block; what is inside is moved about, and so are the points of a side within it.
@@ -228,6 +238,7 @@ fn column_under_its_own_weight() {
     let bench = bodies([3, 3, 3], 1, &[("fix", &fix), ("body_force", &weight)]);
     let straight = |x: [f64; 3]| std::array::from_fn(|d| SIZE[d] * x[d]);
     bench.write("hex.msh", &msh::block([2, 2, 4], false, straight));
+    bench.write("mix.msh", &filled([2, 2, 4], straight));
     bench.write("tet.msh", &msh::block([2, 2, 4], true, straight));
     bench.write("ten.msh", &msh::second_order(&msh::block([2, 2, 4], true, straight)));
     let history = bench.solve(2, &[]).history();

@@ -5,6 +5,7 @@ use super::{Increment, Remedy, Retried};
 use crate::contact::{BodySurface, Master, Meets, Tool};
 use crate::error::Error;
 use crate::failure::{Cause, Failure};
+use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::output::summary::Summary;
 use crate::scene::{Body, Enforcement, Isochoric, MaterialModel, Reduction, Scene, Smoothing};
@@ -228,7 +229,11 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
             Some(MaterialModel::Plastic { hill: Some(_), .. }) => "elastic-plastic (Hill)",
             None => "?",
         };
-        let (name, element) = (&body.name.value, section.element.key());
+        let name = &body.name.value;
+        let mut element = section.element.key().to_string();
+        if section.is_filled {
+            let _ = write!(element, " and {}", section.element.beside(SolidShape::Wedge6).key());
+        }
         let _ = match group {
             None => writeln!(text, "body `{name}`: {element}{strain}, {kind}{mirrored}{parts}"),
             Some(group) => writeln!(text, "  its `{group}`: {element}, {kind}"),

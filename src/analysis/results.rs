@@ -458,6 +458,7 @@ fn cell_shape(shape: SolidShape) -> CellShape {
     match shape {
         SolidShape::Tet4 => CellShape::Tetrahedron,
         SolidShape::Hex8 => CellShape::Hexahedron,
+        SolidShape::Wedge6 => CellShape::Wedge,
         SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
     }
 }
@@ -492,6 +493,11 @@ fn show(
         .map(|(_, shape, local)| {
             let mut of_cell = [0; MOST_NODES];
             local.iter().zip(&mut of_cell).for_each(|(&n, global)| *global = numbers[n as usize]);
+            if *shape == CellShape::Wedge {
+                // Both triangles of VTK's are seen clockwise from inside, where ours are seen counter-clockwise.
+                of_cell.swap(1, 2);
+                of_cell.swap(4, 5);
+            }
             Cell { shape: *shape, nodes: of_cell }
         })
         .collect();

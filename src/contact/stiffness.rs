@@ -16,7 +16,7 @@ use crate::Vec3;
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
 use crate::scene::Reduction;
-use crate::solid::element::{hex8, tet4, tet10};
+use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::solid::load;
 
 /// What a body is made of, as far as contact feels it.
@@ -57,7 +57,7 @@ pub fn contact_stiffness(part: &Part, facets: &[PartFacet], backing: &[Backing])
         let edge =
             |k: usize| along(part.points[nodes[(k + 1) % nodes.len()] as usize] - part.points[nodes[k] as usize]);
         let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
-        let height = under.map_or(f64::INFINITY, |solid| height(part, solid, areas.iter().sum()));
+        let height = under.map_or(f64::INFINITY, |solid| height(part, solid, facet, areas.iter().sum()));
         let is_ring = reduction == Some(Reduction::Axisymmetric);
         for (&n, area) in nodes.iter().zip(nodal_areas(part, facet, is_ring)) {
             let at = &mut around[part.tie[n as usize] as usize];
@@ -94,13 +94,15 @@ fn nodal_areas(part: &Part, facet: &PartFacet, is_ring: bool) -> Vec<f64> {
 }
 
 /// Height of an element over a face of this area.
-fn height(part: &Part, solid: &PartSolid, face: f64) -> f64 {
+fn height(part: &Part, solid: &PartSolid, facet: &PartFacet, face: f64) -> f64 {
     let at = |a: usize| -> [f64; 3] { part.points[solid.nodes[a] as usize].into() };
     match solid.shape {
         SolidShape::Tet4 => 3.0 * tet4::volume(&std::array::from_fn(at)) / face,
         // Its facets are quarters of its faces.
         SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / (4.0 * face),
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)) / face,
+        // Over a triangle it is a prism, over a quadrilateral a roof.
+        SolidShape::Wedge6 => f64::from(facet.count - 2) * wedge6::volume(&std::array::from_fn(at)) / face,
     }
 }
 

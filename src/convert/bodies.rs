@@ -225,13 +225,14 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
         };
         materials.entry(material).or_default().push(solid);
     }
+    let fits = |a: SolidShape, b: SolidShape| a == b || [a, b].iter().all(|shape| FILLED.contains(shape));
     let shape = mesh.solids[solids[0] as usize].shape;
-    if let Some(&other) = solids.iter().find(|&&solid| mesh.solids[solid as usize].shape != shape) {
+    if let Some(&other) = solids.iter().find(|&&solid| !fits(mesh.solids[solid as usize].shape, shape)) {
         let (a, b) = (mesh.solids[solids[0] as usize].id, mesh.solids[other as usize].id);
         let what = format!("elements {a} and {b} are of one part, but of different shape or order");
         return Err(Error::input_anywhere(
             what,
-            "mesh each connected part with hexahedra or with tetrahedra of one order",
+            "mesh each connected part with hexahedra and wedges, or with tetrahedra of one order",
         ));
     }
     let mut sets = solids.iter().filter_map(|&solid| sections[solid as usize]?.1.keyword.get("ELSET"));
@@ -244,6 +245,9 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
     let name = namer.name(group.as_deref().unwrap_or(set), "body");
     Ok(Body { name, solids, materials, group })
 }
+
+/// Shapes that a body may have together.
+const FILLED: [SolidShape; 2] = [SolidShape::Hex8, SolidShape::Wedge6];
 
 /// The name under which the deck has just these solids: that of an instance, or of their *ELEMENT.
 fn own_name<'a>(whole: &'a Whole, solids: &[u32]) -> Option<&'a str> {
@@ -302,10 +306,21 @@ impl Body {
     /// The line with the element, if the scene is to say one.
     fn element(&self, whole: &Whole, materials: &[Material], notes: &mut Notes) -> &'static str {
         let kind = |&solid: &u32| whole.kind(whole.element_of[solid as usize]);
-        let kinds: BTreeSet<&str> = self.solids.iter().map(kind).collect();
+        let shape_of = |solid: &u32| whole.mesh.solids[*solid as usize].shape;
+        let is_hexahedron = |solid: &u32| shape_of(solid) == SolidShape::Hex8;
+        let first = self.solids.iter().copied().find(is_hexahedron).unwrap_or(self.solids[0]);
+        let shape = shape_of(&first);
+        // Wedges follow the hexahedra that they fill in between.
+        let kinds: BTreeSet<&str> = self.solids.iter().filter(|solid| shape_of(solid) == shape).map(kind).collect();
         let named: Vec<&str> = kinds.iter().copied().collect();
         let (name, types) = (&self.name, named.join(", "));
-        let shape = whole.mesh.solids[self.solids[0] as usize].shape;
+        if shape == SolidShape::Wedge6 {
+            notes.whole(format!(
+                "body `{name}`: elements {types} become `wedge6`, or `wedge6-sri` where the material nearly keeps its volume (see \
+                 `nagata check`)"
+            ));
+            return "";
+        }
         if shape == SolidShape::Tet4 {
             return "";
         }

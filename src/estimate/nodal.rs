@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10, wedge6};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -69,6 +69,11 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
     Ok(match (model.part.solids[e].shape, samples.len()) {
         (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
         (SolidShape::Tet10, _) => tet10::AT_NODES.map(|weights| sum(&weights)),
+        (SolidShape::Wedge6, _) => {
+            let mut at = [[0.0; 6]; MOST_NODES];
+            at.iter_mut().zip(&wedge6::AT_NODES).for_each(|(at, weights)| *at = sum(weights));
+            at
+        }
         (SolidShape::Hex8, count) if model.section(&model.part.solids[e]).element == Formulation::Hex8Shell => {
             let mut at = [[0.0; 6]; MOST_NODES];
             let weights = |a: usize| hex8_shell::at_node(a, count / hex8_shell::POINTS);

@@ -1,6 +1,6 @@
 //! Refuses meshes that cannot be computed with, and names what is wrong by the numbers of the file.
 
-use super::faces::TET_EDGES;
+use super::faces::{TET_EDGES, boundary};
 use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -13,14 +13,15 @@ const FLAT: f64 = 1e-10;
 
 /// Checks a whole mesh: coordinates, connectivity, shapes of elements and facets, duplicates, coincident nodes.
 ///
-/// A hexahedron must have a positive Jacobian determinant at its 2x2x2 Gauss points and its corners, a quadratic tetrahedron at its
-/// four integration points and all its nodes.
+/// A hexahedron and a wedge must have a positive Jacobian determinant at their integration points and corners, a quadratic
+/// tetrahedron at its four integration points and all its nodes.
 pub fn check(mesh: &Mesh) -> Result<()> {
     let broken = (0..mesh.points.len()).filter(|&node| !mesh.points[node].iter().all(|x| x.is_finite()));
     refuse(mesh, "node", ids_of(mesh, broken), "not at a finite place", "give it finite coordinates")?;
     check_connectivity(mesh)?;
     check_solids(mesh)?;
     check_middles(mesh)?;
+    check_fit(mesh)?;
     check_facets(mesh)?;
     check_duplicates(mesh)?;
     check_coincident(mesh)
@@ -82,7 +83,7 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
         bad[fault].push(solid.id);
     }
     let [repeated, mirrored, inverted, flat] = bad;
-    refuse(mesh, "element", repeated, "degenerate: a node occurs twice", "wedges and pyramids are not read")?;
+    refuse(mesh, "element", repeated, "degenerate: a node occurs twice", COLLAPSED)?;
     refuse(
         mesh,
         "element",
@@ -99,6 +100,8 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
     )?;
     refuse(mesh, "element", flat, "without volume", "repair the mesh there")
 }
+
+const COLLAPSED: &str = "write hexahedra that collapse to wedges as wedges (C3D6 of Abaqus); pyramids are not read";
 
 /// The numbers of elements that are inside out or flat with nodes at `place`.
 pub fn spoiled<'a>(solids: impl Iterator<Item = &'a Solid>, place: impl Fn(u32) -> Vec3) -> Vec<u64> {
@@ -125,6 +128,39 @@ fn check_middles(mesh: &Mesh) -> Result<()> {
         }
     }
     Ok(())
+}
+
+/// Where elements with triangles and with quadrilaterals meet, no quadrilateral lies over triangles: these displace differently
+/// between the nodes, and share forces between them differently.
+fn check_fit(mesh: &Mesh) -> Result<()> {
+    let (mut triangles, mut quadrilaterals) = (false, false);
+    for solid in &mesh.solids {
+        triangles |= solid.shape != SolidShape::Hex8;
+        quadrilaterals |= matches!(solid.shape, SolidShape::Hex8 | SolidShape::Wedge6);
+    }
+    if !(triangles && quadrilaterals) {
+        return Ok(());
+    }
+    let free: Vec<Facet> =
+        boundary(&mesh.solids).iter().map(|&(solid, face)| mesh.solids[solid as usize].face(face as usize)).collect();
+    let mut halves = HashMap::new();
+    for quadrilateral in free.iter().filter(|face| face.count == 4) {
+        for left_out in 0..4 {
+            let mut half = quadrilateral.nodes;
+            half[left_out] = u32::MAX;
+            half.sort_unstable();
+            halves.insert(half, quadrilateral.id);
+        }
+    }
+    let over = |triangle: &Facet| Some((triangle.id, *halves.get(&triangle.key())?));
+    match free.iter().filter(|face| face.count == 3).find_map(over) {
+        None => Ok(()),
+        Some((triangle, quadrilateral)) => {
+            let what = format!("a triangle of element {triangle} lies on a quadrilateral of element {quadrilateral}");
+            let help = "mesh so that elements share whole faces: with hexahedra and wedges, or with tetrahedra alone";
+            Err(fail(mesh, what, help))
+        }
+    }
 }
 
 fn repeats(nodes: &[u32]) -> bool {
@@ -158,6 +194,21 @@ fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
             by[*j] += 4.0 * b[*i] * middle;
         }
         scaled(by[1] - by[0], by[2] - by[0], by[3] - by[0])
+    }))
+}
+
+/// The same of a wedge, over its integration points and corners.
+fn scaled_wedge(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+    let points = |level: f64, near: f64| {
+        let far = 0.5 * (1.0 - near);
+        [[near, far, far], [far, near, far], [far, far, near]].map(|b| (level, b))
+    };
+    let gauss = 0.5 / 3.0_f64.sqrt();
+    let all = [(0.0, 1.0), (1.0, 1.0), (0.5 - gauss, 2.0 / 3.0), (0.5 + gauss, 2.0 / 3.0)];
+    widen(all.into_iter().flat_map(|(level, near)| points(level, near)).map(|(level, b)| {
+        let edge = |k: usize| (x[k] - x[0]) * (1.0 - level) + (x[k + 3] - x[3]) * level;
+        let up: Vec3 = (0..3).map(|k| (x[k + 3] - x[k]) * b[k]).sum();
+        scaled(edge(1), edge(2), up)
     }))
 }
 
@@ -202,6 +253,7 @@ impl Quadrature {
         match solid.shape {
             SolidShape::Tet4 => scaled_tet(&corners),
             SolidShape::Hex8 => self.scaled_hex(&corners),
+            SolidShape::Wedge6 => scaled_wedge(&corners),
             SolidShape::Tet10 => scaled_tet10(&corners),
         }
     }
@@ -434,6 +486,41 @@ mod tests {
         assert_eq!(broken(|mesh| mesh.solids[1].nodes[7] = 8), "element 71 is degenerate: a node occurs twice");
         let twice = |mesh: &mut Mesh| mesh.solids.push(Solid::new(SolidShape::Tet4, &[1, 2, 0, 3], 80));
         assert_eq!(broken(twice), "elements 70 and 80 have the same nodes");
+    }
+
+    /// A wedge on the upper face of the cube, of which it has half; and one that is folded.
+    #[test]
+    fn wedges() {
+        let on_cube = |mesh: &mut Mesh| {
+            let wedge = Solid::new(SolidShape::Wedge6, &[8, 9, 10, 12, 13, 14], 72);
+            mesh.points.extend([8, 9, 10].map(|k: usize| mesh.points[k]).map(|[x, y, z]| [x, y, z + 1.0]));
+            mesh.point_ids.extend([120, 130, 140]);
+            mesh.solids.push(wedge);
+        };
+        assert_eq!(broken(on_cube), "a triangle of element 72 lies on a quadrilateral of element 71");
+        let alone = |mesh: &mut Mesh| {
+            on_cube(mesh);
+            mesh.facets.clear();
+            mesh.solids = vec![mesh.solids[2]];
+            mesh.points = mesh.points[8..].to_vec();
+            mesh.point_ids = mesh.point_ids[8..].to_vec();
+            mesh.points.remove(3);
+            mesh.point_ids.remove(3);
+            mesh.solids[0].nodes = [0, 1, 2, 3, 4, 5, 0, 0, 0, 0];
+        };
+        let mut sound = sample();
+        alone(&mut sound);
+        check(&sound).unwrap();
+        let with = |change: &dyn Fn(&mut Mesh)| {
+            broken(|mesh| {
+                alone(mesh);
+                change(mesh);
+            })
+        };
+        let mirrored = with(&|mesh| mesh.solids[0].nodes[..6].rotate_left(3));
+        assert_eq!(mirrored, "element 72 is inside out: the nodes are in mirrored order");
+        let folded = with(&|mesh| mesh.points[4] = [2.5, 3.4, 5.0]);
+        assert_eq!(folded, "element 72 is inverted: the Jacobian determinant is negative somewhere");
     }
 
     /// A tetrahedron with a middle on an edge, moved towards the opposite one until elements fold at a node, and at an integration

@@ -10,6 +10,11 @@ pub const TET_FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]
 pub const HEX_FACES: [[u8; 4]; 6] =
     [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
+/// Local nodes of the faces of a wedge, counter-clockwise seen from outside, in Abaqus' order: S1 and S2 ...
+pub const WEDGE_ENDS: [[u8; 3]; 2] = [[0, 2, 1], [3, 4, 5]];
+/// ... and S3 to S5.
+pub const WEDGE_SIDES: [[u8; 4]; 3] = [[0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]];
+
 /// Local ends of the edges of a tetrahedron, in the order in which a quadratic one has the nodes in their middles.
 pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
@@ -33,6 +38,7 @@ impl SolidShape {
         match self {
             Self::Tet4 | Self::Tet10 => TET_FACES.len(),
             Self::Hex8 => HEX_FACES.len(),
+            Self::Wedge6 => WEDGE_ENDS.len() + WEDGE_SIDES.len(),
         }
     }
 }
@@ -44,6 +50,10 @@ impl Solid {
         let count = match self.shape {
             SolidShape::Tet4 | SolidShape::Tet10 => gather(&self.nodes, &TET_FACES[face], &mut nodes),
             SolidShape::Hex8 => gather(&self.nodes, &HEX_FACES[face], &mut nodes),
+            SolidShape::Wedge6 => match face.checked_sub(WEDGE_ENDS.len()) {
+                Some(side) => gather(&self.nodes, &WEDGE_SIDES[side], &mut nodes),
+                None => gather(&self.nodes, &WEDGE_ENDS[face], &mut nodes),
+            },
         };
         Facet { count, nodes, id: self.id }
     }
@@ -127,7 +137,10 @@ mod tests {
         let hex_points: Vec<Vec3> = corners.iter().map(|c| Vec3::from(c.map(f64::from))).collect();
         let tet_points = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let tet = Solid::new(SolidShape::Tet4, &[0, 1, 2, 3], 1);
-        for (solid, points) in [(tet, tet_points), (hex([0, 1, 2, 3, 4, 5, 6, 7]), hex_points)] {
+        let wedge = Solid::new(SolidShape::Wedge6, &[0, 1, 2, 3, 4, 5], 1);
+        let wedge_points = [0, 1, 3, 4, 5, 7].map(|k| hex_points[k]).to_vec();
+        let all = [(tet, tet_points), (wedge, wedge_points), (hex([0, 1, 2, 3, 4, 5, 6, 7]), hex_points)];
+        for (solid, points) in all {
             let middle = points.iter().sum::<Vec3>() / points.len() as f64;
             for face in 0..solid.shape.face_count() {
                 let [a, b, c] = [0, 1, 2].map(|i| points[solid.face(face).nodes[i] as usize]);

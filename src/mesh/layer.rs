@@ -20,7 +20,7 @@ pub fn tie_layer(mesh: &mut Mesh, key: &str, at: &Location) -> Result<Vec<u32>> 
     let mut above = vec![None; mesh.points.len()];
     for solid in &mesh.solids {
         if solid.shape != SolidShape::Hex8 {
-            return refuse(format!("element {} is a tetrahedron", solid.id));
+            return refuse(format!("element {} is none", solid.id));
         }
         for &a in solid.nodes() {
             for &b in solid.nodes() {

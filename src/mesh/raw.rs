@@ -15,6 +15,7 @@ pub(super) enum CellShape {
     Quad,
     Tet,
     Hex,
+    Wedge,
     Line3,
     Triangle6,
     Tet10,
@@ -28,6 +29,7 @@ impl CellShape {
             Self::Triangle => 3,
             Self::Quad | Self::Tet => 4,
             Self::Hex => 8,
+            Self::Wedge => 6,
             Self::Line3 => 3,
             Self::Triangle6 => 6,
             Self::Tet10 => 10,
@@ -230,10 +232,11 @@ impl FileMesh {
                 self.mesh.facets.push(Facet { count, nodes: [a, b, c, d], id: cell.id });
                 Slot::Facet(self.mesh.facets.len() as u32 - 1)
             }
-            CellShape::Tet | CellShape::Hex | CellShape::Tet10 => {
+            CellShape::Tet | CellShape::Hex | CellShape::Wedge | CellShape::Tet10 => {
                 let shape = match cell.shape {
                     CellShape::Tet => SolidShape::Tet4,
                     CellShape::Tet10 => SolidShape::Tet10,
+                    CellShape::Wedge => SolidShape::Wedge6,
                     _ => SolidShape::Hex8,
                 };
                 self.mesh.solids.push(Solid { shape, nodes, id: cell.id });

@@ -10,6 +10,8 @@ pub enum SolidShape {
     Tet10,
     /// 8 nodes; Gmsh and Abaqus order: bottom face counter-clockwise seen from inside the element, then the top face.
     Hex8,
+    /// 6 nodes; Gmsh and Abaqus order: a triangle counter-clockwise seen from inside the element, then the one above it.
+    Wedge6,
 }
 
 impl SolidShape {
@@ -17,6 +19,7 @@ impl SolidShape {
     pub fn node_count(self) -> usize {
         match self {
             SolidShape::Tet4 => 4,
+            SolidShape::Wedge6 => 6,
             SolidShape::Hex8 => 8,
             SolidShape::Tet10 => 10,
         }

@@ -9,7 +9,7 @@ use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Reduction;
 use crate::solid::element::{
     ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4,
-    ring4, tet4, tet10, tet10_sri,
+    ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -20,6 +20,7 @@ use std::ops::Deref;
 pub struct Scratch {
     pub of_eight: ElementMatrices<24>,
     pub of_four: ElementMatrices<12>,
+    pub of_six: ElementMatrices<18>,
     pub of_ten: ElementMatrices<30>,
 }
 
@@ -33,7 +34,7 @@ impl Scratch {
     /// Evaluates element `e` of the part at displacements `u`.
     pub fn evaluate(&mut self, model: &Model, e: usize, u: &[Vec3], want_tangent: bool) -> Outcome {
         let solid = &model.part.solids[e];
-        let element = model.section(solid).element;
+        let element = model.section(solid).element.beside(solid.shape);
         let (points, medium) = (&model.part.points, medium(model, e));
         if let Some(reduction) = model.bodies[solid.body as usize].reduction {
             let (nodes, how) = ((&gather(points, solid), &gather(u, solid)), (want_tangent, element));
@@ -53,6 +54,11 @@ impl Scratch {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = if element == Formulation::Tet10 { tet10::evaluate } else { tet10_sri::evaluate };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_ten)
+            }
+            SolidShape::Wedge6 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate = if element == Formulation::Wedge6 { wedge6::evaluate } else { wedge6_sri::evaluate };
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_six)
             }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
@@ -83,6 +89,7 @@ impl Scratch {
     pub fn forces(&self, nodes: usize) -> &[[f64; 3]] {
         let flat: &[f64] = match nodes {
             4 => &self.of_four.residual,
+            6 => &self.of_six.residual,
             10 => &self.of_ten.residual,
             _ => &self.of_eight.residual,
         };
@@ -93,6 +100,7 @@ impl Scratch {
     pub fn row(&self, nodes: usize, row: usize) -> &[f64] {
         match nodes {
             4 => &self.of_four.tangent[row],
+            6 => &self.of_six.tangent[row],
             10 => &self.of_ten.tangent[row],
             _ => &self.of_eight.tangent[row],
         }
@@ -136,7 +144,7 @@ impl Deref for Samples {
 /// The integration points of element `e` of the part at displacements `u`.
 pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted> {
     let solid = &model.part.solids[e];
-    let (element, points) = (model.section(solid).element, &model.part.points);
+    let (element, points) = (model.section(solid).element.beside(solid.shape), &model.part.points);
     let medium = medium(model, e);
     if let Some(reduction) = model.bodies[solid.body as usize].reduction {
         let nodes = (&gather(points, solid), &gather(u, solid));
@@ -150,6 +158,10 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
     }
     if solid.shape == SolidShape::Tet10 {
         let samples = if element == Formulation::Tet10 { tet10::samples } else { tet10_sri::samples };
+        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
+    }
+    if solid.shape == SolidShape::Wedge6 {
+        let samples = if element == Formulation::Wedge6 { wedge6::samples } else { wedge6_sri::samples };
         return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
     }
     let (x, u) = (gather(points, solid), gather(u, solid));
@@ -182,6 +194,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
             SolidShape::Tet4 => tet4::volume(&moved(model, solid, u)) <= 0.0,
             SolidShape::Tet10 => tet10::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Wedge6 => wedge6::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
     })
@@ -260,6 +273,7 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
         SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Wedge6 => set(&wedge6::body_force(&gather(&model.part.points, solid), *per_volume)),
     }
     forces
 }

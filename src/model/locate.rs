@@ -7,7 +7,7 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
-use crate::solid::element::{hex8, tet4, tet10};
+use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::surface::piece_set::tree::Tree;
 use mpi::topology::SimpleCommunicator;
 
@@ -126,6 +126,11 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
             let at = tet10::parameters(&corners(solid, place), x)?;
             shape = tet10::shape(&at);
             at.iter().fold(0.0f64, |most, value| most.max(-value))
+        }
+        SolidShape::Wedge6 => {
+            let [xi, eta, zeta] = wedge6::parameters(&corners(solid, place), x)?;
+            shape[..6].copy_from_slice(&wedge6::shape(xi, eta, zeta).0);
+            [-xi, -eta, xi + eta - 1.0, zeta.abs() - 1.0].into_iter().fold(0.0, f64::max)
         }
         SolidShape::Hex8 => {
             let at = hex8::parameters(&corners(solid, place), x)?;

@@ -26,13 +26,14 @@ use std::path::{Path, PathBuf};
 
 const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
 
-/// Shape of a cell. Node order as in VTK and [`crate::mesh`].
+/// Shape of a cell. Node order as in VTK.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CellShape {
     Triangle,
     Quadrilateral,
     Tetrahedron,
     Hexahedron,
+    Wedge,
     QuadraticTetrahedron,
 }
 
@@ -355,8 +356,14 @@ fn open(path: &Path, mode: OpenMode) -> Result<File> {
 
 impl CellShape {
     /// All of them, in the order of their numbers.
-    pub(super) const ALL: [Self; 5] =
-        [Self::Triangle, Self::Quadrilateral, Self::Tetrahedron, Self::Hexahedron, Self::QuadraticTetrahedron];
+    pub(super) const ALL: [Self; 6] = [
+        Self::Triangle,
+        Self::Quadrilateral,
+        Self::Tetrahedron,
+        Self::Hexahedron,
+        Self::Wedge,
+        Self::QuadraticTetrahedron,
+    ];
 
     /// Nodes of a cell.
     pub fn node_count(self) -> usize {
@@ -364,6 +371,7 @@ impl CellShape {
             Self::Triangle => 3,
             Self::Quadrilateral | Self::Tetrahedron => 4,
             Self::Hexahedron => 8,
+            Self::Wedge => 6,
             Self::QuadraticTetrahedron => 10,
         }
     }

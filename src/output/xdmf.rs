@@ -42,6 +42,7 @@ impl CellShape {
             Self::Quadrilateral => "Quadrilateral",
             Self::Tetrahedron => "Tetrahedron",
             Self::Hexahedron => "Hexahedron",
+            Self::Wedge => "Wedge",
             Self::QuadraticTetrahedron => "Tetrahedron_10",
         }
     }
@@ -53,6 +54,7 @@ impl CellShape {
             Self::Quadrilateral => 9,
             Self::Tetrahedron => 10,
             Self::Hexahedron => 12,
+            Self::Wedge => 13,
             Self::QuadraticTetrahedron => 24,
         }
     }
@@ -69,6 +71,7 @@ impl CellShape {
             Self::Quadrilateral => 5,
             Self::Tetrahedron => 6,
             Self::Hexahedron => 9,
+            Self::Wedge => 8,
             Self::QuadraticTetrahedron => 38,
         }
     }

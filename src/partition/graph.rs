@@ -26,7 +26,7 @@ pub fn element_parts<'a>(elements: impl Iterator<Item = &'a [u32]>, weights: &[i
         nodes.extend(element.iter().map(|&n| n as i32));
         first.push(nodes.len() as i32);
     }
-    // Three common nodes make a common face of two tetrahedra or of two hexahedra.
+    // Three common nodes make a common face of two elements.
     let dual = mesh_to_dual(&first, &nodes, 3).map_err(|e| failed(&e))?;
     drop((first, nodes));
     let mut part = vec![0; count];

@@ -15,10 +15,11 @@ pub(super) const NONE: u32 = u32::MAX;
 
 const HEX_EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
 
 /// `mesh` with every edge split into 2^times parts, but those that are `whole`: hexahedra into as many layers along each
-/// of their directions, tetrahedra each time into four at the corners and four around the shortest diagonal of the
-/// octahedron between them, quadrilaterals and triangles into four.
+/// of their directions, wedges into layers over the parts of their triangles, tetrahedra each time into four at the corners
+/// and four around the shortest diagonal of the octahedron between them, quadrilaterals and triangles into four.
 ///
 /// Nodes of the mesh keep their place and number; new ones follow, numbered on from the highest number, element by element.
 /// Parts have the number of what they are parts of, and are in its groups; a group of nodes alone gets the new nodes of the
@@ -95,10 +96,20 @@ struct Split<'a, W> {
 struct Cell<'a> {
     nodes: &'a [u32],
     edges: &'a [[usize; 2]],
-    /// Weights are barycentric.
-    simplex: bool,
+    kind: Kind,
     /// What is inside belongs to no other.
     solid: bool,
+}
+
+/// How the weights of a cell depend on its parameters.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    /// Linear along each.
+    Product,
+    /// Barycentric.
+    Simplex,
+    /// Barycentric in the triangle of the first three nodes and in that of the last, linear between them.
+    Wedge,
 }
 
 impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
@@ -124,7 +135,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         node
     }
 
-    /// Eq. (1) and (2).
+    /// Eq. (1) to (3).
     fn place(&self, cell: &Cell, weights: &[u32], held: &[(u32, u32)]) -> Vec3 {
         let total = f64::from(weights.iter().sum::<u32>());
         let at = |node: u32| Vec3::from(self.points[node as usize]);
@@ -137,7 +148,13 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         for [a, b] in cell.edges {
             let [wa, wb] = [weights[*a], weights[*b]].map(|w| f64::from(w) / total);
             if let Some(c) = self.curves.at(cell.nodes[*a], cell.nodes[*b]).filter(|_| wa * wb > 0.0) {
-                x -= c * (wa * wb / if cell.simplex { 1.0 } else { wa + wb });
+                let triangle = |k: usize| f64::from(weights[k..k + 3].iter().sum::<u32>()) / total;
+                let of = match cell.kind {
+                    Kind::Simplex => 1.0,
+                    Kind::Wedge if a / 3 == b / 3 => triangle(3 * (a / 3)),
+                    Kind::Wedge | Kind::Product => wa + wb,
+                };
+                x -= c * (wa * wb / of);
             }
         }
         x
@@ -146,6 +163,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     fn solid(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         match solid.shape {
             SolidShape::Hex8 => self.hexahedron(solid, parts),
+            SolidShape::Wedge6 => self.wedge(solid, parts),
             SolidShape::Tet4 | SolidShape::Tet10 => self.tetrahedron(solid, parts),
         }
     }
@@ -171,7 +189,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     fn hexahedron(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         let n = solid.nodes();
         let along = [self.places(n[0], n[1]), self.places(n[1], n[2]), self.places(n[0], n[4])];
-        let cell = Cell { nodes: n, edges: &HEX_EDGES, simplex: false, solid: true };
+        let cell = Cell { nodes: n, edges: &HEX_EDGES, kind: Kind::Product, solid: true };
         let mut nodes = Vec::with_capacity(along.iter().map(Vec::len).product());
         for &z in &along[2] {
             for &y in &along[1] {
@@ -200,7 +218,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     fn quadrilateral(&mut self, facet: &Facet, parts: &mut Vec<Facet>) {
         let n = &facet.nodes;
         let along = [self.places(n[0], n[1]), self.places(n[1], n[2])];
-        let cell = Cell { nodes: n, edges: &HEX_EDGES[..4], simplex: false, solid: false };
+        let cell = Cell { nodes: n, edges: &HEX_EDGES[..4], kind: Kind::Product, solid: false };
         let mut nodes = Vec::with_capacity(along.iter().map(Vec::len).product());
         for &y in &along[1] {
             for &x in &along[0] {
@@ -218,22 +236,31 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
     }
 
     fn triangle(&mut self, facet: &Facet, parts: &mut Vec<Facet>) {
-        let cell = Cell { nodes: &facet.nodes[..3], edges: &TET_EDGES[..3], simplex: true, solid: false };
+        let cell = Cell { nodes: &facet.nodes[..3], edges: &TET_EDGES[..3], kind: Kind::Simplex, solid: false };
+        for corners in triangles(self.cells) {
+            let [a, b, c] = corners.map(|b| self.node(&cell, &b));
+            parts.push(Facet { nodes: [a, b, c, 0], ..*facet });
+        }
+    }
+
+    fn wedge(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         let cells = self.cells;
-        let mut at = |i: u32, j: u32| self.node(&cell, &[cells - i - j, i, j]);
-        for j in 0..cells {
-            for i in 0..cells - j {
-                let mut add = |a: u32, b: u32, c: u32| parts.push(Facet { nodes: [a, b, c, 0], ..*facet });
-                add(at(i, j), at(i + 1, j), at(i, j + 1));
-                if i + j + 1 < cells {
-                    add(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
-                }
+        let cell = Cell { nodes: solid.nodes(), edges: &WEDGE_EDGES, kind: Kind::Wedge, solid: true };
+        let mut inside: HashMap<[u32; 6], u32> = HashMap::new();
+        for z in 0..cells {
+            for corners in triangles(cells) {
+                let nodes: [u32; 6] = std::array::from_fn(|k| {
+                    let up = z + k as u32 / 3;
+                    let weights = std::array::from_fn(|j| corners[k % 3][j % 3] * if j < 3 { cells - up } else { up });
+                    *inside.entry(weights).or_insert_with(|| self.node(&cell, &weights))
+                });
+                parts.push(Solid::new(solid.shape, &nodes, solid.id));
             }
         }
     }
 
     fn tetrahedron(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
-        let cell = Cell { nodes: &solid.nodes[..4], edges: &TET_EDGES, simplex: true, solid: true };
+        let cell = Cell { nodes: &solid.nodes[..4], edges: &TET_EDGES, kind: Kind::Simplex, solid: true };
         let mut inside: HashMap<[u32; 4], u32> = HashMap::new();
         // Of a quadratic element the weights are even at corners of parts, odd at some in the middles of their edges.
         let unit = if solid.shape == SolidShape::Tet10 { 2 } else { 1 };
@@ -257,6 +284,21 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
             parts.push(Solid { nodes, ..*solid });
         }
     }
+}
+
+/// The parts of a triangle split into so many along each edge: the weights of their corners.
+fn triangles(cells: u32) -> Vec<[[u32; 3]; 3]> {
+    let at = |i: u32, j: u32| [cells - i - j, i, j];
+    let mut all = Vec::with_capacity((cells * cells) as usize);
+    for j in 0..cells {
+        for i in 0..cells - j {
+            all.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+            if i + j + 1 < cells {
+                all.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+            }
+        }
+    }
+    all
 }
 
 /// The eight parts of a tetrahedron by its corners' weights: four at the corners, and four around the shortest of the three
@@ -289,7 +331,7 @@ fn middle(p: [u32; 4], q: [u32; 4]) -> [u32; 4] {
     std::array::from_fn(|k| (p[k] + q[k]) / 2)
 }
 
-/// The key of a point by the nodes that hold it; none inside a hexahedron.
+/// The key of a point by the nodes that hold it; none inside a hexahedron or a wedge.
 pub(super) fn key(held: &[(u32, u32)]) -> Option<Key> {
     let divisor = held.iter().fold(0, |d, (_, w)| common_divisor(d, *w)).max(1);
     let entry = |k: usize| held.get(k).map_or((NONE, 0), |(node, w)| (*node, w / divisor));

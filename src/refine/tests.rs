@@ -4,7 +4,7 @@ use crate::controls::Controls;
 use crate::error::Location;
 use crate::mesh::{Facet, Group, Mesh, Middles, Solid, SolidShape, block, check, faces};
 use crate::scene::{Block, BlockShape, Located};
-use crate::solid::element::{hex8, tet4, tet10};
+use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::surface::NormalOptions;
 use crate::surface::test_meshes::{cubed_sphere, mesh_of};
 
@@ -29,6 +29,11 @@ fn tetrahedra(mut mesh: Mesh) -> Mesh {
         Solid::new(SolidShape::Tet4, &[n[0], n[a], n[b], n[6]], solid.id)
     };
     mesh.solids = mesh.solids.iter().flat_map(|solid| ways.map(|way| tet(solid, way))).collect();
+    with_sides(mesh)
+}
+
+/// With the facets of its boundary, in groups by their nodes.
+fn with_sides(mut mesh: Mesh) -> Mesh {
     let boundary = faces::boundary(&mesh.solids);
     mesh.facets = boundary.iter().map(|(s, f)| mesh.solids[*s as usize].face(*f as usize)).collect();
     for group in mesh.groups.values_mut() {
@@ -38,10 +43,21 @@ fn tetrahedra(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
+/// The same with some hexahedra as two wedges each, and the triangles of the sides.
+fn wedges(mut mesh: Mesh, some: impl Fn(usize) -> bool) -> Mesh {
+    let halves = |(e, solid): (usize, &Solid)| {
+        let wedge = |k: [usize; 6]| Solid::new(SolidShape::Wedge6, &k.map(|k| solid.nodes[k]), solid.id);
+        if some(e) { vec![wedge([0, 1, 2, 4, 5, 6]), wedge([0, 2, 3, 4, 6, 7])] } else { vec![*solid] }
+    };
+    mesh.solids = mesh.solids.iter().enumerate().flat_map(halves).collect();
+    with_sides(mesh)
+}
+
 fn volumes(mesh: &Mesh) -> Vec<f64> {
     let at = |solid: &Solid, k: usize| mesh.points[solid.nodes[k] as usize];
     let volume = |solid: &Solid| match solid.shape {
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(|k| at(solid, k))),
+        SolidShape::Wedge6 => wedge6::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet4 => tet4::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet10 => tet10::volume(&std::array::from_fn(|k| at(solid, k))),
     };
@@ -130,9 +146,27 @@ fn tetrahedra_keep_their_volume_and_shape() {
     }
 }
 
+/// Wedges between hexahedra fit together however often they are split, and fill the same volume in equal parts.
+#[test]
+fn wedges_are_split_with_the_hexahedra_beside_them() {
+    let shear = |x: Vec3| Vec3::new(x.x + 0.3 * x.y, x.y + 0.2 * x.z, 0.8 * x.z);
+    let mesh = wedges(bricks([3, 2, 2], shear), |e| e % 6 != 2 && e % 6 != 4);
+    let whole = volumes(&mesh);
+    for count in 1..=2 {
+        let (split, parts) = (straight(mesh.clone(), count), 1 << (3 * count));
+        check::check(&split).unwrap();
+        assert_eq!(split.solids.len(), mesh.solids.len() * parts);
+        for (volume, own) in volumes(&split).iter().zip(whole.iter().flat_map(|own| std::iter::repeat_n(own, parts))) {
+            assert!((volume * parts as f64 / own - 1.0).abs() < 1e-12);
+        }
+        assert_eq!(faces::boundary(&split.solids).len(), split.facets.len());
+        assert_eq!(split.points.len(), straight(bricks([3, 2, 2], shear), count).points.len());
+    }
+}
+
 /// The patch of a shell of radii 0.5 and 1 over the angles 0 to 45 degrees about y and x, which ends in the planes x = 0
 /// and y = 0.
-fn shell(n: usize, tets: bool) -> Mesh {
+fn shell(n: usize, of: &str) -> Mesh {
     let angle = std::f64::consts::FRAC_PI_4;
     let place = |x: Vec3| {
         let way = Vec3::new((angle * x.x).tan(), (angle * x.y).tan(), 1.0);
@@ -140,8 +174,15 @@ fn shell(n: usize, tets: bool) -> Mesh {
     };
     let mut mesh = bricks([n, n, n.div_ceil(2)], place);
     mesh.points.iter_mut().flatten().for_each(|x| *x = if x.abs() < 1e-15 { 0.0 } else { *x });
-    if tets { tetrahedra(mesh) } else { mesh }
+    match of {
+        "tetrahedra" => tetrahedra(mesh),
+        // Every other one of each layer, those of all layers above one another.
+        "wedges" => wedges(mesh, |e| e % (n * n) % 2 == 0),
+        _ => mesh,
+    }
 }
+
+const SHAPES: [&str; 3] = ["hexahedra", "tetrahedra", "wedges"];
 
 fn curved(mesh: Mesh, count: u32) -> Mesh {
     let curves = of_body(&mesh, &["xmin", "ymin"], &Controls::default()).unwrap();
@@ -153,13 +194,13 @@ fn curved(mesh: Mesh, count: u32) -> Mesh {
 #[test]
 fn the_volume_of_a_shell_converges_as_its_patches_promise() {
     let exact = (0.5_f64).asin() * 7.0 / 24.0;
-    for tets in [false, true] {
+    for of in SHAPES {
         for n in [3, 6] {
-            let volume = |count: u32| volumes(&curved(shell(n, tets), count)).iter().sum::<f64>();
+            let volume = |count: u32| volumes(&curved(shell(n, of), count)).iter().sum::<f64>();
             let errors: Vec<f64> = (0..4).map(|count| volume(count) / exact - 1.0).collect();
             let (first, second) = (errors[1] - errors[2], errors[2] - errors[3]);
             let (order, limit) = ((first / second).log2(), errors[3] - second / 3.0);
-            println!("n = {n}, tetrahedra: {tets}: {errors:?}, order {order:.3}, limit {limit:.2e}");
+            println!("n = {n}, {of}: {errors:?}, order {order:.3}, limit {limit:.2e}");
             assert!((order - 2.0).abs() < 0.02, "{order}");
             assert!(limit.abs() < 5e-3 * errors[0].abs(), "{errors:?} {limit}");
         }
@@ -169,9 +210,9 @@ fn the_volume_of_a_shell_converges_as_its_patches_promise() {
 /// New nodes of the round sides lie on the Nagata patches, those of planes in them to the last digit.
 #[test]
 fn round_sides_stay_round_and_planes_plane() {
-    for tets in [false, true] {
+    for of in SHAPES {
         for count in 1..=3 {
-            let split = curved(shell(2, tets), count);
+            let split = curved(shell(2, of), count);
             check::check(&split).unwrap();
             for (side, radius) in [("zmin", 0.5), ("zmax", 1.0)] {
                 let off = |n: &u32| (Vec3::from(split.points[*n as usize]).norm() / radius - 1.0).abs();

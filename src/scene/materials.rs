@@ -180,6 +180,8 @@ impl Scene {
             (SolidShape::Tet4, _) => Formulation::Tet4,
             (SolidShape::Tet10, _) if keeps_volume => Formulation::Tet10Sri,
             (SolidShape::Tet10, _) => Formulation::Tet10,
+            (SolidShape::Wedge6, _) if keeps_volume => Formulation::Wedge6Sri,
+            (SolidShape::Wedge6, _) => Formulation::Wedge6,
             (SolidShape::Hex8, Some(MaterialModel::Plastic { .. })) => Formulation::Hex8Sri,
             (SolidShape::Hex8, _) if keeps_volume => Formulation::Hex8Fbar,
             (SolidShape::Hex8, _) => Formulation::Hex8,

@@ -255,7 +255,7 @@ fn check_block_use(body: &Body) -> Result<()> {
     let name = &body.name.value;
     if let Some(element) = body.element.as_ref().filter(|element| element.value.shape() != SolidShape::Hex8) {
         let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\", \"hex8-eas\" or \"hex8-shell\"";
-        return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, not of tetrahedra"), help));
+        return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, of no others"), help));
     }
     if let Some(reduction) = body.reduction.as_ref().filter(|_| block.value.elements[2] != 1) {
         let layers = block.value.elements[2];

@@ -67,6 +67,52 @@ pub fn block(n: [usize; 3], tetrahedra: bool, place: impl Fn([f64; 3]) -> [f64; 
     render(&names, &points, &elements)
 }
 
+/// A mesh of hexahedra that is extruded along the third of their directions, with `some` of them, by their order, as two wedges.
+pub fn wedges(mesh: &str, some: impl Fn(usize) -> bool) -> String {
+    let (head, elements) = mesh.split_once("$Elements\n").unwrap();
+    let read = |line: &str| -> Vec<usize> { line.split(' ').map(|word| word.parse().unwrap()).collect() };
+    let rows: Vec<Vec<usize>> = elements.lines().skip(1).take_while(|line| !line.starts_with('$')).map(read).collect();
+    let is_cut = |e: usize, row: &[usize]| row[1] == 5 && some(e);
+    let hexahedra = || rows.iter().filter(|row| row[1] == 5).enumerate();
+    let ends = |row: &[usize]| [row[5..9].to_vec(), row[9..13].to_vec()];
+    // The diagonal of each end that is cut, by its sorted nodes.
+    let sorted = |nodes: &[usize]| {
+        let mut nodes = nodes.to_vec();
+        nodes.sort_unstable();
+        nodes
+    };
+    let cut = hexahedra().filter(|(e, row)| is_cut(*e, row)).flat_map(|(_, row)| ends(row));
+    let diagonals: std::collections::HashMap<_, _> = cut.map(|end| (sorted(&end), [end[0], end[2]])).collect();
+    let mut parts: Vec<(usize, Vec<usize>, Vec<usize>)> = Vec::new();
+    for row in rows.iter().filter(|row| row[1] != 5) {
+        let (tags, nodes) = (row[2..5].to_vec(), &row[5..]);
+        match diagonals.get(&sorted(nodes)) {
+            Some([a, _]) => {
+                let at = |k: usize| nodes[(nodes.iter().position(|n| n == a).unwrap() + k) % 4];
+                parts.push((2, tags.clone(), vec![at(0), at(1), at(2)]));
+                parts.push((2, tags, vec![at(0), at(2), at(3)]));
+            }
+            None => parts.push((row[1], tags, nodes.to_vec())),
+        }
+    }
+    for (e, row) in hexahedra() {
+        let tags = row[2..5].to_vec();
+        if is_cut(e, row) {
+            for half in [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]] {
+                parts.push((6, tags.clone(), half.map(|k| row[5 + k]).to_vec()));
+            }
+        } else {
+            parts.push((5, tags, row[5..].to_vec()));
+        }
+    }
+    let mut text = format!("{head}$Elements\n{}\n", parts.len());
+    for (k, (kind, tags, nodes)) in parts.iter().enumerate() {
+        let words: Vec<String> = [&[k + 1, *kind], &tags[..], nodes].concat().iter().map(usize::to_string).collect();
+        let _ = writeln!(text, "{}", words.join(" "));
+    }
+    text + "$EndElements\n"
+}
+
 /// A surface of `n` by `n` quadrilaterals whose normals are the cross product of the two directions of the unit square
 /// that `place` takes to space.
 pub fn surface(n: usize, place: impl Fn(f64, f64) -> [f64; 3]) -> String {

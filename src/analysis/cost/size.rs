@@ -66,17 +66,18 @@ impl Size {
     /// Of a model that has been set up in so many seconds. Collective.
     pub fn new(comm: &SimpleCommunicator, scene: &Scene, model: &Model, seconds: f64) -> Self {
         let work = |(section, (body, material)): (&Section, (usize, &Located<String>))| {
-            let is_layer = model.bodies[body].is_layer();
-            Some(Work::element(section.element, is_layer, scene.material(&material.value)?))
+            let (is_layer, card) = (model.bodies[body].is_layer(), scene.material(&material.value)?);
+            let of = |shape| Work::element(section.element.beside(shape), is_layer, card);
+            Some(SHAPES.map(of))
         };
-        let works: Vec<Option<Work>> = model.sections.iter().zip(scene.sections()).map(work).collect();
+        let works: Vec<Option<[Work; SHAPES.len()]>> = model.sections.iter().zip(scene.sections()).map(work).collect();
         let all = Work::all();
         let mut counts = vec![0.0; all.len()];
-        let [mut hexahedra, mut quadratic] = [0.0; 2];
+        let mut nodes = 0.0;
         for solid in &model.part.solids {
-            hexahedra += f64::from(solid.shape == SolidShape::Hex8 && solid.mine);
-            quadratic += f64::from(solid.shape == SolidShape::Tet10 && solid.mine);
-            let (work, section) = (works[solid.section as usize], model.section(solid));
+            let shape = SHAPES.iter().position(|shape| *shape == solid.shape).unwrap_or_default();
+            nodes += if solid.mine { 1.0 / THIN[shape] } else { 0.0 };
+            let (work, section) = (works[solid.section as usize].map(|of| of[shape]), model.section(solid));
             // Time goes with the points through the thickness; the rates are of as many as are usual.
             let times = match section.element {
                 Formulation::Hex8Shell => section.layers as f64 / hex8_shell::usual_layers(&section.material) as f64,
@@ -85,17 +86,11 @@ impl Size {
             counts.iter_mut().zip(&all).filter(|(_, kind)| Some(**kind) == work).for_each(|(count, _)| *count += times);
         }
         let slaves = model.pairs.iter().map(|pair| pair.slaves.len()).sum::<usize>() as f64;
-        let (mut sums, mut most) = ([hexahedra, quadratic, resident_mb()], [slaves, seconds]);
+        let (mut sums, mut most) = ([nodes, resident_mb()], [slaves, seconds]);
         sum(comm, &mut sums);
         max(comm, &mut most);
         max(comm, &mut counts);
-        let [hexahedra, quadratic, megabytes] = sums;
-        let (nodes, solids) = (model.part.total_nodes as f64, model.part.total_solids as f64);
-        let of_a_node = match () {
-            _ if hexahedra > 0.5 * solids => THIN_HEXAHEDRA,
-            _ if quadratic > 0.5 * solids => THIN_QUADRATIC,
-            _ => THIN_TETRAHEDRA,
-        };
+        let [nodes, megabytes] = sums;
         let some = |is: &dyn Fn(&Pair) -> bool| model.pairs.iter().any(is);
         Self {
             ranks: f64::from(comm.size()),
@@ -106,18 +101,17 @@ impl Size {
             meets_bodies: some(&|pair| pair.master.surface().is_some()),
             meets_itself: some(&|pair| pair.is_self()),
             plane: model.is_plane(),
-            thin: !model.is_plane() && solids < of_a_node * nodes,
+            thin: !model.is_plane() && nodes < model.part.total_nodes as f64,
             megabytes,
             seconds: most[1],
         }
     }
 }
 
-/// Elements a node below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three 3/4.
-const THIN_HEXAHEDRA: f64 = 0.75;
-const THIN_TETRAHEDRA: f64 = 3.5;
-/// Of quadratic tetrahedra there are 0.75 a node in large bodies.
-const THIN_QUADRATIC: f64 = 0.5;
+const SHAPES: [SolidShape; 4] = [SolidShape::Hex8, SolidShape::Wedge6, SolidShape::Tet4, SolidShape::Tet10];
+/// Elements a node, of each shape, below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three
+/// 3/4, of wedges twice as many. Of quadratic tetrahedra there are 0.75 a node in large bodies.
+const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 3.5, 0.5];
 
 impl Systems {
     /// Of a step with these equations, not analysed. Collective.

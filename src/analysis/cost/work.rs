@@ -112,6 +112,7 @@ impl Work {
                 let of_shape = match (k, plane) {
                     ("tet4", _) => 600.0,
                     ("tet10" | "tet10-sri", _) => 3000.0,
+                    ("wedge6" | "wedge6-sri", _) => 1800.0,
                     ("hex8-fbar", false) => 5000.0,
                     ("hex8-eas" | "hex8-shell", false) => 16_000.0,
                     (_, false) => 3300.0,

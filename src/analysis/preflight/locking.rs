@@ -4,13 +4,28 @@
 use crate::error::{Error, Result};
 use crate::mesh::SolidShape;
 use crate::model::Model;
-use crate::parallel::max;
+use crate::parallel::{max, sum};
 use crate::scene::{Formulation, MaterialModel, Scene};
 use mpi::topology::SimpleCommunicator;
 
 /// Poisson's ratio below which the enhanced strain of compressed elements buckles. Under a sphere that presses a block by a
 /// twentieth the methods of contact find one solution to -0.9, different ones from -0.95 on.
 const AUXETIC: f64 = -0.9;
+
+/// Share of the elements of a section that may be wedges where volume is nearly kept (docs/validation/elements.md).
+const MANY: f64 = 0.3;
+
+/// The share of wedges among the elements of each section. Collective.
+fn shares_of_wedges(comm: &SimpleCommunicator, model: &Model) -> Vec<f64> {
+    let mut counts = vec![[0.0; 2]; model.sections.len()];
+    for solid in model.part.solids.iter().filter(|solid| solid.mine) {
+        let [all, wedges] = &mut counts[solid.section as usize];
+        *all += 1.0;
+        *wedges += f64::from(solid.shape == SolidShape::Wedge6);
+    }
+    sum(comm, counts.as_flattened_mut());
+    counts.iter().map(|[all, wedges]| wedges / all.max(1.0)).collect()
+}
 
 /// Warns of bodies whose elements lock. Collective.
 ///
@@ -21,7 +36,10 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let linear = model.part.solids.iter().filter(|solid| solid.shape == SolidShape::Tet4);
     linear.for_each(|solid| has[solid.section as usize] = 1.0);
     max(comm, &mut has);
-    for ((section, (b, material)), has_tets) in model.sections.iter().zip(scene.sections()).zip(has) {
+    let wedges = shares_of_wedges(comm, model);
+    for (((section, (b, material)), has_tets), wedges) in
+        model.sections.iter().zip(scene.sections()).zip(has).zip(wedges)
+    {
         let (body, card) = (&scene.bodies[b], scene.material(&material.value));
         let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
         let poisson = elastic.map_or(0.0, MaterialModel::poisson);
@@ -48,8 +66,17 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
                  hexahedra, or with tetrahedra of second order"
             ));
         }
+        if wedges > MANY {
+            model.warnings.push(format!(
+                "body `{name}`: {:.0} % of its elements are wedges, which are too stiff for a material {reason} where there are \
+                 few hexahedra between them: recombine the surface that is swept to quadrilaterals, and leave wedges where it \
+                 must have triangles",
+                100.0 * wedges
+            ));
+        }
         let cures = match section.element {
             Formulation::Hex8 => "\"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"",
+            Formulation::Wedge6 => "\"wedge6-sri\"",
             Formulation::Tet10 => "\"tet10-sri\"",
             _ => continue,
         };

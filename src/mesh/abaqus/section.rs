@@ -22,7 +22,7 @@ impl Deck {
     /// # Errors
     /// Others than those of four nodes, or nodes off the plane z = 0.
     pub(super) fn draw_out(&mut self, source: &str) -> Result<bool> {
-        let is_solid = |shape| matches!(shape, CellShape::Hex | CellShape::Tet | CellShape::Tet10);
+        let is_solid = |shape| matches!(shape, CellShape::Hex | CellShape::Wedge | CellShape::Tet | CellShape::Tet10);
         let scopes = || self.scopes.iter().chain(&self.parts);
         if scopes().flat_map(|scope| &scope.cells).any(|cell| is_solid(cell.shape))
             || !scopes().any(|scope| scope.of_kind(DRAWN).next().is_some())

@@ -296,3 +296,23 @@ proptest! {
         let _ = read(Path::new("deck.inp"), "deck.inp", data, true);
     }
 }
+
+/// The faces of C3D6 in the order of the manual: Abaqus, "Three-dimensional solid element library", "Element faces".
+#[test]
+fn faces_of_wedges() {
+    const FACES: [&[u64]; 5] = [&[1, 2, 3], &[4, 5, 6], &[1, 2, 4, 5], &[2, 3, 5, 6], &[1, 3, 4, 6]];
+    let mut deck = String::from(
+        "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,0,1\n6,0,1,1\n*ELEMENT, TYPE=C3D6, ELSET=ALL\n7,1,2,3,4,5,6\n",
+    );
+    (1..=5).for_each(|k| deck += &format!("*SURFACE, NAME=FACE{k}\nALL, S{k}\n"));
+    let mesh = parse(&deck).unwrap();
+    for (k, nodes) in FACES.iter().enumerate() {
+        let group = &mesh.groups[&format!("FACE{}", k + 1)].group;
+        let facet = mesh.mesh.facets[group.facets[0] as usize];
+        let mut found: Vec<u64> = facet.nodes().iter().map(|&n| mesh.mesh.point_ids[n as usize]).collect();
+        found.sort_unstable();
+        assert_eq!(found, *nodes);
+    }
+    let text = message_of(&deck.replace("S5", "S6"));
+    assert!(text.contains("element 7 has 5 faces, no S6"), "{text}");
+}

@@ -290,11 +290,11 @@ impl Gmsh<'_> {
             3 => return Ok(CellShape::Quad),
             4 => return Ok(CellShape::Tet),
             5 => return Ok(CellShape::Hex),
+            6 => return Ok(CellShape::Wedge),
             8 => return Ok(CellShape::Line3),
             9 => return Ok(CellShape::Triangle6),
             11 => return Ok(CellShape::Tet10),
             15 => return Ok(CellShape::Point),
-            6 => ("6-node wedges", LINEAR),
             7 => ("5-node pyramids", LINEAR),
             10 | 16 => ("second-order quadrilaterals", ORDER),
             12 | 17 => ("second-order hexahedra", ORDER),
@@ -376,7 +376,7 @@ impl Listed {
 
 const VERSIONS: &str = "save it as version 4.1 or 2.2";
 const ORDER: &str = "of second order are read lines, triangles and tetrahedra alone: mesh with these, or with order 1";
-const LINEAR: &str = "use linear hexahedra, or tetrahedra, and triangles or quadrilaterals on surfaces";
+const LINEAR: &str = "use linear hexahedra, wedges or tetrahedra, and triangles or quadrilaterals on surfaces";
 
 /// From the order of Gmsh to that of [`CellShape`].
 fn order(cell: &mut Cell) {
@@ -402,6 +402,6 @@ fn dimension(shape: CellShape) -> i64 {
         CellShape::Point => 0,
         CellShape::Line | CellShape::Line3 => 1,
         CellShape::Triangle | CellShape::Quad | CellShape::Triangle6 => 2,
-        CellShape::Tet | CellShape::Hex | CellShape::Tet10 => 3,
+        CellShape::Tet | CellShape::Hex | CellShape::Wedge | CellShape::Tet10 => 3,
     }
 }

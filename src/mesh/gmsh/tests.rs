@@ -285,7 +285,6 @@ fn errors_name_line_and_column() {
 #[test]
 fn types_that_are_not_read_are_named_with_their_element() {
     for (kind, name, help) in [
-        (6, "6-node wedges", "use linear"),
         (7, "5-node pyramids", "use linear"),
         (13, "second-order wedges", "or with order 1"),
         (17, "second-order hexahedra", "or with order 1"),

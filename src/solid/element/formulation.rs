@@ -16,6 +16,10 @@ pub enum Formulation {
     Hex8Eas,
     /// 8-node hexahedron for thin sheets, one layer of which bends: assumed transverse strains, enhanced strain.
     Hex8Shell,
+    /// 6-node wedge, full 3x2 integration.
+    Wedge6,
+    /// 6-node wedge with the mean change of volume.
+    Wedge6Sri,
     /// 4-node tetrahedron.
     Tet4,
     /// 10-node tetrahedron, four integration points.
@@ -29,12 +33,14 @@ impl Formulation {
     pub const LAYERS: RangeInclusive<usize> = 2..=9;
 
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Hex8,
         Self::Hex8Fbar,
         Self::Hex8Sri,
         Self::Hex8Eas,
         Self::Hex8Shell,
+        Self::Wedge6,
+        Self::Wedge6Sri,
         Self::Tet4,
         Self::Tet10,
         Self::Tet10Sri,
@@ -44,8 +50,22 @@ impl Formulation {
     pub fn shape(self) -> SolidShape {
         match self {
             Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas | Self::Hex8Shell => SolidShape::Hex8,
+            Self::Wedge6 | Self::Wedge6Sri => SolidShape::Wedge6,
             Self::Tet4 => SolidShape::Tet4,
             Self::Tet10 | Self::Tet10Sri => SolidShape::Tet10,
+        }
+    }
+
+    /// That of the elements of a shape where others of their body have this one. What locks in volume stands beside what does,
+    /// what does not beside what does not.
+    pub fn beside(self, shape: SolidShape) -> Self {
+        match shape {
+            _ if shape == self.shape() => self,
+            SolidShape::Hex8 => Self::Hex8,
+            SolidShape::Wedge6 if self == Self::Hex8 => Self::Wedge6,
+            SolidShape::Wedge6 => Self::Wedge6Sri,
+            SolidShape::Tet4 => Self::Tet4,
+            SolidShape::Tet10 => Self::Tet10,
         }
     }
 
@@ -57,6 +77,8 @@ impl Formulation {
             Self::Hex8Sri => "hex8-sri",
             Self::Hex8Eas => "hex8-eas",
             Self::Hex8Shell => "hex8-shell",
+            Self::Wedge6 => "wedge6",
+            Self::Wedge6Sri => "wedge6-sri",
             Self::Tet4 => "tet4",
             Self::Tet10 => "tet10",
             Self::Tet10Sri => "tet10-sri",

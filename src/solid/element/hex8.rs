@@ -4,7 +4,9 @@
 //! face. N_a = (1 + xi_a xi)(1 + eta_a eta)(1 + zeta_a zeta) / 8. Locks in volume when nearly incompressible: see
 //! [`super::hex8_fbar`].
 
-use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian};
+use super::{
+    ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian, parameters,
+};
 use crate::Vec3;
 
 /// Integration points.
@@ -116,23 +118,7 @@ pub fn min_jacobian(x: &[[f64; 3]; 8]) -> f64 {
 
 /// Parameters of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.
 pub fn parameters(x: &[[f64; 3]; 8], point: &Vec3) -> Option<[f64; 3]> {
-    const ITERATIONS: usize = 30;
-    const FAR: f64 = 8.0;
-    const ENOUGH: f64 = 1e-13;
-    let mut at = Vec3::zeros();
-    for _ in 0..ITERATIONS {
-        let (values, gradients) = shape(at.x, at.y, at.z);
-        let place: Vec3 = values.iter().zip(x).map(|(value, x)| *value * Vec3::from(*x)).sum();
-        let step = jacobian(x, &gradients).try_inverse()? * (point - place);
-        at += step;
-        if at.amax() > FAR || !step.amax().is_finite() {
-            return None;
-        }
-        if step.amax() < ENOUGH {
-            return Some(at.into());
-        }
-    }
-    None
+    parameters::find(x, point, [0.0; 3], |[xi, eta, zeta]| shape(xi, eta, zeta))
 }
 
 /// Consistent nodal forces of a force per reference volume.

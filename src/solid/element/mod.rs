@@ -14,7 +14,8 @@
 //! for Plasticity.)
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
-//! reference state; [`hex8::min_jacobian`], [`tet10::min_jacobian`] and [`tet4::volume`] tell.
+//! reference state; [`hex8::min_jacobian`], [`wedge6::min_jacobian`],
+//! [`tet10::min_jacobian`] and [`tet4::volume`] tell.
 //!
 //! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
 //! makes the new ones when an increment is accepted. Each element gives its integration points as [`Sample`]s, over which
@@ -27,11 +28,14 @@ pub mod hex8_eas;
 pub mod hex8_fbar;
 pub mod hex8_shell;
 pub mod hex8_sri;
+mod parameters;
 pub mod plane4;
 pub mod ring4;
 pub mod tet10;
 pub mod tet10_sri;
 pub mod tet4;
+pub mod wedge6;
+pub mod wedge6_sri;
 
 use super::material::{Material, State};
 use super::voigt::{INDEX, Voigt, logarithmic_strain};
@@ -376,3 +380,5 @@ pub fn advance(samples: &[Sample], material: &Material, states: &mut [State]) ->
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_on_wedges;

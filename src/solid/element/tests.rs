@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::scene::{Hardening, Hill, Isochoric, MaterialModel};
 use nalgebra::{DMatrix, DVector};
 
-const CUBE: [[f64; 3]; 8] = [
+pub(super) const CUBE: [[f64; 3]; 8] = [
     [0.0, 0.0, 0.0],
     [1.0, 0.0, 0.0],
     [1.0, 1.0, 0.0],
@@ -17,10 +17,10 @@ const CUBE: [[f64; 3]; 8] = [
 ];
 const CORNER: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-type Nodes<const N: usize> = [[f64; 3]; N];
-type Hex = fn(&Nodes<8>, &Nodes<8>, Medium, bool, &mut ElementMatrices<24>) -> Result<(), Inverted>;
+pub(super) type Nodes<const N: usize> = [[f64; 3]; N];
+pub(super) type Hex = fn(&Nodes<8>, &Nodes<8>, Medium, bool, &mut ElementMatrices<24>) -> Result<(), Inverted>;
 type HexSamples = fn(&Nodes<8>, &Nodes<8>, Medium) -> Result<[Sample; 8], Inverted>;
-const HEXES: [Hex; 4] = [hex8::evaluate, hex8_fbar::evaluate, hex8_sri::evaluate, hex8_eas::evaluate];
+pub(super) const HEXES: [Hex; 4] = [hex8::evaluate, hex8_fbar::evaluate, hex8_sri::evaluate, hex8_eas::evaluate];
 /// The integration points of the same.
 const SAMPLES: [HexSamples; 4] = [
     |x0, u, _| hex8::samples(x0, u),
@@ -31,7 +31,7 @@ const SAMPLES: [HexSamples; 4] = [
 /// Those whose forces derive from an energy.
 const WITH_ENERGY: [usize; 3] = [0, 2, 3];
 
-fn materials() -> [Material; 5] {
+pub(super) fn materials() -> [Material; 5] {
     let rubber = |law| Material::new(&MaterialModel::Hyperelastic { law, bulk: 20.0 });
     [
         Material::new(&MaterialModel::NeoHookean { young: 10.0, poisson: 0.3 }),
@@ -84,7 +84,7 @@ fn tet10_case(random: &mut Random) -> (Nodes<10>, Nodes<10>) {
     (add(&quadratic(&CORNER), &random.points(0.06)), random.points(0.06))
 }
 
-fn matrices<const N: usize, const D: usize>(
+pub(super) fn matrices<const N: usize, const D: usize>(
     element: impl Fn(&Nodes<N>, &Nodes<N>, Medium, bool, &mut ElementMatrices<D>) -> Result<(), Inverted>,
     x0: &Nodes<N>,
     u: &Nodes<N>,
@@ -99,14 +99,14 @@ fn matrices<const N: usize, const D: usize>(
 }
 
 /// `u` with degree of freedom `dof` moved by `t`.
-fn moved<const N: usize>(u: &Nodes<N>, dof: usize, t: f64) -> Nodes<N> {
+pub(super) fn moved<const N: usize>(u: &Nodes<N>, dof: usize, t: f64) -> Nodes<N> {
     let mut u = *u;
     u[dof / 3][dof % 3] += t;
     u
 }
 
 /// Relative error of the tangent against differences of the residual.
-fn tangent_error<const N: usize, const D: usize>(
+pub(super) fn tangent_error<const N: usize, const D: usize>(
     element: impl Fn(&Nodes<N>, &Nodes<N>, Medium, bool, &mut ElementMatrices<D>) -> Result<(), Inverted>,
     x0: &Nodes<N>,
     u: &Nodes<N>,

@@ -6,7 +6,9 @@
 //! strain and stress. Edges may be curved. Locks in volume when nearly incompressible, less than [`super::tet4`]: see
 //! [`super::tet10_sri`].
 
-use super::{ElementMatrices, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian, tet4};
+use super::{
+    ElementMatrices, Gradients, Inverted, Medium, Point, Sample, deform, integrate, jacobian, parameters, tet4,
+};
 use crate::Vec3;
 
 /// Integration points.
@@ -124,23 +126,10 @@ pub fn min_jacobian(x: &[[f64; 3]; 10]) -> f64 {
 /// Barycentric coordinates of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near
 /// the element.
 pub fn parameters(x: &[[f64; 3]; 10], point: &Vec3) -> Option<[f64; 4]> {
-    const ITERATIONS: usize = 30;
-    const FAR: f64 = 8.0;
-    const ENOUGH: f64 = 1e-13;
-    let mut at = tet4::shape(&std::array::from_fn(|a| x[a]), point)?;
-    for _ in 0..ITERATIONS {
-        let place: Vec3 = shape(&at).iter().zip(x).map(|(value, x)| *value * Vec3::from(*x)).sum();
-        let step = jacobian(x, &gradients(&at)).try_inverse()? * (point - place);
-        (0..3).for_each(|m| at[m + 1] += step[m]);
-        at[0] = 1.0 - at[1] - at[2] - at[3];
-        if !at.iter().all(|b| b.abs() <= FAR) {
-            return None;
-        }
-        if step.amax() < ENOUGH {
-            return Some(at);
-        }
-    }
-    None
+    let [_, start @ ..] = tet4::shape(&std::array::from_fn(|a| x[a]), point)?;
+    let barycentric = |[xi, eta, zeta]: [f64; 3]| [1.0 - xi - eta - zeta, xi, eta, zeta];
+    let found = parameters::find(x, point, start, |at| (shape(&barycentric(at)), gradients(&barycentric(at))));
+    found.map(barycentric)
 }
 
 /// Consistent nodal forces of a force per reference volume: none, or against it, at the corners of a straight element.

@@ -1,0 +1,243 @@
+//! Wedges between hexahedra: convergence and volume beside hexahedra alone, faces of three and of four nodes in contact and tied,
+//! ranks and restarts, a deck of both, and what is refused. Closed forms of homogeneous states are in `elasticity`.
+
+mod common;
+
+use common::{Bench, Run, assert_close, assert_small, deck, msh};
+use std::f64::consts::PI;
+use std::fmt::Write;
+
+/// A quarter of a tube of radii 1 and 2 in plane strain, under inner pressure; `u(r) = (1 + nu) p / 3E ((1 - 2 nu) r + 4 / r)`. With
+/// every eighth hexahedron as two wedges its error (rms) is at most twice that of hexahedra alone, and falls as that does.
+#[test]
+fn a_filled_tube_converges_as_one_of_hexahedra() {
+    let (young, p) = (100.0, 0.01);
+    let place = |[r, t, z]: [f64; 3]| {
+        let (sine, cosine) = (0.5 * PI * t).sin_cos();
+        [(1.0 + r) * cosine, (1.0 + r) * sine, 0.2 * z].map(|x| if x.abs() < 1e-12 { 0.0 } else { x })
+    };
+    for (element, poisson) in [("hex8", 0.3), ("hex8-fbar", 0.4999)] {
+        let mut scene = format!("[material.m]\nmodel = \"hooke\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
+        let (mut fix, mut pressure) = (String::new(), String::new());
+        let sizes = [6, 12];
+        let bodies: Vec<String> = sizes.iter().flat_map(|n| ["hex", "mix"].map(|kind| format!("{kind}{n}"))).collect();
+        for body in &bodies {
+            let _ = writeln!(scene, "[body.{body}]\nmesh = \"{body}.msh\"\nmaterial = \"m\"\nelement = \"{element}\"");
+            for (side, axis) in [("ymin", "y"), ("ymax", "x"), ("zmin", "z"), ("zmax", "z")] {
+                let _ = write!(fix, "{{ set = \"{body}.{side}\", directions = \"{axis}\" }}, ");
+            }
+            let _ = write!(pressure, "{{ set = \"{body}.xmin\", value = {p:?} }}, ");
+        }
+        let bench = Bench::new(&format!("{scene}[[step]]\nincrements = 1\nfix = [{fix}]\npressure = [{pressure}]\n"));
+        for n in sizes {
+            let mesh = msh::block([n, n, 1], false, place);
+            bench.write(&format!("mix{n}.msh"), &msh::wedges(&mesh, |e| (3 * (e % n) + 5 * (e / n)) % 8 == 0));
+            bench.write(&format!("hex{n}.msh"), &mesh);
+        }
+        let run = bench.solve(2, &[]);
+        let error = |body: &String| {
+            let grid = format!("body.{body}");
+            let (points, moved) = (run.points(&grid), run.vectors(1, &grid, "displacement"));
+            let off = |(x, u): (&[f64; 3], &[f64; 3])| {
+                let r = x[0].hypot(x[1]);
+                let exact = (1.0 + poisson) * p / (3.0 * young) * ((1.0 - 2.0 * poisson) * r + 4.0 / r);
+                ((x[0] * u[0] + x[1] * u[1]) / r / exact - 1.0).powi(2)
+            };
+            (points.iter().zip(&moved).map(off).sum::<f64>() / points.len() as f64).sqrt()
+        };
+        let found: Vec<f64> = bodies.iter().map(error).collect();
+        println!("{element}, {poisson}: {found:?}");
+        let [hex, mix, fine_hex, fine_mix] = found[..] else { panic!() };
+        assert!(mix < 2.0 * hex && fine_mix < 2.0 * fine_hex && fine_mix < 0.25 * mix, "{found:?}");
+    }
+}
+
+/// A cube between plates that hold it, of hexahedra and with a third of them as wedges that stand across the load.
+fn cube(n: usize) -> Bench {
+    // The mesh is extruded along its z, which lies along x here.
+    let place = |[x, y, z]: [f64; 3]| [z, x, y];
+    let mut scene = String::from(
+        "material.rubber = { model = \"neo-hookean\", young = 1.0, poisson = 0.4999 }\n\
+         material.metal = { model = \"j2\", young = 1000.0, poisson = 0.3, yield_stress = 1.0, hardening = { linear = 1.0 } }\n",
+    );
+    let (mut fix, mut moved, mut sets) = (String::new(), String::new(), String::new());
+    for (mesh, material) in [("hex", "rubber"), ("mix", "rubber"), ("hex", "metal"), ("mix", "metal")] {
+        let body = format!("{mesh}-{material}");
+        let _ = writeln!(scene, "body.{body} = {{ mesh = \"{mesh}.msh\", material = \"{material}\" }}");
+        for (side, axis) in [("zmin", "x"), ("xmin", "y"), ("ymin", "z"), ("ymax", "xy")] {
+            let _ = write!(fix, "{{ set = \"{body}.{side}\", directions = \"{axis}\" }}, ");
+        }
+        let _ = write!(moved, "{{ target = \"{body}.ymax\", by = [0.0, 0.0, -0.05], directions = \"z\" }}, ");
+        let _ = write!(sets, "\"{body}.ymax\", \"{body}.ymin\", ");
+    }
+    let step = |name: &str| format!("[[step]]\nname = \"{name}\"\nincrements = 2\nfix = [{fix}]\nmove = [{moved}]\n");
+    let output = format!("[output]\nevery = 4\nhistory = [{sets}]\ncheckpoint = {{ minutes = 60.0 }}\n");
+    let bench = Bench::new(&(scene + &step("press") + &step("on") + &output));
+    let mesh = msh::block([n, n, n], false, place);
+    bench.write("mix.msh", &msh::wedges(&mesh, |e| (e % n + 2 * (e / n % n)) % 3 == 0));
+    bench.write("hex.msh", &mesh);
+    bench
+}
+
+/// Hexahedra with full integration would take 20 times the force of the rubber, and twice that of the metal.
+#[test]
+fn filled_meshes_keep_their_volume_without_locking() {
+    let bench = cube(4);
+    let run = bench.solve(1, &[]);
+    let history = run.history();
+    let force = |body: &str| history.last(&format!("{body}.ymax.fz"));
+    for (material, exact, most) in [("rubber", -0.1386, 0.07), ("metal", -1.329, 0.05)] {
+        let [hex, mix] = ["hex", "mix"].map(|mesh| force(&format!("{mesh}-{material}")));
+        assert_close("hexahedra", hex, exact, 0.03);
+        assert_close("filled", mix, exact, most);
+        let foot = history.last(&format!("mix-{material}.ymin.fz"));
+        assert_small("balance", foot / mix + 1.0, 1e-8);
+    }
+    assert!(run.log().contains("body `mix-metal`: 55 % of its elements are wedges"), "{}", run.log());
+    // Rounding decides on the last iteration.
+    let same = |what: &str, other: Run| {
+        assert_small(what, other.history().without("iterations").difference(&history), 1e-8);
+    };
+    same("two ranks", bench.solve(2, &[]));
+    let first = bench.solve(2, &["--steps", "1"]);
+    let (scene, out) = (bench.path("scene.toml"), first.out.to_str().unwrap());
+    let on = common::nagata(
+        &bench.path(""),
+        1,
+        &["run", scene.to_str().unwrap(), "--out", out, "--restart"],
+        first.out.clone(),
+    );
+    assert_eq!(on.code, 0, "{}", on.stderr);
+    same("restarted", on);
+}
+
+/// Two blocks of unlike filled meshes between smooth walls, of which the seam has triangles and quadrilaterals on both sides,
+/// distorted within it by `most`.
+fn blocks(joint: &str, [lower, upper]: [usize; 2], most: f64) -> Bench {
+    let bench = Bench::new(&format!(
+        r#"
+        [body.lower]
+        mesh = "lower.msh"
+        material = "soft"
+        [body.upper]
+        mesh = "upper.msh"
+        material = "soft"
+        element = "hex8-sri"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        {joint}
+        [[step]]
+        increments = 2
+        fix = [
+            {{ set = "lower.zmin", directions = "z" }},
+            {{ set = "lower.xmin", directions = "x" }}, {{ set = "lower.xmax", directions = "x" }},
+            {{ set = "upper.xmin", directions = "x" }}, {{ set = "upper.xmax", directions = "x" }},
+            {{ set = "lower.ymin", directions = "y" }}, {{ set = "lower.ymax", directions = "y" }},
+            {{ set = "upper.ymin", directions = "y" }}, {{ set = "upper.ymax", directions = "y" }},
+        ]
+        move = [{{ target = "upper.zmax", by = [0.0, 0.0, -1.0], directions = "z" }}]
+        "#
+    ));
+    let askew = |s: f64, t: f64| s + most * (PI * s).sin() * (2.0 * PI * t).sin();
+    for (name, n, from, odd) in [("lower", lower, 0.0, 0), ("upper", upper, 10.0, 1)] {
+        let place = |[s, t, r]: [f64; 3]| [10.0 * askew(s, t), 10.0 * askew(t, s), from + 10.0 * r];
+        let mesh = msh::block([n, n, 2], false, place);
+        bench.write(&format!("{name}.msh"), &msh::wedges(&mesh, |e| (e % n + e / n % n) % 2 == odd));
+    }
+    bench
+}
+
+/// Even stress passes through a seam of triangles and quadrilaterals over others, from segment to segment, and tied; but for
+/// rounding where segments are integrated exactly, which the shape functions of distorted quadrilaterals are not.
+#[test]
+fn faces_of_three_and_four_nodes_pass_an_even_stress_on() {
+    let contact = "[contact.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"\ndiscretization = ";
+    for (joint, meshes, ranks, distorted, tolerance) in [
+        (format!("{contact}\"segment\""), [3, 4], 1, 0.0, 1e-12),
+        (format!("{contact}\"segment\"\nfriction = 0.3"), [4, 3], 2, 0.05, 1e-6),
+        ("[tie.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"".to_string(), [3, 4], 2, 0.05, 1e-10),
+    ] {
+        let run = blocks(&joint, meshes, distorted).solve(ranks, &[]);
+        let off = ["body.lower", "body.upper"].map(|grid| {
+            let moved = run.vectors(run.written(), grid, "displacement");
+            let off = |(x, u): (&[f64; 3], &[f64; 3])| u[0].abs().max(u[1].abs()).max((u[2] + 0.05 * x[2]).abs());
+            run.points(grid).iter().zip(&moved).map(off).fold(0.0, f64::max)
+        });
+        assert_small(&format!("{joint} {meshes:?}"), off[0].max(off[1]), tolerance);
+    }
+}
+
+/// A deck of hexahedra and wedges under pressure on all of its surface, which names no faces: it shrinks alike along all axes.
+#[test]
+fn a_deck_of_hexahedra_and_wedges_is_converted() {
+    let (young, poisson, p) = (1000.0, 0.3, 1e-3);
+    let cubes = deck([2, 2, 1]);
+    let cut = |line: &str| {
+        let n: Vec<&str> = line.split(", ").collect();
+        let wedge = |id: &str, k: [usize; 6]| format!("{id}, {}\n", k.map(|k| n[k]).join(", "));
+        wedge("102", [1, 2, 3, 5, 6, 7]) + &wedge("105", [1, 3, 4, 5, 7, 8])
+    };
+    let line = cubes.lines().find(|line| line.starts_with("102, ") && line.len() > 12).unwrap();
+    let mesh = cubes.replace(&format!("{line}\n"), "").replace(
+        "*NSET, NSET=edge",
+        &format!("*ELEMENT, TYPE=C3D6\n{}*ELSET, ELSET=EALL, GENERATE\n101, 105\n*NSET, NSET=edge", cut(line)),
+    );
+    let text = format!(
+        "{mesh}*SURFACE, NAME=SKIN\nEALL\n*MATERIAL, NAME=M\n*ELASTIC\n{young:?}, {poisson:?}\n\
+         *SOLID SECTION, ELSET=EALL, MATERIAL=M\n*BOUNDARY\n1, 1, 3\nEDGE, 2, 3\n7, 3\n\
+         *STEP, NLGEOM\n*STATIC\n1.0, 1.0\n*DSLOAD\nSKIN, P, {p:?}\n*END STEP\n"
+    );
+    let bench = Bench::new("");
+    std::fs::remove_file(bench.path("scene.toml")).unwrap();
+    bench.write("deck.inp", &text);
+    let (from, to) = (bench.path("deck.inp"), bench.path("scene.toml"));
+    nagata::convert::convert(&from, Some(&to)).unwrap();
+    let run = bench.solve(2, &[]);
+    let scene = std::fs::read_to_string(to).unwrap();
+    let body = scene.split("[body.").nth(1).and_then(|rest| rest.split(']').next()).unwrap();
+    let (points, moved) =
+        (run.points(&format!("body.{body}")), run.vectors(run.written(), &format!("body.{body}"), "displacement"));
+    let shrinks = p * (1.0 - 2.0 * poisson) / young;
+    for (x, u) in points.iter().zip(&moved) {
+        (0..3).for_each(|d| assert_small("displacement", (u[d] + shrinks * x[d]) / shrinks, 1e-5));
+    }
+    // Of a wedge, code 8, VTK sees both triangles clockwise from inside.
+    let cells = run.field(&format!("grids/body_{body}/cells"));
+    let (mut rest, mut wedges) = (&cells[..], 0);
+    while let [code, nodes @ ..] = rest {
+        let (cell, others) = nodes.split_at(if *code == 8.0 { 6 } else { 8 });
+        let at = |k: usize| nagata::Vec3::from(points[cell[k] as usize]);
+        if cell.len() == 6 {
+            assert!((at(1) - at(0)).cross(&(at(2) - at(0))).dot(&(at(3) - at(0))) < 0.0);
+            wedges += 1;
+        }
+        rest = others;
+    }
+    assert_eq!(wedges, 2);
+}
+
+/// What wedges are not for, in one line of a scene of filled meshes each.
+#[test]
+fn what_wedges_are_not_for_is_refused() {
+    let said = |settings: &[&str]| {
+        let bench = blocks("", [2, 2], 0.0);
+        let (out, scene) = (bench.path("out"), bench.path("scene.toml"));
+        let set = settings.iter().flat_map(|setting| ["--set", setting]);
+        let all: Vec<&str> = ["check", scene.to_str().unwrap()].into_iter().chain(set).collect();
+        let run = common::nagata(&bench.path(""), 2, &all, out);
+        (run.code, run.stdout + &run.stderr)
+    };
+    for (settings, told) in [
+        (&["body.upper.element=\"hex8-shell\""][..], "solid-shell elements are hexahedra alone"),
+        (&["body.upper.element=\"wedge6\""], "the mesh of body `upper` has hexahedra and wedges"),
+        (&["body.lower.plane_strain=true"], "needs one layer of hexahedra along z: element"),
+    ] {
+        let (code, text) = said(settings);
+        assert!(code == 2 && text.contains(told), "{settings:?}: {code}\n{text}");
+    }
+    let (code, text) = said(&[]);
+    assert!(code == 0 && text.contains("body `lower`: hex8 and wedge6,"), "{text}");
+    assert!(text.contains("body `upper`: hex8-sri and wedge6-sri,"), "{text}");
+}
