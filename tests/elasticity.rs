@@ -97,7 +97,7 @@ fn bodies(n: [usize; 3], increments: usize, conditions: &[(&str, &str)]) -> Benc
 
 /// Hexahedra, every other one of a layer as two wedges.
 fn filled(n: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> String {
-    msh::wedges(&msh::block(n, false, place), |e| e % (n[0] * n[1]) % 2 == 0)
+    msh::wedges(&msh::block(n, false, place), |e| (e % (n[0] * n[1])).is_multiple_of(2))
 }
 
 /// The unit cube to the block; what is inside is moved about, and so are the points of a side within it.

@@ -177,7 +177,7 @@ fn shell(n: usize, of: &str) -> Mesh {
     match of {
         "tetrahedra" => tetrahedra(mesh),
         // Every other one of each layer, those of all layers above one another.
-        "wedges" => wedges(mesh, |e| e % (n * n) % 2 == 0),
+        "wedges" => wedges(mesh, |e| (e % (n * n)).is_multiple_of(2)),
         _ => mesh,
     }
 }
