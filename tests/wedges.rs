@@ -74,7 +74,7 @@ fn cube(n: usize) -> Bench {
     let output = format!("[output]\nevery = 4\nhistory = [{sets}]\ncheckpoint = {{ minutes = 60.0 }}\n");
     let bench = Bench::new(&(scene + &step("press") + &step("on") + &output));
     let mesh = msh::block([n, n, n], false, place);
-    bench.write("mix.msh", &msh::wedges(&mesh, |e| (e % n + 2 * (e / n % n)) % 3 == 0));
+    bench.write("mix.msh", &msh::wedges(&mesh, |e| (e % n + 2 * (e / n % n)).is_multiple_of(3)));
     bench.write("hex.msh", &mesh);
     bench
 }
