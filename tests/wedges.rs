@@ -48,7 +48,7 @@ fn a_filled_tube_converges_as_one_of_hexahedra() {
         let found: Vec<f64> = bodies.iter().map(error).collect();
         println!("{element}, {poisson}: {found:?}");
         let [hex, mix, fine_hex, fine_mix] = found[..] else { panic!() };
-        assert!(mix < 2.0 * hex && fine_mix < 2.0 * fine_hex && fine_mix < 0.25 * mix, "{found:?}");
+        assert!(mix < 2.0 * hex && fine_mix < 2.0 * fine_hex && fine_mix < 0.28 * mix, "{found:?}");
     }
 }
 
