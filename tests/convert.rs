@@ -290,6 +290,14 @@ fn what_cannot_be_converted_is_refused() {
         (GRAVITY, "Eall,GRAV", "M1S0,GRAV", "pulls differently at materials of the body"),
         (GRAVITY, "Eall,GRAV", "12,GRAV", "gravity acts on a part of what"),
         (GRAVITY, "0.0,0.0,-1.0", "0.0,0.0,0.0", "gravity has no direction"),
+        (GRAVITY, "*STEP", "*MASS, ELSET=Eall\n1.\n*STEP", "*MASS weighs under GRAV"),
+        (GRAVITY, "*STEP", "*RESTART, READ, STEP=1\n*STEP", "begins from the state of another analysis"),
+        (
+            GRAVITY,
+            "*END STEP",
+            "*END STEP\n*STEP\n*STATIC\n*DLOAD\nEall,GRAV,9810.,0.,0.,1.\n*END STEP",
+            "from an earlier step in another direction",
+        ),
         (
             STEPS,
             "*STEP",

@@ -1,5 +1,6 @@
 //! What becomes of each kind of card, and what is told about those that are passed over.
 
+use crate::Vec3;
 use crate::error::{Error, Location, Result};
 use crate::mesh::abaqus::Card;
 use std::collections::BTreeMap;
@@ -195,6 +196,8 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
         Some((_, _, lines)) => lines.push(card_line(card)),
         None => passed.push((what, card, Vec::new())),
     };
+    let has_gravity = cards.iter().any(|card| gravities(card).next().is_some());
+    refused.extend(turned(cards));
     for card in cards {
         let name = &card.keyword.name;
         match fate(name) {
@@ -208,7 +211,14 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
                 refused.push((card, "an included file begins with data of the keyword before it".into()));
             }
             Fate::Mesh => {}
+            Fate::Output if name == "RESTART" && card.keyword.has("READ") => {
+                refused
+                    .push((card, "*RESTART, READ begins from the state of another analysis: convert that one".into()));
+            }
             Fate::Output => output.push(card.at.line),
+            Fate::Passed(STATICS) if name != "DAMPING" && name != "CONTACT DAMPING" && has_gravity => {
+                refused.push((card, format!("*{name} weighs under GRAV: give its weight by *CLOAD")));
+            }
             Fate::Passed(why) => pass(card, format!("*{name} is passed over: {why}")),
             // So PrePoMax begins each step.
             Fate::Refused(HEAT) if card.rows.is_empty() && card.keyword.has("OP") => {}
@@ -233,6 +243,43 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
         None => Ok(()),
         Some(((card, what), rest)) => Err(Error::input(&card.at, what, all_others(rest))),
     }
+}
+
+/// Lines of a card that give gravity: on what, and along which unit vector.
+fn gravities(card: &Card) -> impl Iterator<Item = (&str, Vec3)> {
+    let rows = card.rows.iter().filter(|_| card.keyword.name == "DLOAD");
+    rows.filter_map(|row| {
+        let [set, kind, value, x, y, z] = row.fields();
+        let [value, x, y, z] = [value, x, y, z].map(|word| row.number(word, 0.0).unwrap_or_default());
+        let along = (Vec3::new(x, y, z) * value.signum()).try_normalize(0.0)?;
+        kind.eq_ignore_ascii_case("GRAV").then_some((set, along))
+    })
+}
+
+/// Gravity that goes on from an earlier step and is given in another direction.
+fn turned(cards: &[Card]) -> Vec<(&Card, String)> {
+    const SAME: f64 = 1e-9;
+    let mut live: BTreeMap<&str, Vec3> = BTreeMap::new();
+    let mut given: BTreeMap<&str, Vec3> = BTreeMap::new();
+    let mut refused = Vec::new();
+    for card in cards {
+        match card.keyword.name.as_str() {
+            "STEP" => live.append(&mut given),
+            "DLOAD" | "DSLOAD" if card.keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW")) => {
+                live.clear()
+            }
+            _ => {}
+        }
+        for (set, along) in gravities(card) {
+            if live.get(set).is_some_and(|before| (before - along).norm() > SAME) {
+                let what = "GRAV goes on from an earlier step in another direction: programs disagree whether this one is \
+                            added or takes its place; give all distributed loads anew by OP=NEW";
+                refused.push((card, what.to_string()));
+            }
+            given.insert(set, along);
+        }
+    }
+    refused
 }
 
 fn card_line(card: &Card) -> String {

@@ -5,8 +5,7 @@
 //!   ___________        creep μ a / R (1 - √(1 - T / (μ N))) = 1.757e-3 of the way.
 //! ```
 //!
-//! The error is of first order in the increments, in which nodes come to stick: it falls from 5 % to 2 % when they are halved, and
-//! no finer mesh is needed. A layer 14 a deep has 0.3e-3 less: its surface is stretched under the roller.
+//! The error comes from the increments, in which nodes come to stick: it falls from 5 % to 2 % when they are halved. A layer 14 a deep has 0.3e-3 less: its surface is stretched under the roller.
 
 use crate::common::msh;
 use crate::table::Oracle;
