@@ -93,7 +93,7 @@ impl Progress {
 /// A converged increment, before it is accepted.
 pub(super) struct Converged {
     /// Fraction of the step.
-    end: f64,
+    pub(super) end: f64,
     pub(super) u: Vec<Vec3>,
     forces: Vec<Vec3>,
     damped: Vec<Vec3>,

@@ -14,7 +14,7 @@ use crate::contact::{Movement, Pair, Sight, Status};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
-use crate::parallel::{sum, word_of_largest};
+use crate::parallel::{any, sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -45,13 +45,14 @@ struct Motion<'a> {
     after: &'a [Vec3],
     /// Residual that is let through at each contact, N.
     residuals: &'a [f64],
+    ends_step: bool,
 }
 
 impl Simulation<'_> {
     /// The first look, before anything moves. Collective.
     pub(super) fn begin_watch(&mut self) {
         let still = self.state.u.clone();
-        let motion = Motion { before: &still, after: &still, residuals: &[] };
+        let motion = Motion { before: &still, after: &still, residuals: &[], ends_step: false };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let Model { part, masters, pairs, .. } = &mut self.model;
         for (pair, travel) in pairs.iter_mut().zip(travels) {
@@ -83,7 +84,8 @@ impl Simulation<'_> {
 
     /// The worst that some node did, in words. Collective.
     fn finding(&mut self, converged: &mut Converged, conditions: &Conditions) -> Option<String> {
-        let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits };
+        let ends_step = converged.end >= 1.0;
+        let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ends_step };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let mut told: Option<(usize, usize, Finding)> = None;
         for (p, travel) in travels.iter().enumerate() {
@@ -278,10 +280,15 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let ground = model.masters.of(pair.master);
     let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
+    // Gaps closed in the mean say nothing where nothing is closed; on the way to it nodes are a little ahead.
+    let acts = any(comm, pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap));
+    let is_idle = motion.ends_step && !acts;
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
-        let may = allowance(pair, explained(model, pair, s, motion.residuals[p]), travel);
+        let explained = explained(model, pair, s, motion.residuals[p]);
+        let may = allowance(pair, explained, travel);
+        let may = if is_idle { Allowance { explained, ..may } } else { may };
         watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may)
     };
     (0..pair.slaves.len()).map(judge).collect()
