@@ -142,7 +142,7 @@ fn failures_and_observers_end_it_and_lose_nothing() {
             // It goes on where it was.
             assert_eq!(finish(&mut simulation).len(), 4);
             let mut deep = Step::new("deep", 1).fixing("block.bottom").moving("ball", [0.0, 0.0, -12.0]);
-            deep.increment.min = 0.5;
+            deep.increment.min = 1.0;
             simulation.begin(&deep).unwrap();
             let Err(Error::Diverged(failure)) = simulation.advance(&mut silent()) else { panic!("it converged") };
             assert!(

@@ -273,6 +273,15 @@ impl Ladder {
             increments.cut(end, false);
             return (!last).then_some(Remedy::Cut);
         }
+        // What fails by sets says nothing of what else may help.
+        let cause = if std::mem::take(&mut self.sets) && self.can_sort && self.way != Way::Jump {
+            if !std::mem::replace(&mut self.sorted, true) {
+                return Some(Remedy::Sets);
+            }
+            Cause::Iteration
+        } else {
+            cause
+        };
         let singular = matches!(cause, Cause::Singular | Cause::Rounding);
         if self.can_hold {
             self.yields = Some(false);
@@ -295,12 +304,10 @@ impl Ladder {
             self.soft = !self.soft;
             return Some(Remedy::Soften);
         }
-        let of_sets = self.sets && cause == Cause::Rounds;
-        if self.can_sort && (cause.is_of_iteration() || of_sets) && !std::mem::replace(&mut self.sorted, true) {
-            (self.sets, self.soft) = (!self.sets, false);
+        if self.can_sort && cause.is_of_iteration() && !std::mem::replace(&mut self.sorted, true) {
+            self.sets = true;
             return Some(Remedy::Sets);
         }
-        self.sets = false;
         if self.can_center && cause.is_of_iteration() && self.central != Some(true) {
             (self.central, self.soft) = (Some(self.central.is_some()), false);
             return Some(Remedy::Central);
@@ -322,6 +329,7 @@ impl Ladder {
         }
         self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(self.controls.remedy_period) };
         self.soft = self.can_soften && !self.soft;
+        self.sorted = !self.failures.is_multiple_of(self.controls.remedy_period);
         increments.cut(end, self.failures > 1);
         Some(Remedy::Cut)
     }
@@ -376,7 +384,8 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, 0.25));
     }
 
-    /// What other penalties do not help is tried by active sets; where they help they stay, and else they are not tried again.
+    /// What other penalties do not help is tried by active sets, which stay where they help; a matrix that is singular by sets does
+    /// not end anything.
     #[test]
     fn active_sets_are_tried_before_increments_are_cut() {
         let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
@@ -390,12 +399,11 @@ mod tests {
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));
         ladder.succeed();
         assert!(ladder.is_by_sets());
-        assert_eq!(fail(&mut ladder, Cause::Rounds), (Some(Remedy::Sets), false));
-        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Sets), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
-        ladder.succeed();
-        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
-        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
+        let mut ladder = Ladder { can_sort: true, ..Ladder::new(false, true, &Controls::default()) };
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));
+        assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Cut), false));
     }
 
     /// The watch refuses what jumps come to, and Newton's method finds nothing: that ends, too.

@@ -370,7 +370,8 @@ impl<'a> Simulation<'a> {
             share: Share { begin: done, ..Share::ALL },
             tolerance: self.scene.solver.tolerance,
             strict: false,
-            manner: Manner::default(),
+            // Steep penalties, with which it may not have been found, make much of the rounding of gaps.
+            manner: Manner { automatic: true, ..Manner::default() },
             max_iterations: 1,
             seen: &self.state.seen,
             floors: &self.floors,

@@ -476,6 +476,9 @@ impl<'a> Simulation<'a> {
         };
         let mut newton = Newton::new(system, (&start, &mut watcher));
         newton.set_drag(drag);
+        if self.state.increments == 0 {
+            newton.begin_with_what_touches(&sorted);
+        }
         match trial {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),

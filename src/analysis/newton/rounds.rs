@@ -206,6 +206,16 @@ impl Newton<'_> {
         !returned
     }
 
+    /// Begins the active sets of some pairs with all that touches, which alone may hold a body at first.
+    pub fn begin_with_what_touches(&mut self, pairs: &[usize]) {
+        for &p in pairs {
+            let pair = &mut self.system.model.pairs[p];
+            let near = pair.controls.no_gap * pair.facet_size;
+            let touching = pair.slaves.iter_mut().filter(|s| s.accepted.projection.is_some_and(|at| at.gap <= near));
+            touching.for_each(|slave| slave.trial.status = Status::Stick);
+        }
+    }
+
     /// The statuses of this rank's slave nodes.
     fn active_set(&self) -> Vec<Status> {
         self.slaves().map(|s| s.trial.status).collect()
