@@ -107,7 +107,7 @@ struct Facet {
     /// A node of it touches the master, and holds it off: what goes in beside, as an edge that the facet spans, goes in no
     /// farther than that lets it.
     touches: bool,
-    /// What depths count against: its shortest edge, or its diagonal where it touches.
+    /// What depths count against: its diagonal where it touches, else the edge of a square of its area; of a layer its length.
     size: f64,
     /// How deep the deepest of its nodes is.
     deep: f64,
@@ -136,8 +136,13 @@ impl Facet {
         let shortest = corners.edges().filter(along).map(length).fold(f64::INFINITY, f64::min);
         let touches = nearest <= pair.controls.watch_deep * shortest;
         let lines = corners.all().iter().flat_map(|a| corners.all().iter().map(move |b| a - b));
-        let size = if touches { lines.map(length).fold(0.0, f64::max) } else { shortest };
-        let inward = -corners.area_vector().try_normalize(f64::MIN_POSITIVE)?;
+        let area = corners.area_vector();
+        let size = match touches {
+            true => lines.map(length).fold(0.0, f64::max),
+            false if is_layer => shortest,
+            false => area.norm().sqrt(),
+        };
+        let inward = -area.try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
         let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
         Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), is_even })
