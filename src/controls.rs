@@ -293,7 +293,7 @@ controls! {
         watch_segment: f64 = 0.25, [1e-6, 1.0], "longest edge of the slave facets",
             "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
         watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
-            "A master that is deeper in the slave between its nodes is told of at the end. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
+            "A master that is deeper in the slave between its nodes is told of at the end. The size is the diagonal where a node of the facet touches, else the edge of a square of its area, of a layer its length. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
         watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
             "The same, deeper than this, ends the run: what is between nodes is larger than what they feel.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",

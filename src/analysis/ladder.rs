@@ -21,12 +21,12 @@
 //!    turns; what has helped is kept. Penalties come from the stiffness around a node, and a slender body, a sheet or a hook, is
 //!    far softer in bending: there an iteration leaves gaps that outweigh the force, the node lets go, and comes back. Where
 //!    contacts slide with friction lower penalties are slower. The solution does not depend on them.
-//!    What that does not help is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
-//!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
-//!    fro. It has the unknowns and the solution of the augmented Lagrangian; what has helped is kept.
-//!    Then it is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
+//!    What that does not help is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
 //!    closed: a sheet between two tools may touch them in so many ways that the iteration goes to and fro between them. Where
 //!    residuals do not fall there, it is tried once more with such that fall in each iteration.
+//!    Then it is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
+//!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
+//!    fro. It has the unknowns and the solution of the augmented Lagrangian; what has helped is kept.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
@@ -304,15 +304,15 @@ impl Ladder {
             self.soft = !self.soft;
             return Some(Remedy::Soften);
         }
-        if self.can_sort && cause.is_of_iteration() && !std::mem::replace(&mut self.sorted, true) {
-            self.sets = true;
-            return Some(Remedy::Sets);
-        }
         if self.can_center && cause.is_of_iteration() && self.central != Some(true) {
             (self.central, self.soft) = (Some(self.central.is_some()), false);
             return Some(Remedy::Central);
         }
         self.central = None;
+        if self.can_sort && cause.is_of_iteration() && !std::mem::replace(&mut self.sorted, true) {
+            self.sets = true;
+            return Some(Remedy::Sets);
+        }
         self.failures += 1;
         let again = self.can_settle && !self.is_remedy();
         let short = increments.is_short(end);
@@ -400,6 +400,7 @@ mod tests {
         ladder.succeed();
         assert!(ladder.is_by_sets());
         assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Sets), false));
+        assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
         let mut ladder = Ladder { can_sort: true, ..Ladder::new(false, true, &Controls::default()) };
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));

@@ -101,11 +101,26 @@ impl Simulation<'_> {
             told = told.or(Some((p, s, Finding::Within(far))));
         }
         converged.between = between(self.comm, &self.model, &travels, &converged.u);
+        if ends_step {
+            self.recall_unfelt(&mut converged.between);
+        }
         told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)));
         told = told.or_else(|| self.undetermined(conditions));
         let told = told.map(|told| (told, told.2.size()));
         word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]))
             .map(|(word, _)| word)
+    }
+
+    /// Where no node has ever touched a master that is between nodes, or was on its way, by more than is told of, the force is
+    /// missing as a whole: that ends the step, however little it is. Collective.
+    fn recall_unfelt(&self, between: &mut [Between]) {
+        for ((pair, touch), between) in self.model.pairs.iter().zip(&self.state.touches).zip(between) {
+            let acts = any(self.comm, pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap));
+            let deepest = between.or_deeper(touch.between);
+            if !acts && touch.until.is_none() && deepest.share > pair.controls.watch_between {
+                *between = Between { share: f64::INFINITY, ..deepest };
+            }
+        }
     }
 
     /// A slave node that is prescribed along the normal of a tool that a torque turns: neither can give way.
@@ -154,9 +169,13 @@ impl Simulation<'_> {
         let pair = &self.model.pairs[p];
         let (master, slave) = (self.model.master_name(pair), &self.model.bodies[pair.body].name);
         format!(
-            "contact `{}`: {master} is {depth:.3e} deep in body `{slave}` between its nodes, {share:.2} of the facet at \
-             ({:.6}, {:.6}, {:.6}), where nothing resists it",
-            pair.name, place.x, place.y, place.z
+            "contact `{}`: {master} is {depth:.3e} deep in body `{slave}` between its nodes, {}at ({:.6}, {:.6}, {:.6}), \
+             where nothing resists it",
+            pair.name,
+            if share.is_finite() { format!("{share:.2} of the facet ") } else { "which never touched it, ".into() },
+            place.x,
+            place.y,
+            place.z
         )
     }
 

@@ -2,9 +2,9 @@
 //!
 //! Where a slave and its master are nearest, their normals oppose each other, and the slave is in front of the master, or
 //! a little inside. A slave node that is behind the master, or on it, while both look the same way, would have to go
-//! through its own body to meet it; so would one in front whose elements the master cuts through. When such a node is nearer than every node that faces the master, the master is turned
-//! the wrong way: it is no matter whether it is closed, and how far away. Nodes farther in front that look the same way say
-//! nothing: the upper side of a sheet sees the lower wall of a channel.
+//! through its own body to meet it; so would one in front of a master that is in its body. When such a node is nearer than
+//! every node that faces the master, the master is turned the wrong way: it is no matter whether it is closed, and how far
+//! away. Other nodes in front that look the same way say nothing: the upper side of a sheet sees the lower wall of a channel.
 //!
 //! A tool whose nearest faces all stand across the slave's normals is judged only where it is closed: what is behind such a
 //! one is inside it, and no slave is inside with all its nodes.
