@@ -292,10 +292,14 @@ controls! {
             "From there a penetration is one. Contact is at nodes: between them a facet that touches a radius of ten of its lengths is 1/80 of its length inside, and no finer is the shape of the body known.";
         watch_segment: f64 = 0.25, [1e-6, 1.0], "longest edge of the slave facets",
             "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
+        watch_unfelt: f64 = 1e-4, [1e-9, 1.0], "longest edge of the slave facets",
+            "Nodes that are deeper at the end of the last step in a master that segments never felt end the run: coordinates of mesh files are as exact as that.";
         watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
             "A master that is deeper in the slave between its nodes is told of at the end. The size is the diagonal where a node of the facet touches, else the edge of a square of its area, of a layer its length. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
         watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
             "The same, deeper than this, ends the run: what is between nodes is larger than what they feel.";
+        watch_mirror: f64 = 1e-3, [1e-9, 1.0], "extent of the body across the plane",
+            "How far a body may come beyond a plane of symmetry: more than rounding; what a penalty lets through that holds it off is added.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",
             "Lift of the way of a node: by so much it may cut a corner. What turns more in one increment than its chord and this lift allow is no longer followed by it.";
         watch_along: f64 = 0.5, [0.0, 0.99], "cosine of the turn of the normal",

@@ -41,7 +41,7 @@ impl Cause {
 
     /// The failure of a remedy says less than that of Newton's method without it.
     pub fn is_of_remedy(self) -> bool {
-        self.is_of_iteration() || self == Self::Contradiction
+        self.is_of_iteration() || matches!(self, Self::Contradiction | Self::Rounds)
     }
 }
 

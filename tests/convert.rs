@@ -26,6 +26,7 @@ const SLEEVE: &str = include_str!("decks/prepomax-sleeve.inp");
 const CARDS: &str = include_str!("decks/calculix-rubber.inp");
 const PLY: &str = include_str!("decks/calculix-ply.inp");
 const RING: &str = include_str!("decks/calculix-ring.inp");
+const FRAMES: &str = include_str!("decks/calculix-frames.inp");
 const CLIP: &str = include_str!("../docs/tutorial/clip.inp");
 
 /// A folder with the deck and the scene that was made of it.
@@ -280,12 +281,22 @@ fn what_cannot_be_converted_is_refused() {
         (CARDS, "OGDEN, N=3", "OGDEN, N=4", "N is not 1, 2 or 3"),
         (CARDS, "REDUCED POLYNOMIAL", "POLYNOMIAL", "POLYNOMIAL, N=2 or 3"),
         (FRICTION, "*CONTACT PAIR", "*CLEARANCE, VALUE=1\n*CONTACT PAIR", "*CLEARANCE cannot be converted"),
+        (FRAMES, "NSET=FOOT, TYPE=R", "NSET=FOOT, TYPE=S", "*TRANSFORM, TYPE=S cannot be converted"),
+        (FRAMES, "NSET=FOOT, TYPE=R", "NSET=BORE, TYPE=R", "is of two *TRANSFORM"),
         (
-            FRICTION,
-            "*CONTACT PAIR",
-            "*TRANSFORM, NSET=ConstraintFixed\n*CONTACT PAIR",
-            "*TRANSFORM cannot be converted",
+            RIGID,
+            "*Step, Nlgeom",
+            "*Transform, Nset=Internal_Selection-1_Rigid_Body-1, Type=C\n0, 0, 0, 0, 0, 1\n*Step, Nlgeom",
+            "of the rigid body of",
         ),
+        (
+            FRAMES,
+            "*STEP",
+            "*ELEMENT, TYPE=SPRING1, ELSET=S\n900, 101\n*SPRING, ELSET=S\n2\n5.\n*STEP",
+            "of a *SPRING along 2",
+        ),
+        (FRAMES, "-1, 1, 0.5", "2, 2, 0", "in one line with the origin"),
+        (FRAMES, "*BOUNDARY", "*CLOAD\nFOOT, 1, 5.\n*BOUNDARY", "of a *TRANSFORM: forces there"),
         (GRAVITY, "*DENSITY\n1.134e-08\n", "", "material 'Head_Lead' has no density"),
         (GRAVITY, "Eall,GRAV", "M1S0,GRAV", "pulls differently at materials of the body"),
         (GRAVITY, "Eall,GRAV", "12,GRAV", "gravity acts on a part of what"),
@@ -435,6 +446,70 @@ fn nodes_of_a_rigid_body_move_as_one() {
     as_calculix(RIGID, "Solid_part-1.Internal_Selection-1_Fixed", &[force], 5e-3);
 }
 
+/// The nodes also turn about the second: as CalculiX turns them. A *COUPLING by *KINEMATIC is the same; its surface is that of
+/// the nodes. In another step the rest of the angle is turned.
+#[test]
+fn nodes_of_a_rigid_body_turn() {
+    let bent = RIGID.replace("902, 1, 3, 0", "902, 1, 1, 0\n902, 2, 2, 0.002\n902, 3, 3, 0");
+    let force = [Some(-702.2154), Some(0.0), Some(11534.80)];
+    as_calculix(&bent, "Solid_part-1.Internal_Selection-1_Fixed", &[force], 5e-3);
+
+    let text = scene(&converted(&bent).0);
+    let angle = 0.002f64.to_degrees();
+    let turn = format!("rotate = {{ point = [4.0, 4.0, 30.0], axis = [0.0, 1.0, 0.0], angle = {angle:?} }}");
+    assert!(text.contains(&turn), "{turn}\n{text}");
+    let card = "*Rigid body, Nset=Internal_Selection-1_Rigid_Body-1, Ref node=901, Rot node=902";
+    let top = "*Surface, Name=Internal_Selection-1_Rigid_Body-1-S\nInternal_Selection-1_Top, S2\n";
+    let coupling = "*Coupling, Constraint name=C, Ref node=901, Surface=Internal_Selection-1_Rigid_Body-1-S";
+    let elements = "*Elset, Elset=Internal_Selection-1_Top, Generate\n46, 54\n";
+    let coupled = |dofs: &str| {
+        let cards = format!("{elements}{top}{coupling}\n*Kinematic\n{dofs}");
+        let moved = bent.replace(card, &cards);
+        moved.replace("902, 1, 1, 0\n902, 2, 2, 0.002\n902, 3, 3, 0", "901, 4, 4, 0\n901, 5, 5, 0.002\n901, 6, 6, 0")
+    };
+    assert_eq!(scene(&converted(&coupled("1, 3")).0).matches(&turn).count(), 1);
+    let (_, told) = refused(&coupled("1, 2"));
+    assert!(told.contains("leaves free along 1, 2 or 3"), "{told}");
+    let (_, told) = refused(&coupled("1, 3").replace("*Kinematic", "*Distributing"));
+    assert!(told.contains("cannot follow a reference node in the mean"), "{told}");
+
+    let later = "*End step\n*Step, Nlgeom\n*Static\n*Boundary\n902, 2, 2, 0.003\n901, 1, 1, 0.08\n*End step";
+    let text = scene(&converted(&bent.replace("*End step", later)).0);
+    let rest = format!("by = [{:?}, 0.0, 0.0], rotate = {{ point = [4.05, 4.0, 29.98]", 0.08 - 0.05);
+    assert!(text.contains(&rest), "{rest}\n{text}");
+}
+
+/// A part of a ring is widened and turned at its bore in a cylindrical frame, a block moves on an askew plane.
+#[test]
+fn conditions_along_axes_of_their_own_are_those_of_calculix() {
+    let run = as_calculix(FRAMES, "RING.BORE", &[[Some(3665.467), Some(5542.532), None]], 1e-2);
+    let of_head = ["fx", "fy", "fz"].map(|component| run.history().last(&format!("BLOCK.HEAD.{component}")));
+    for (found, expected) in of_head.into_iter().zip([-482.3195, -64.29651, -836.0460]) {
+        assert_small("block", (found - expected) / 836.0, 5e-3);
+    }
+}
+
+/// What is wrong in several places is told at once, as in scenes.
+#[test]
+fn all_mistakes_of_a_deck_are_told() {
+    let bench = Bench::new("");
+    let told = |deck: &str| {
+        bench.write("deck.inp", deck);
+        match convert(&bench.path("deck.inp"), None).map(|_| ()).unwrap_err() {
+            Error::Inputs(errors) => errors.iter().map(ToString::to_string).collect(),
+            error => vec![error.to_string()],
+        }
+    };
+    let steps = FRICTION
+        .replace("ConstraintFixed,1\n", "ConstraintFix,1\n")
+        .replace("ConstraintFixed,2\n", "ConstraintFixed,9\n");
+    let found = told(&steps);
+    assert!(found.len() == 2 && found[1].contains("found '9'"), "{found:#?}");
+    let materials =
+        BAR.replace("400., 0.1", "200., 0.1").replace("*Amplitude, name=Pull", "*Amplitude, name=Pull, value=ABSOLUTE");
+    assert_eq!(told(&materials).len(), 2);
+}
+
 /// Amplitudes of two motions of one set: a block is pressed, and drawn along while it is let up. It slips: 0.3 of the force.
 #[test]
 fn a_block_is_pressed_and_drawn_by_amplitudes() {
@@ -534,6 +609,25 @@ fn bodies_have_weight() {
 const WEIGHT: f64 = 9810.0 * 3e6 * (2.4e-9 + 1.134e-8);
 
 /// The column stands on springs.
+/// A column of six elements that turns about an axis across it, below its foot: CalculiX integrates the load within elements,
+/// nagata at their nodes, which is 0.8 % more here.
+#[test]
+fn a_column_spins() {
+    let spinning = GRAVITY.replace("Eall,GRAV,9810.0,0.0,0.0,-1.0", "Eall,CENTRIF,@,-5.,50.,-300.,3.,0.,0.");
+    assert_ne!(spinning, GRAVITY);
+    let (bench, _) = converted(&spinning.replace('@', "4e3"));
+    let axis = "point = [-5.0, 50.0, -300.0], axis = [3.0, 0.0, 0.0], speed = 63.245553203367585 }";
+    assert!(scene(&bench).contains(axis), "{}", scene(&bench));
+    let run = bench.solve(1, &[]);
+    let moved = run.vectors(run.written(), "body.Evolumes", "displacement");
+    let largest = moved.iter().map(|u| u.iter().map(|part| part * part).sum::<f64>().sqrt()).fold(0.0, f64::max);
+    assert_close("largest displacement", largest, 0.1983359, 1e-2);
+    let (_, told) = refused(&spinning.replace('@', "-1."));
+    assert!(told.contains("a square below 0"), "{told}");
+    let (_, told) = refused(&spinning.replace('@', "4e3").replace("*DENSITY\n1.134e-08\n", ""));
+    assert!(told.contains("CENTRIF acts on the body"), "{told}");
+}
+
 #[test]
 fn springs_stand_on_the_ground() {
     let springs: String = (1..=9).map(|node| format!("{}, {node}\n", 900 + node)).collect();
@@ -602,6 +696,9 @@ fn axisymmetric_elements_become_a_layer() {
     let ends = std::f64::consts::TAU * poisson * p * a * a;
     assert_close("ends", run.history().last("tube.low.fy"), -ends, 1e-4);
 
+    let spring = "*ELEMENT, TYPE=SPRING1, ELSET=S\n900, 1\n*SPRING, ELSET=S\n2\n5.\n*STEP";
+    let notes = converted(&deck.replacen("*STEP", spring, 1)).1.notes;
+    assert!(notes.iter().any(|note| note.contains("*SPRING is that of the whole ring")), "{notes:#?}");
     let text = scene(&bench).replace("axisymmetric = true", "");
     bench.write("scene.toml", &text);
     let run = bench.run(1, &[]);

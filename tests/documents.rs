@@ -46,6 +46,7 @@ material = "e"
 block = { box = { size = [1, 1, 1] }, elements = [1, 1, 1] }
 [material.e]
 model = "neo-hookean"
+density = 1
 young = 1
 poisson = 0.3
 [material.h]
@@ -80,6 +81,7 @@ move = [{ target = "t", by = [0, 0, 0] }, { target = "b.a", by = [0, 0, 0] }]
 force = [{ target = "m", total = [0, 0, 0] }]
 pressure = [{ set = "b.a", value = 0 }]
 body_force = [{ body = "b", per_volume = [0, 0, 0] }]
+spin = [{ body = "b", point = [0, 0, 0], axis = [0, 0, 1], speed = 1 }]
 spring = [{ set = "b.a", stiffness = [0, 0, 1] }]
 duration = 1
 dashpot = [{ set = "b.a", damping = [0, 0, 1] }]
@@ -149,8 +151,10 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step", "step.0", &["step=[{}]"]),
     ("step.increment", "step.0.increment", &["step=[{ increment = {} }]"]),
     ("step.fix", "step.s.fix.0", &[]),
+    ("step.fix.around", "step.s.fix.0.around", &["step.s.fix.0.around={ point = [0, 0, 0], axis = [0, 0, 1] }"]),
     ("step.move", "step.s.move.0", &[]),
     ("step.move", "step.s.move.1", &[]),
+    ("step.move.around", "step.s.move.1.around", &["step.s.move.1.around={ point = [0, 0, 0], axis = [0, 0, 1] }"]),
     (
         "step.move.rotate",
         "step.s.move.0.rotate",
@@ -160,6 +164,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.force", "step.s.force.0", &["step.s.force.0.target=t"]),
     ("step.pressure", "step.s.pressure.0", &[]),
     ("step.body_force", "step.s.body_force.0", &[]),
+    ("step.spin", "step.s.spin.0", &[]),
     ("step.spring", "step.s.spring.0", &[]),
     ("step.dashpot", "step.s.dashpot.0", &[]),
     ("step.torque", "step.s.torque.0", &[]),
@@ -198,7 +203,8 @@ fn answer(place: &str, way: &[&str], key: &str, value: &str) -> String {
 
 /// The words behind "known: " in a help.
 fn known(text: &str) -> BTreeSet<String> {
-    let list = text.split("known: ").nth(1).unwrap_or_else(|| panic!("lists nothing: {text}"));
+    let list = text.split("known: ").nth(1).and_then(|list| list.lines().next());
+    let list = list.unwrap_or_else(|| panic!("lists nothing: {text}"));
     assert!(!list.contains(" more"), "the list is cut short, ask for it in two parts: {text}");
     list.trim_end_matches([')', '\n']).split(", ").map(str::to_string).collect()
 }
@@ -337,11 +343,14 @@ fn the_scene_document_marks_what_must_be_given() {
         ("tie.NAME", "tie.j", "slave = 'b.a', master = 'm.a'"),
         ("step", "step.0", "increments = 1"),
         ("step.fix", "step.s.fix.0", "set = 'b'"),
+        ("step.fix.around", "step.s.fix.0.around", "point = [0, 0, 0], axis = [0, 0, 1]"),
         ("step.move", "step.s.move.0", "target = 't', by = [0, 0, 0]"),
+        ("step.move.around", "step.s.move.1.around", "point = [0, 0, 0], axis = [0, 0, 1]"),
         ("step.move.rotate", "step.s.move.0.rotate", "point = [0, 0, 0], axis = [0, 0, 1], angle = 1"),
         ("step.force", "step.s.force.0", "target = 't', total = [0, 0, 0], directions = 'x'"),
         ("step.pressure", "step.s.pressure.0", "set = 'b.a', value = 0"),
         ("step.body_force", "step.s.body_force.0", "body = 'b', per_volume = [0, 0, 0]"),
+        ("step.spin", "step.s.spin.0", "body = 'b', point = [0, 0, 0], axis = [0, 0, 1], speed = 1"),
         ("step.spring", "step.s.spring.0", "set = 'b.a', stiffness = [0, 0, 1]"),
         ("step.dashpot", "step.s.dashpot.0", "set = 'b.a', damping = [0, 0, 1]"),
         ("step.torque", "step.s.torque.0", "tool = 'u', total = 1, point = [0, 0, 0], axis = [0, 0, 1]"),

@@ -1,4 +1,4 @@
-//! Conditions in planes of any orientation: turned scenes against unturned ones.
+//! Conditions in planes of any orientation: turned scenes against unturned ones; in cylindrical frames, and on circles.
 
 mod common;
 
@@ -185,4 +185,144 @@ fn a_turned_scene_is_the_unturned_one() {
     let uzawa = ["--set", "contact.lid.method=uzawa", "--set", "contact.joint.method=uzawa"];
     let [turned, still] = [&turn, &Rotation3::identity()].map(|turn| drawn(turn, &uzawa, 1));
     assert_small("Uzawa", difference(&turned, &turn, &still), 1e-7);
+}
+
+/// A ring whose bore and rim go outwards by a share of their radius and around by another one is stretched and turned
+/// evenly, whatever is between.
+#[test]
+fn what_goes_outwards_and_around_evenly_is_stretched_and_turned() {
+    let (outward, around) = (0.1, 0.2);
+    let by = |radius: f64| format!("[{:?}, {:?}, 0]", outward * radius, around * radius);
+    let frame = "around = { point = [3, 1, 5], axis = [0, 0, 2] }";
+    let bench = Bench::new(&format!(
+        r#"
+        material.m = {{ model = "neo-hookean", young = 100, poisson = 0.3 }}
+        body.ring.material = "m"
+        [body.ring.block]
+        sector = {{ center = [3, 1, 0], radii = [1, 2], angles = [0, 360], length = 0.3 }}
+        elements = [3, 8, 1]
+        [[step]]
+        increments = 2
+        fix = [{{ set = "ring", directions = "z" }}]
+        move = [
+            {{ target = "ring.rmin", by = {}, directions = "rt", {frame} }},
+            {{ target = "ring.rmax", by = {}, directions = "rt", {frame} }},
+        ]
+        "#,
+        by(1.0),
+        by(2.0)
+    ));
+    let run = bench.solve(1, &[]);
+    let moved = run.vectors(run.written(), "body.ring", "displacement");
+    for (x, u) in run.points("body.ring").iter().zip(&moved) {
+        let [x, y] = [x[0] - 3.0, x[1] - 1.0];
+        let exact = [outward * x - around * y, outward * y + around * x];
+        assert_small("displacement", (u[0] - exact[0]).hypot(u[1] - exact[1]), 1e-9);
+    }
+    let through = "step.0.move.0.around.point=[4.0, 1.0, 0.0]";
+    let told = bench.run(1, &["--set", through]);
+    assert!(told.code == 2 && told.stderr.contains("is on the axis of `around`"), "{}", told.stderr);
+}
+
+const TWIST: &str = r#"
+material.m = { model = "neo-hookean", young = 100, poisson = 0.3 }
+body.bar.material = "m"
+body.bar.block = { box = { origin = [0, -1, 2], size = [3, 2, 1] }, elements = [3, 2, 2] }
+[output]
+history = ["bar.xmin", "bar.xmax"]
+"#;
+
+/// Both ends of a bar turn about one oblique axis and go along: all of it moves as a rigid body, in the middle of a table, too, and
+/// from where another step has left it. Nothing bears anything.
+#[test]
+fn ends_that_turn_alike_turn_the_body() {
+    let motion = |set: &str| {
+        let turn = "rotate = { point = [1, 2, 0.5], axis = [1, -2, 2], angle = 80 }";
+        format!("{{ target = \"{set}\", by = [0.3, 0, -0.2], {turn}, table = [[0, 0], [0.5, 0.8], [1, 0.5]] }}")
+    };
+    let later = |set: &str| {
+        format!("{{ target = \"{set}\", rotate = {{ point = [0, 0, 0], axis = [0, 0, 1], angle = -50 }} }}")
+    };
+    let [first, second] =
+        [[motion("bar.xmin"), motion("bar.xmax")], [later("bar.xmin"), later("bar.xmax")]].map(|m| m.join(", "));
+    let bench = Bench::new(&format!(
+        "{TWIST}[[step]]\nincrements = 6\nmove = [{first}]\n\
+         [[step]]\nincrements = 3\nmove = [{second}]\n"
+    ));
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let turn =
+            |axis: [f64; 3], degrees: f64| Rotation3::new(Vector3::from(axis).normalize() * degrees.to_radians());
+        let point = Vector3::new(1.0, 2.0, 0.5);
+        let way = |x: Vector3<f64>| turn([1.0, -2.0, 2.0], 40.0) * (x - point) + point + Vector3::new(0.15, 0.0, -0.1);
+        let moved = run.vectors(run.written(), "body.bar", "displacement");
+        for (x, u) in run.points("body.bar").iter().zip(&moved) {
+            let x = Vector3::from([x[0], x[1], x[2]]);
+            let exact = turn([0.0, 0.0, 1.0], -50.0) * way(x) - x;
+            assert_small("place", (Vector3::new(u[0], u[1], u[2]) - exact).norm(), 1e-9);
+        }
+        let history = run.history();
+        for column in ["fx", "fy", "fz", "moment"] {
+            let largest =
+                history.column(&format!("bar.xmax.{column}")).iter().fold(0.0f64, |most, f| most.max(f.abs()));
+            assert_small(column, largest, 1e-6);
+        }
+    }
+}
+
+/// A thick tube is twisted by a small angle: its moment is G J φ / L, within what 24 chords and 2 layers are off, and that on the
+/// other end the same. What is kept of it stays, and goes on.
+#[test]
+fn a_tube_that_is_twisted_has_its_moment() {
+    let (young, poisson, length, angle) = (100.0, 0.3, 2.0, 0.1f64);
+    let scene = format!(
+        r#"
+        material.m = {{ model = "hooke", young = {young}, poisson = {poisson} }}
+        body.tube.material = "m"
+        body.tube.block = {{ sector = {{ center = [5, 0, 0], radii = [1, 1.5], angles = [0, 360], length = {length} }}, elements = [2, 24, 4] }}
+        output.history = ["tube.zmin", "tube.zmax"]
+        [[step]]
+        increments = 1
+        move = [
+          {{ target = "tube.zmin", rotate = {{ point = [5, 0, 0], axis = [0, 0, 1], angle = 0 }} }},
+          {{ target = "tube.zmax", directions = "xy", rotate = {{ point = [5, 0, 7], axis = [0, 0, 1], angle = {angle} }} }},
+        ]
+        [[step]]
+        increments = 1
+        keep = true
+        "#
+    );
+    let history = Bench::new(&scene).solve(1, &[]).history();
+    let moments = |row: usize| ["zmin", "zmax"].map(|end| history.column(&format!("tube.{end}.moment"))[row]);
+    let polar = std::f64::consts::PI / 2.0 * (1.5f64.powi(4) - 1.0);
+    let exact = young / (2.0 * (1.0 + poisson)) * polar * angle.to_radians() / length;
+    for row in 0..2 {
+        let [below, above] = moments(row);
+        assert_close("moment", above, exact, 3e-2);
+        assert_close("balance", below, -above, 1e-9);
+    }
+}
+
+/// What a set that turns cannot have beside it.
+#[test]
+fn sets_that_turn_are_refused_where_they_cannot() {
+    let turn = |axis: &str| format!("rotate = {{ point = [0, 0, 0], axis = {axis}, angle = 10 }}");
+    let step = |more: &str| format!("{TWIST}[[step]]\nincrements = 1\nfix = [{{ set = \"bar.xmin\" }}]\n{more}\n");
+    let moves = |more: &str, axis: &str| format!("move = [{{ target = \"bar.xmax\", {}{more} }}]", turn(axis));
+    let both = |more: &str| format!("move = [{{ target = \"bar.xmax\", {} }}, {more}]", turn("[1, 0, 0]"));
+    for (body, conditions, says) in [
+        (&[][..], moves(", directions = \"xy\"", "[1, 0, 0]"), "turns the set in z, which `directions` leaves free"),
+        (&[][..], moves(", normal = [1, 0, 0]", "[1, 0, 0]"), "rotate stands beside `normal`"),
+        (&[], both("{ target = \"bar.ymin\", by = [0, 0, 1], directions = \"z\" }"), "already moved otherwise along z"),
+        (&[], both("{ target = \"bar.ymin\", by = [0, 0, 0], normal = [0, 1, 1] }"), "is turned, too, by `rotate`"),
+        (
+            &["body.bar.plane_strain=true", "body.bar.block.elements=[3, 2, 1]"],
+            moves("", "[1, 0, 0]"),
+            "nothing turns so",
+        ),
+    ] {
+        let more: Vec<&str> = body.iter().flat_map(|set| ["--set", set]).collect();
+        let told = Bench::new(&step(&conditions)).run(1, &more);
+        assert!(told.code == 2 && told.stderr.contains(says), "{says}\n{}", told.stderr);
+    }
 }

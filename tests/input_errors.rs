@@ -289,8 +289,76 @@ fn plane_strain_that_moves_along_z() {
     let target = "move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]";
     let bench = bench(target, "move = [{ target = \"slab.top\", by = [0.0, 0.0, -0.1] }]");
     let plane = fs::read_to_string(bench.path("scene.toml")).unwrap();
-    bench.write("scene.toml", &plane.replacen("material", "plane_strain = true\nmaterial", 1));
+    let upright = plane.replace("normal = [0.0, 0.0, -1.0]", "normal = [0.0, -1.0, 0.0]");
+    bench.write("scene.toml", &upright.replacen("material", "plane_strain = true\nmaterial", 1));
     refuses(&bench, &[], "scene.toml:23:20: ", &["body `slab` is in plane strain", "take `plane_strain` out"]);
+}
+
+#[test]
+fn a_slave_with_nodes_off_its_faces() {
+    let bench = bench("slave = \"slab.top\"", "slave = \"slab.top\"");
+    bench.write("slab.inp", &format!("{}*NSET, NSET=top\n1\n", deck([2, 1, 1])));
+    refuses(
+        &bench,
+        &[],
+        "scene.toml:14:9: ",
+        &["`slab.top` has 1 nodes that are on none of its faces, and 6 that are"],
+    );
+}
+
+/// Bodies in plane strain that meet are as thick as each other.
+#[test]
+fn plane_strain_of_two_thicknesses() {
+    let bench = Bench::new(
+        r#"
+        body.a = { material = "m", plane_strain = true, block = { box = { size = [2.0, 1.0, 0.5] }, elements = [2, 1, 1] } }
+        body.b = { material = "m", plane_strain = true, block = { box = { origin = [0.0, 1.0, 0.0], size = [2.0, 1.0, 0.4] }, elements = [2, 1, 1] } }
+        material.m = { model = "neo-hookean", young = 100.0, poisson = 0.3 }
+        contact.c = { slave = "a.ymax", master = "b.ymin" }
+        [[step]]
+        increments = 1
+        fix = [{ set = "a.ymin" }]
+        move = [{ target = "b.ymax", by = [0.0, -0.1, 0.0] }]
+        "#,
+    );
+    refuses(&bench, &[], "scene.toml:5:", &["bodies in plane strain that are 0.5 and 0.4 thick"]);
+}
+
+/// A body in plane strain meets tools that are as it is.
+#[test]
+fn plane_strain_with_tools_in_space() {
+    let scene = |tool: &str, how: &str| {
+        Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [2.0, 1.0, 0.5] }}, elements = [2, 1, 1] }} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            tool.t.{tool}
+            contact.c = {{ slave = "b.ymax", master = "t" }}
+            [[step]]
+            increments = 1
+            fix = [{{ set = "b.ymin" }}]
+            move = [{{ target = "t", {how} }}]
+            "#
+        ))
+    };
+    let down = "by = [0.0, -0.1, 0.0]";
+    let ball = "sphere = { center = [1.0, 2.0, 0.25], radius = 1.0 }";
+    let inclined = "plane = { point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.1] }";
+    for tool in [ball, inclined] {
+        refuses(
+            &scene(tool, down),
+            &[],
+            "scene.toml:4:",
+            &["tool `t` is not drawn out along z, but meets a body in plane strain"],
+        );
+    }
+    let roll = "cylinder = { point = [1.0, 2.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.0 }";
+    for (how, word) in [
+        ("by = [0.0, -0.1, 0.1]", "moves along z"),
+        ("rotate = { point = [1.0, 2.0, 0.0], axis = [1.0, 0.0, 0.0], angle = 9.0 }", "turns out of the plane"),
+    ] {
+        refuses(&scene(roll, how), &[], "scene.toml:9:", &[word]);
+    }
 }
 
 const PLATE: &str = "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }";

@@ -1,4 +1,4 @@
-//! Conditions that stay, loads and motions by tables, weights.
+//! Conditions that stay, loads and motions by tables, weights, spins.
 
 mod common;
 
@@ -180,6 +180,94 @@ fn supports_bear_the_weight() {
             assert_small(&column, history.column(&column)[0] + 0.5 * mass * gravity, 1e-9);
             assert_small(&column, history.last(&column) + mass * gravity, 1e-9);
         }
+    }
+}
+
+/// A thick ring that turns, axisymmetric between planes, and a part of it of hexahedra: u = A r + B/r - ρω²r³/(8M), from
+/// M (u'' + u'/r - u/r²) + ρω²r = 0 with M u' + λ u/r = 0 at both radii. A step later it is at rest.
+#[test]
+fn a_ring_that_spins_widens() {
+    let (young, poisson, density, speed) = (1000.0, 0.3, 2.0, 0.02f64);
+    let scene = |body: &str, axis: &str| {
+        format!(
+            r#"
+            material.m = {{ model = "hooke", young = {young}, poisson = {poisson}, density = {density} }}
+            [body.ring]
+            material = "m"
+            {body}
+            [output]
+            history = ["ring.inner", "ring.outer"]
+            [[step]]
+            increments = 2
+            fix = [{{ set = "ring.low" }}, {{ set = "ring.high" }}]
+            spin = [{{ body = "ring", speed = {speed}, {axis}, table = [[0, 0], [0.5, 2], [1, 1]] }}]
+            [[step]]
+            increments = 1
+            fix = [{{ set = "ring.low" }}, {{ set = "ring.high" }}]
+            "#
+        )
+        .replace("\"ring.low\" }", "\"ring.low\", directions = \"DIR\" }")
+        .replace("\"ring.high\" }", "\"ring.high\", directions = \"DIR\" }")
+    };
+    let rows = |scene: &str, ranks: usize| Bench::new(scene).solve(ranks, &[]).history();
+    let box_of = r#"axisymmetric = true
+        block = { box = { origin = [1, 0, 0], size = [1, 0.1, 0.1] }, elements = [16, 1, 1], faces = { inner = "xmin", outer = "xmax", low = "ymin", high = "ymax" } }"#;
+    let sector = r#"symmetry = ["amin", "amax"]
+        block = { sector = { center = [3, 4, 0], radii = [1, 2], angles = [-3, 3], length = 0.1 }, elements = [16, 1, 1], faces = { inner = "rmin", outer = "rmax", low = "zmin", high = "zmax" } }"#;
+    let ring = rows(&scene(box_of, "point = [0, 3, 0], axis = [0, 1, 0]").replace("DIR", "y"), 1);
+    let part = rows(&scene(sector, "point = [3, 4, 0], axis = [0, 0, -2]").replace("DIR", "z"), 2);
+
+    let lame = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+    let (modulus, load) = (lame * (1.0 - poisson) / poisson, density * speed * speed);
+    let square = load / (8.0 * modulus);
+    // (M + λ) A - (M - λ) B/r² = (3 M + λ) square r² at both radii.
+    let (sum, difference, right) = (modulus + lame, modulus - lame, (3.0 * modulus + lame) * square);
+    let b = right * (4.0 - 1.0) / (difference * (1.0 - 0.25));
+    let a = (right + difference * b) / sum;
+    let exact = |r: f64| a * r + b / r - square * r.powi(3);
+    // The nodes of the part stand at ±3 degrees.
+    let slanted = 3f64.to_radians().cos();
+    for (set, r) in [("inner", 1.0), ("outer", 2.0)] {
+        for (name, history, share) in [("ring", &ring, 1.0), ("part", &part, slanted)] {
+            let widened = history.column(&format!("ring.{set}.ux"));
+            assert_close(name, widened[1], share * exact(r), 2e-3);
+            assert_close("twice the load", widened[0], 2.0 * widened[1], 1e-4);
+            assert_small("at rest", widened[2], 1e-12);
+        }
+    }
+}
+
+/// A stiff block on springs that spins is pulled out by M ω² (r + u), where it is then: u = M ω² r / (k - M ω²). Along an
+/// oblique axis, too.
+#[test]
+fn what_spins_is_pulled_by_where_it_is() {
+    let scene = |axis: &str, point: &str| {
+        format!(
+            r#"
+            material.m = {{ model = "hooke", young = 1e7, poisson = 0.3, density = 0.5 }}
+            body.b = {{ material = "m", block = {{ box = {{ origin = [4, -0.5, -0.5], size = [2, 1, 1] }}, elements = [2, 2, 2] }} }}
+            output.history = ["b"]
+            [[step]]
+            increments = 2
+            spring = [{{ set = "b", stiffness = [100, 0, 0] }}]
+            fix = [{{ set = "b", directions = "yz" }}]
+            spin = [{{ body = "b", point = {point}, axis = {axis}, speed = 3 }}]
+            [[step]]
+            increments = 1
+            keep = true
+            "#
+        )
+    };
+    // Across (0.6, 0, 0.8) is 0.64 of x, and 0 of y and z in the middle of the block.
+    for (axis, point, share) in [("[0, 0, 1]", "[0, 0, 7]", 1.0), ("[3, 0, 4]", "[0, 0, 0]", 0.64)] {
+        let run = Bench::new(&scene(axis, point)).solve(1, &[]);
+        let history = run.history();
+        for (row, square) in [(0, 4.5), (1, 9.0), (2, 9.0)] {
+            let pull = 0.5 * 2.0 * square * share;
+            assert_close("way", history.column("b.ux")[row], pull * 5.0 / (100.0 - pull), 1e-4);
+        }
+        let iterations = history.column("iterations");
+        assert!(iterations[1] <= 4.0, "{iterations:?}");
     }
 }
 

@@ -202,6 +202,52 @@ fn tension_of_every_element() {
     }
 }
 
+/// A sheet over rollers is bent until the force of the punch falls, which is then eased: a falling force is in equilibrium on
+/// the way on, too, but what is eased springs back without flow.
+#[test]
+fn what_softens_springs_back() {
+    let bench = Bench::new(
+        r#"
+        [body.sheet]
+        block = { box = { size = [30.0, 1.0, 1.0] }, elements = [24, 2, 1] }
+        material = "steel"
+        plane_strain = true
+        element = "hex8-eas"
+        symmetry = ["xmin"]
+        [material.steel]
+        model = "j2"
+        young = 70e3
+        poisson = 0.3
+        yield_stress = 200.0
+        hardening = { linear = 600.0 }
+        [tool.die]
+        cylinder = { point = [15.0, -3.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 3.0 }
+        [tool.punch]
+        cylinder = { point = [0.0, 4.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 3.0 }
+        [contact.die]
+        slave = "sheet.ymin"
+        master = "die"
+        [contact.punch]
+        slave = "sheet.ymax"
+        master = "punch"
+        [[step]]
+        increments = 12
+        move = [{ target = "punch", by = [0.0, -7.7, 0.0] }]
+        [[step]]
+        increments = 4
+        keep = true
+        force = [{ target = "punch", total = [0.0, -0.01, 0.0], directions = "y" }]
+        [output]
+        every = 100
+        "#,
+    );
+    let history = bench.solve(1, &[]).history();
+    let [way, force, work] = ["punch.uy", "punch.fy", "sheet.plastic_work"].map(|name| history.column(name));
+    assert!(force[8] < force[11], "the force of the punch does not fall: {force:?}");
+    assert_close("plastic work", history.last("sheet.plastic_work"), work[11], 1e-9);
+    assert!(way[11..].is_sorted(), "{way:?}");
+}
+
 /// A roll presses a sheet with Hill's criterion, axes askew, and slides over it; two steps of so many increments.
 fn dented(element: &str, by: [f64; 2], increments: usize) -> Bench {
     let [down, along] = by;

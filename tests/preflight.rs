@@ -177,6 +177,14 @@ fn held_slave_nodes() {
     );
     let along = "move = [{ target = \"block.top\", by = [0.1, 0.0, 0.0] }]";
     accepted(&block(&[("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", along)]), "touch");
+    // A node of a symmetry plane gives way before the axis of the tool comes to where it was.
+    let sphere = "sphere = { center = [0.0, 1.0, 1.4], radius = 0.4 }";
+    let down = "move = [{ target = \"plate\", by = [0.0, 0.0, -0.8] }]";
+    let half = "fix = [{ set = \"block.bottom\" }, { set = \"block.xmin\", directions = \"x\" }]";
+    accepted(
+        &block(&[(FIX, half), (PLATE, sphere), ("move = [{ target = \"plate\", by = [0.0, 0.0, -0.1] }]", down)]),
+        "touch",
+    );
     // Later steps count, with where earlier ones have brought them.
     let twice = |by: &str| {
         let step = format!(
@@ -400,6 +408,11 @@ fn mixed_units_and_far_origins() {
             ("[0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0]", "[0.0, 0.0, -9.0], normal = [0.0, 0.0, 1.0]"),
         ]),
         &["moves `plate` by 5.000e3"],
+    );
+    let metal = "model = \"j2\"\nyield_stress = 2e8";
+    warned(
+        &block(&[("model = \"neo-hookean\"", metal)]),
+        &["material `soft` yields at a strain of 2.0e6", "in one unit"],
     );
     let away = |x: &str| {
         let origin = format!("origin = [{x}, 0.0, 0.0], size = [2.0, 2.0, 1.0]");

@@ -126,6 +126,16 @@ fn nodes_leave_an_open_end() {
     assert_close("H", h, h_closed, 5e-2);
 }
 
+/// A jump takes no time that dashpots could resist.
+#[test]
+fn increments_with_dashpots_do_not_jump() {
+    let dashpot = r#"step.1.dashpot=[{ set = "block.ymin", damping = [1e-6, 1e-6, 0.0] }]"#;
+    let settings = ["--set", "step.1.duration=1.0", "--set", dashpot];
+    let run = over_the_edge(r#"rim = ["ymax"]"#).run(1, &settings);
+    assert_eq!(run.code, 1, "{}", run.log());
+    assert!(run.log().contains("no convergence") && !run.log().contains("as a jump"), "{}", run.log());
+}
+
 /// A hard block with sharp corners is pressed into a slab and drawn along it. Nodes of the slab pile up at its front side
 /// and snap around the corner; no node ends up in the block.
 fn plough() -> Bench {

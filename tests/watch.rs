@@ -274,18 +274,23 @@ move = [{ target = "t", by = [0.0, 0.0, -0.6] }]"#;
 }
 
 /// A blade and a small ball go into facets of the block between its nodes, which feel nothing: refused, also where the ball is
-/// inside as a whole at the end.
+/// inside as a whole at the end, or after its first increment.
 #[test]
 fn what_goes_in_between_nodes_is_refused() {
     let blade = r#"profile]
 points = [[0.9, 4.0], [1.5, 2.0], [2.1, 4.0]]
 extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }"#;
     let ball = "sphere]\ncenter = [1.5, 1.5, 2.2]\nradius = 0.2";
-    let run = |tool: &str, by: f64, ranks: usize, elements: usize| {
+    let go = |tool: &str, by: f64, increments: usize, ranks: usize, elements: usize| {
         let how = format!("fix = [{{ set = \"b.bottom\" }}]\nmove = [{{ target = \"t\", by = [0.0, 0.0, {by}] }}]");
         let elements = format!("body.b.block.elements=[{elements}, {elements}, 2]");
-        block(tool, &how).run(ranks, &["--set", &elements, "--set", "step.press.increments=3"])
+        let increments = format!("step.press.increments={increments}");
+        block(tool, &how).run(ranks, &["--set", &elements, "--set", &increments])
     };
+    let run = |tool: &str, by: f64, ranks: usize, elements: usize| go(tool, by, 3, ranks, elements);
+    let at_once = go(ball, -1.2, 1, 2, 4);
+    assert_eq!(at_once.code, 1, "{}", at_once.log());
+    assert!(at_once.log().contains("between its nodes, which never touched it"), "{}", at_once.log());
     for tool in [blade, ball] {
         assert!(!run(tool, -0.15, 1, 4).log().contains("between its nodes"));
         for (ranks, by) in [(1, -0.3), (2, -0.3), (1, -0.9)] {
@@ -300,6 +305,73 @@ extrude = { origin = [0.0, 5.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }
     // A node is under the tip.
     let felt = run(blade, -0.15, 1, 8);
     assert!(felt.code == 0 && felt.history().last("t.fz") < -0.5 && !felt.log().contains("between its nodes"));
+}
+
+/// A block is upset between rough plates, and its sides fold over onto them: refused where no contact names the sides.
+#[test]
+fn sides_that_fold_over_are_named() {
+    let run = |slaves: [&str; 2]| {
+        let [top, bottom] = slaves;
+        Bench::new(&format!(
+            r#"
+            [body.b]
+            material = "m"
+            plane_strain = true
+            block = {{ box = {{ size = [1.0, 1.0, 0.1] }}, elements = [6, 6, 1], faces = {{ skin = ["xmin", "xmax", "ymin", "ymax"] }} }}
+            [material.m]
+            model = "j2"
+            young = 70e3
+            poisson = 0.3
+            yield_stress = 100.0
+            hardening = {{ linear = 100.0 }}
+            [tool]
+            upper.plane = {{ point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.0] }}
+            lower.plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }}
+            [contact]
+            upper = {{ slave = "b.{top}", master = "upper", friction = 1.0 }}
+            lower = {{ slave = "b.{bottom}", master = "lower", friction = 1.0 }}
+            [[step]]
+            increments = 20
+            move = [{{ target = "upper", by = [0.0, -0.4, 0.0] }}]
+            "#
+        ))
+        .run(2, &[])
+    };
+    let folds = run(["ymax", "ymin"]);
+    assert_eq!(folds.code, 1, "{}", folds.log());
+    assert!(folds.stderr.contains("it is in none of the faces that contacts of its body"), "{}", folds.stderr);
+    let named = run(["skin", "skin"]);
+    assert_eq!(named.code, 0, "{}", named.stderr);
+}
+
+/// A quarter of a ring is crushed until it would meet itself: its other half is its mirror image.
+#[test]
+fn a_mirror_image_is_not_entered() {
+    let bench = Bench::new(
+        r#"
+        [body.b]
+        material = "m"
+        plane_strain = true
+        element = "hex8-sri"
+        block = { sector = { radii = [1.0, 1.2], angles = [0.0, 90.0], length = 0.2 }, elements = [2, 10, 1] }
+        symmetry = ["amin", "amax"]
+        [material.m]
+        model = "neo-hookean"
+        young = 10.0
+        poisson = 0.3
+        [tool.plate]
+        plane = { point = [0.0, 1.2, 0.0], normal = [0.0, -1.0, 0.0] }
+        [contact.c]
+        slave = "b.rmax"
+        master = "plate"
+        [[step]]
+        increments = 12
+        move = [{ target = "plate", by = [0.0, -1.15, 0.0] }]
+        "#,
+    );
+    let run = bench.run(2, &[]);
+    assert_eq!(run.code, 1, "{}", run.log());
+    assert!(run.stderr.contains("lies beyond the plane of symmetry of `b.amin`"), "{}", run.stderr);
 }
 
 /// How wide a layer is in plane strain says nothing of what is between its nodes.
@@ -344,6 +416,14 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     assert_eq!(warnings(&moved("-0.05")), ["contact `c`: no node has ever touched the tool `t`"]);
     assert_eq!(warnings(&moved("-0.3")), Vec::<String>::new());
     assert_eq!(warnings(&(moved("-0.3") + "\n" + &step("0.5"))), Vec::<String>::new());
+    // What is pushed out too weakly.
+    let soft = "contact.c = { slave = \"b.top\", master = \"t\", method = \"penalty\", penalty = 1.0 }";
+    let scene = std::fs::read_to_string(block(plane, &moved("-0.3")).path("scene.toml")).unwrap();
+    let (before, after) = scene.split_once("[contact.c]").unwrap();
+    let bench = Bench::new(&format!("{soft}\n{before}{}", &after[after.find("[[step]]").unwrap()..]));
+    let let_in = bench.solve(1, &[]);
+    let depth = let_in.history().last("c.max_penetration");
+    assert!(depth > 0.05 && let_in.log().contains(&format!("its penalty let nodes be {depth:.3e} deep")));
     // The block is drawn away from under the tool.
     let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
     let until = warnings(&(moved("-0.3") + "\n" + drawn));

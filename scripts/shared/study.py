@@ -37,10 +37,10 @@ class Process:
 
 class Run(Process):
     """Runs a scene on so many ranks with further arguments of `nagata run`, for so many seconds at most; the results go
-    to the folder `out`."""
+    to the folder `out`. By the build of the repository, or another program."""
 
-    def __init__(self, scene, out, ranks, *arguments, limit=None):
-        super().__init__(on_ranks(ranks, NAGATA, "run", scene, "--out", out, "--quiet", *arguments), limit)
+    def __init__(self, scene, out, ranks, *arguments, limit=None, program=NAGATA):
+        super().__init__(on_ranks(ranks, program, "run", scene, "--out", out, "--quiet", *arguments), limit)
         if self.code != 0:
             return
         self.summary = json.loads((out / "summary.json").read_text())

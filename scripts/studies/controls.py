@@ -4,13 +4,17 @@
 A control is tried in the scenes in which it is used. Forces are all in history.csv, at the last time and the largest of
 each column, relative to the largest force of all; iterations, cuts and failures are sums over these scenes. A change of
 the forces above 1e-6 at the same times is one of the result; with other increments, what depends on the path changes.
-`--extremes` also runs the quick cases of tests/extremes with each control.
+`--extremes` also runs the quick cases of tests/extremes with each control, and tells which of them end otherwise; on a
+quiet machine, for cases are stopped after two minutes.
+With `--results` a study that was ended goes on from what it has; `--doc` replaces the rows of what was tried.
 
-    scripts/studies/controls.py [--only NAME ...] [--scenes NAME ...] [--factors 0.5 2] [--jobs 2] [--extremes]
-                                [--out FILE] [--doc docs/controls.md]
+    scripts/studies/controls.py [--only NAME ...] [--scenes NAME ...] [--factors 0.5 2] [--jobs 2]
+                                [--extremes [PROGRAM] [--families NAME ...]]
+                                [--results FILE] [--out FILE] [--doc docs/controls.md]
 """
 
 import argparse
+import collections
 import concurrent.futures
 import csv
 import fnmatch
@@ -61,6 +65,128 @@ every = 100
 history = ["table.ymin", "block.ymax"]
 """
 
+# A block bends another, from segment to segment, and is drawn over it.
+SEGMENTS = """
+[body.table]
+block = { box = { size = [7.0, 4.0, 2.0] }, elements = [7, 4, 1] }
+material = "soft"
+[body.block]
+block = { box = { origin = [1.2, 1.1, 2.0], size = [3.0, 2.0, 1.5] }, elements = [4, 3, 1] }
+material = "hard"
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[material.hard]
+model = "neo-hookean"
+young = 200.0
+poisson = 0.3
+[contact.sole]
+slave = "table.zmax"
+master = "block.zmin"
+discretization = "segment"
+friction = 0.2
+[[step]]
+name = "press"
+increments = 2
+fix = [{ set = "table.zmin" }]
+move = [{ target = "block.zmax", by = [0.0, 0.0, -0.2] }]
+[[step]]
+name = "drag"
+increments = 4
+fix = [{ set = "table.zmin" }]
+move = [{ target = "block.zmax", by = [0.7, 0.2, 0.0] }]
+[output]
+every = 100
+history = ["block.zmax", "table.zmin"]
+"""
+
+# The edges of a punch are between nodes of the slab, by 0.3 of a facet.
+PUNCH = """
+[body.slab]
+block = { box = { size = [8.0, 4.0, 1.0] }, elements = [8, 4, 1] }
+material = "soft"
+plane_strain = true
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.punch]
+profile = { points = [[2.3, 8.0], [2.3, 4.0], [5.7, 4.0], [5.7, 8.0]] }
+[contact.top]
+slave = "slab.ymax"
+master = "punch"
+friction = 0.2
+[[step]]
+increments = 4
+fix = [{ set = "slab.ymin" }]
+move = [{ target = "punch", by = [0.0, -0.8, 0.0] }]
+[output]
+every = 100
+history = ["slab.ymin"]
+"""
+
+# A sheet between die and holder is bent by a punch.
+SHEET = """
+[body.blank]
+material = "steel"
+element = "hex8-fbar"
+plane_strain = true
+block = { box = { size = [75.0, 0.78, 1.0] }, elements = [120, 2, 1] }
+[material.steel]
+model = "neo-hookean"
+young = 206e3
+poisson = 0.3
+[tool]
+die = { profile = { points = [[37.0, -60.0], [37.0, 0.0], [150.0, 0.0]], fillets = 5.0 }, flip = true }
+holder = { profile = { points = [[150.0, 0.78], [37.0, 0.78], [37.0, 60.0]], fillets = 5.0 }, flip = true }
+punch = { profile = { points = [[35.0, 60.0], [35.0, 0.78], [-10.0, 0.78]], fillets = 8.0 }, flip = true }
+[contact]
+die = { slave = "blank.ymin", master = "die" }
+holder = { slave = "blank.ymax", master = "holder" }
+punch = { slave = "blank.ymax", master = "punch" }
+[[step]]
+increments = 2
+fix = [{ set = "blank.xmin", directions = "x" }]
+force = [{ target = "holder", total = [0.0, -65.0, 0.0], directions = "y" }]
+[[step]]
+increments = 4
+fix = [{ set = "blank.xmin", directions = "x" }]
+force = [{ target = "holder", total = [0.0, -65.0, 0.0], directions = "y" }]
+move = [{ target = "punch", by = [0.0, -0.2, 0.0] }]
+[output]
+every = 100
+history = ["blank.xmin"]
+"""
+
+# A leaf of a spring lies on another, which active sets bend.
+LEAVES = """
+[body.low]
+material = "steel"
+plane_strain = true
+element = "hex8-eas"
+block = { box = { size = [20.0, 0.5, 1.0] }, elements = [40, 1, 1] }
+[body.high]
+material = "steel"
+plane_strain = true
+element = "hex8-eas"
+block = { box = { origin = [0.0, 0.5, 0.0], size = [20.0, 0.5, 1.0] }, elements = [40, 1, 1] }
+[material.steel]
+model = "neo-hookean"
+young = 200e3
+poisson = 0.3
+[contact.between]
+slave = "low.ymax"
+master = "high.ymin"
+[[step]]
+increments = 2
+fix = [{ set = "low.xmin" }, { set = "high.xmin" }]
+force = [{ target = "high.xmax", total = [0.0, -4.0, 0.0] }]
+[output]
+every = 100
+history = ["low.xmin", "high.xmin"]
+"""
+
 IRONING = ["body.slab.block.elements=[40, 8, 1]", "step.press.increments=4", "step.slide.increments=5",
            "step.slide.move.0.by=[12.0, 0.0, 0.0]"]
 # Name: scene of inputs/ or text, settings, what occurs in it.
@@ -81,6 +207,10 @@ SCENES = {
                                           "step.slide.move.0.rotate={ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], "
                                           "angle = 40.0 }"], "turning"),
     "edge": (EDGE, [], "failing jumping sharp"),
+    "segments": (SEGMENTS, [], "segments"),
+    "punch": (PUNCH, [], "between sharp"),
+    "sheet": (SHEET, [], "central failing"),
+    "leaves": (LEAVES, [], "lagrange failing"),
     "ironing-deformable": ("ironing-deformable", ["body.slab.block.elements=[60, 10, 1]", "step.press.increments=4",
                                                   "step.slide.increments=4", "step.slide.move.0.by=[4.0, 0.0, 0.0]"],
                            "body kinks"),
@@ -104,7 +234,7 @@ SCENES = {
             "plastic driven failing"),
 }
 STEPS = {"c-strip": 2, "c-strip-facet": 2}
-LIMIT = 90  # seconds
+LIMIT = 600  # seconds
 
 # In which scenes a control is tried: those with one of these words, in which it is used.
 USED = [
@@ -114,7 +244,9 @@ USED = [
     ("penalty_method", "penalty"), ("two_pass_*", "two-pass"), ("repeat_*", "two-pass"), ("slack", "self failing"),
     ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_beside", "sharp"), ("self_*", "self"),
     ("friction_steep", "driven"), ("watch_around_self", "self"),
-    ("watch_turn", "turning"), ("watch_*", "at-once sharp turning"), ("end_*", "kinks"),
+    ("watch_turn", "turning"), ("watch_segment", "segments"), ("watch_unfelt", "segments"),
+    ("watch_between*", "between"), ("watch_*", "at-once sharp turning"), ("central_*", "central"),
+    ("soft_augmentation", "failing driven"), ("end_*", "kinks"),
     ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),
     ("extrapolate*", "plain faceted sharp plastic self"), ("augmentation", "plain sharp self driven lagrange"),
     ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"),
@@ -182,12 +314,21 @@ def used_in(name, chosen):
     return [s for s in chosen if set(words.split()) & set(SCENES[s][2].split())]
 
 
-def extremes(setting):
-    """How many quick cases of tests/extremes are bad."""
+def extremes(program, families, setting):
+    """Words by rows of the quick cases of tests/extremes, or of some families of them."""
     environment = {**os.environ, "NAGATA_CONTROLS": " ".join(setting)}
-    command = ["cargo", "test", "--release", "--test", "extremes", "--", "--nocapture"]
+    command = [program] if program else ["cargo", "test", "--release", "--test", "extremes", "--"]
+    command += [f"{family}::quick" for family in families or [""]] + ["--nocapture"]
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
-    return len(re.findall(r": (?:WRONG|FAILED|CRASH|HANG), ", done.stdout))
+    row = re.compile(r"^(?:test \S+ \.\.\. )?(\S.*?): (right|refused|WRONG|FAILED|CRASH|HANG), ", re.M)
+    return dict(row.findall(done.stdout))
+
+
+def otherwise(base, rows):
+    """How many rows end otherwise, by how."""
+    count = collections.Counter(f"{word}, {rows.get(name, 'none')}" for name, word in base.items()
+                                if rows.get(name) != word)
+    return "; ".join(f"{number} {change}" for change, number in count.items()) or "0"
 
 
 def figure(value):
@@ -204,7 +345,9 @@ def arguments():
     parser.add_argument("--scenes", nargs="+", choices=SCENES, default=list(SCENES))
     parser.add_argument("--factors", nargs="+", type=float, default=[0.5, 2.0])
     parser.add_argument("--jobs", type=int, default=1, help="runs at a time")
-    parser.add_argument("--extremes", action="store_true", help="also the quick cases of tests/extremes")
+    parser.add_argument("--extremes", nargs="?", const="", metavar="PROGRAM",
+                        help="also the quick cases of tests/extremes, by a program that cargo has built of them")
+    parser.add_argument("--families", nargs="+", default=[], help="of the extremes, such as `edges`; all unless given")
     parser.add_argument("--binary", default=str(ROOT / "target/release/nagata"))
     parser.add_argument("--out", type=Path, help="also write the table here")
     parser.add_argument("--doc", type=Path, help="write the tables of docs/controls.md here")
@@ -227,20 +370,30 @@ def settings(args):
     return tried
 
 
-def run_all(args, tried):
+class Results:
+    """What is known of runs, by their names; kept in a file if there is one."""
+
+    def __init__(self, path):
+        self.path = path
+        self.known = json.loads(path.read_text()) if path and path.exists() else {}
+
+    def of(self, key, make):
+        if key not in self.known:
+            self.known[key] = make()
+            if self.path:
+                self.path.write_text(json.dumps(dict(self.known)))
+        return self.known[key]
+
+
+def run_all(args, tried, results):
     """The outcome of each scene with each setting."""
-    known = json.loads(args.results.read_text()) if args.results and args.results.exists() else {}
-    jobs = [(scene, []) for scene in args.scenes]
+    jobs = [(scene, []) for scene in args.scenes if any(scene in used_in(name, args.scenes) for name, _ in tried)]
     for name, value in tried:
         jobs += [(scene, [entry_of(name, value)]) for scene in used_in(name, args.scenes)]
 
     def result(job):
         key = " ".join([job[0], *job[1]])
-        if key not in known:
-            known[key] = run(args.binary, *job)
-            if args.results:
-                args.results.write_text(json.dumps(dict(known)))
-        return key, known[key]
+        return key, results.of(key, lambda: run(args.binary, *job))
 
     done = {}
     with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
@@ -248,6 +401,20 @@ def run_all(args, tried):
             done[key] = outcome
             print(f"{k + 1}/{len(jobs)} {key}: {outcome[0]}, {outcome[2]} iterations", file=sys.stderr)
     return done
+
+
+def run_extremes(args, tried, results):
+    """By setting, in which rows the quick extremes end otherwise; what is told of each is how many."""
+    told, which = {}, " ".join(["extremes", *args.families])
+    base = results.of(which, lambda: extremes(args.extremes, args.families, []))
+    for name, value in tried:
+        entry = entry_of(name, value)
+        rows = results.of(f"{which} {entry}", lambda entry=entry: extremes(args.extremes, args.families, [entry]))
+        told[entry] = otherwise(base, rows)
+        for row, word in base.items():
+            if rows.get(row) != word:
+                print(f"{entry}: {row}: {word}, {rows.get(row, 'none')}", file=sys.stderr)
+    return told
 
 
 def entry_of(name, value):
@@ -276,19 +443,16 @@ def main():
     args = arguments()
     for key, value in ENVIRONMENT.items():
         os.environ.setdefault(key, value)
-    tried = settings(args)
-    done = run_all(args, tried)
-    bad = extremes([]) if args.extremes else 0
+    tried, results = settings(args), Results(args.results)
+    done = run_all(args, tried, results)
+    told = run_extremes(args, tried, results) if args.extremes is not None else {}
     table = {}
     for name, value in tried:
         entry = entry_of(name, value)
         row = row_of(entry, value, used_in(name, args.scenes), done)
-        if args.extremes:
-            worse = extremes([entry]) - bad
-            row.append(f"{worse:+d}" if worse else "0")
-        table.setdefault(name, []).append(row)
+        table.setdefault(name, []).append(row + [told[entry]] if told else row)
     head = ["control", "value", "change of forces", "with other increments", "iterations", "cuts", "failures"]
-    head += ["extremes"] if args.extremes else []
+    head += ["extremes"] if told else []
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     lines += ["| " + " | ".join([f"`{name}`", *row]) + " |" for name, rows in table.items() for row in rows]
     print("\n".join(lines))
@@ -298,22 +462,35 @@ def main():
         document(args.doc, table)
 
 
+HEAD = ["control", "default", "in", "reason", "tried", "change of forces", "with other increments", "iterations",
+        "cuts", "failures"]
+
+
 def document(path, table):
-    """Replaces the tables of a document between its marks."""
+    """Replaces the tables of a document between its marks; what was not tried keeps its cells."""
     text = path.read_text()
     head, _, rest = text.partition("<!-- table -->\n")
-    _, _, tail = rest.partition("<!-- end -->\n")
+    old, _, tail = rest.partition("<!-- end -->\n")
+    rows = [[cell.strip() for cell in line[1:-1].split("|")] for line in old.splitlines() if line.startswith("| `")]
+    cells = {row[0].strip("`"): row[4:] for row in rows}
+    width = max([len(row) for row in cells.values()] + [len(row) for new in table.values() for row in new])
+    padded = lambda row: (row + [""] * width)[:width]
+    for name, new in table.items():
+        cells[name] = [cells_of(new, k) or old for k, old in enumerate(padded(cells.get(name, [])))]
+    columns = [*HEAD, "extremes"][:4 + width]
     lines, last = [], ""
     for group, name, unit, default, _, _, reason in controls():
         if group != last:
             last = group
-            lines += ["", f"## {group}", "",
-                      "| control | default | in | reason | tried | change of forces | with other increments "
-                      "| iterations | cuts | failures |", "|---" * 10 + "|"]
-        rows = table.get(name, [])
-        cells = ["<br>".join(row[k] for row in rows) for k in range(6)]
-        lines.append("| " + " | ".join([f"`{name}`", number(default), unit, reason, *cells]) + " |")
+            lines += ["", f"## {group}", "", "| " + " | ".join(columns) + " |", "|---" * len(columns) + "|"]
+        row = [f"`{name}`", number(default), unit, reason, *padded(cells.get(name, []))]
+        lines.append("| " + " | ".join(row) + " |")
     path.write_text(f"{head}<!-- table -->\n" + "\n".join(lines[1:]) + f"\n\n<!-- end -->\n{tail}")
+
+
+def cells_of(rows, column):
+    """What a cell of the document has of the rows of a control; nothing if they have no such column."""
+    return "<br>".join(row[column] for row in rows if column < len(row))
 
 
 if __name__ == "__main__":

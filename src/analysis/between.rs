@@ -5,10 +5,12 @@
 //! closely. How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes
 //! the nodes of the other side see what happens, and from node to node nothing is between.
 
+use super::intruders::{all_axes, around};
 use super::watch::{allowance, reach};
 use crate::contact::watch::{self, Finding, Side, View};
-use crate::contact::{Master, Meets, Pair, Sight, Status};
+use crate::contact::{Master, Meets, Pair, Sight, Slave, Status};
 use crate::model::Model;
+use crate::model::locate::held;
 use crate::mortar::Corners;
 use crate::mortar::face::bilinear;
 use crate::parallel::{max, sum};
@@ -41,18 +43,24 @@ impl Between {
 }
 
 /// The deepest between the nodes of each pair, of which none has gone farther than its entry of `travels`, as the watch
-/// sighted them. Collective.
-pub(super) fn between(comm: &SimpleCommunicator, model: &Model, travels: &[f64], u: &[Vec3]) -> Vec<Between> {
-    let deepest = |(pair, travel): (&Pair, &f64)| {
+/// sighted them; `idle` are those of which no node is in contact. Collective.
+pub(super) fn between(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    (travels, idle): (&[f64], &[bool]),
+    u: &[Vec3],
+) -> Vec<Between> {
+    let deepest = |((pair, travel), is_idle): ((&Pair, &f64), &bool)| {
         if pair.other.is_some() || matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes)) {
             return Between::default();
         }
         let sights = Sights::new(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
-        facets.iter().filter_map(of).fold(Between::default(), Between::or_deeper)
+        let beside = facets.iter().filter_map(of).fold(Between::default(), Between::or_deeper);
+        if *is_idle && !pair.within_body { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside }
     };
-    let mine: Vec<Between> = model.pairs.iter().zip(travels).map(deepest).collect();
+    let mine: Vec<Between> = model.pairs.iter().zip(travels).zip(idle).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
     max(comm, &mut shares);
     // Of ranks that are as deep, the first says where.
@@ -170,6 +178,26 @@ impl Facet {
             _ => self.corners.at(&bilinear(xi)[0]),
         }
     }
+}
+
+/// A master that is in the slave's body as a whole and that no node touches, as after a way through its faces between their
+/// nodes, which no node and no facet has behind it: by where nodes see it before them. Collective.
+fn swallowed(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Between {
+    let place = |n: u32| model.part.points[n as usize] + u[model.part.tie[n as usize] as usize];
+    let ground = model.masters.of(pair.master);
+    let axes = all_axes(pair);
+    let margin = pair.controls.watch_between * pair.facet_size;
+    let foot = |slave: &Slave| {
+        let Sight { gap, normal, side, .. } = slave.sighted;
+        let seen = ground.seen_from(&place(slave.node)) - normal? * gap;
+        (side == Side::Front && gap > 0.0).then(|| (gap, ground.in_space(&seen)))
+    };
+    let feet: Vec<(f64, Vec3)> = pair.slaves.iter().filter_map(foot).collect();
+    let points: Vec<Vec3> = feet.iter().flat_map(|(_, foot)| around(foot, &axes, margin)).collect();
+    let held = held(comm, model, pair.body, &points, &place);
+    let within = feet.iter().zip(held.chunks(1 << axes.len())).filter(|(_, held)| held.iter().all(|held| *held));
+    let nearest = within.map(|(foot, _)| *foot).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or(Between::default(), |(depth, place)| Between { share: f64::INFINITY, depth, place })
 }
 
 /// What ends an increment: a pair whose master is deeper between the nodes of a facet than what these feel.

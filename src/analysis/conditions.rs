@@ -14,18 +14,18 @@
 //! before a force took it over falls to zero beside it. In brackets is the bow of the table over its chord.
 
 mod inclined;
+mod prescribe;
 
-use crate::contact::moves::{alike, way};
+use crate::contact::moves::way;
 use crate::contact::{Axle, Movement, Pair, Pose, Tool};
-use crate::error::{Error, Result};
-use crate::model::{Model, axisymmetric, elements};
+use crate::error::Result;
+use crate::model::{Model, axisymmetric, elements, plane_strain};
 use crate::parallel::sum;
 use crate::partition::PartSolid;
-use crate::scene::{Amplitude, Formulation, Located, Rotation, Step, Torque};
+use crate::scene::{Amplitude, Formulation, Reduction, Rotation, Spin, Step, Torque};
 use crate::system::Axes;
 use crate::system::dofs::{Motion, Prescribed, ToolFreedom};
-use crate::{AXIS_NAMES, Mat3, Vec3};
-use inclined::Inclined;
+use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 use std::ops::{Add, Mul, Sub};
@@ -110,6 +110,18 @@ where
     }
 }
 
+/// A body that spins, with the masses of its owned nodes.
+#[derive(Clone, Debug)]
+pub struct Spinning {
+    body: String,
+    pub point: Vec3,
+    /// A unit vector.
+    pub axis: Vec3,
+    /// The square of the angular velocity.
+    pub square: Ramp<f64>,
+    pub masses: BTreeMap<u32, f64>,
+}
+
 /// The conditions of a step on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
@@ -120,6 +132,8 @@ pub struct Conditions {
     pub motions: Vec<ToolMotion>,
     /// Dead load on each owned node, N.
     pub loads: Vec<Ramp<Vec3>>,
+    /// Centrifugal loads.
+    pub spins: Vec<Spinning>,
     /// Follower pressure by set.
     pub pressures: BTreeMap<String, Ramp<f64>>,
     /// Force on each tool, N; then for each the torque about its axis over its lever, in the first place.
@@ -130,6 +144,19 @@ pub struct Conditions {
     pub duration: f64,
     /// Tables of motions, from course 1 on.
     courses: Vec<Amplitude>,
+    /// The axes about which sets turn, or did last.
+    axes_of_sets: BTreeMap<String, AxisOfSet>,
+}
+
+/// The axis about which a set turns, and which goes along with it.
+#[derive(Clone, Copy, Debug)]
+struct AxisOfSet {
+    /// At the start of the step.
+    point: Vec3,
+    /// A unit vector.
+    axis: Vec3,
+    by: Vec3,
+    course: u32,
 }
 
 impl Conditions {
@@ -148,11 +175,13 @@ impl Conditions {
     /// Two conditions that contradict each other at a node; only on the rank that owns it. What axisymmetric bodies cannot have.
     pub fn new(comm: &SimpleCommunicator, model: &Model, step: &Step, u: &[Vec3], last: &Self) -> Result<Self> {
         axisymmetric::check_step(model, step)?;
+        plane_strain::check_step(model, step)?;
         let mut conditions = Self {
             prescribed: vec![None; 3 * model.part.owned],
             axes: Axes::default(),
             motions: vec![ToolMotion::default(); model.masters.tools.len()],
             loads: last.loads.iter().map(Ramp::fading).collect(),
+            spins: Vec::new(),
             pressures: (last.pressures.iter().filter(|(_, p)| p.to != 0.0))
                 .map(|(set, p)| (set.clone(), p.fading()))
                 .collect(),
@@ -160,12 +189,14 @@ impl Conditions {
             springs: BTreeMap::new(),
             duration: step.duration,
             courses: Vec::new(),
+            axes_of_sets: last.axes_of_sets.iter().map(|(set, axis)| (set.clone(), last.stopped(axis, 1.0))).collect(),
         };
         for pressure in &step.pressures {
             let ramp = conditions.pressures.entry(pressure.set.value.clone()).or_default();
             ramp.add(pressure.value, shared(&pressure.table).as_ref());
         }
         conditions.add_body_forces(model, step);
+        conditions.add_spins(model, step, last)?;
         conditions.add_forces(comm, model, step);
         step.torques.iter().for_each(|torque| conditions.add_torque(comm, model, last, torque));
         for spring in &step.springs {
@@ -235,7 +266,7 @@ impl Conditions {
 
     /// Where a motion prescribes to be at fraction `s` of the step.
     pub fn place(&self, motion: &Motion, s: f64) -> f64 {
-        motion.from + motion.by * self.done(motion.course, s)
+        motion.place(self.done(motion.course, s))
     }
 
     /// The pose at fraction `s` of the step of tool `t`, which began at `start`, but for what forces move it by.
@@ -274,7 +305,7 @@ impl Conditions {
     pub fn freedoms(&self) -> Vec<ToolFreedom> {
         let along = |axle: &Axle, d: usize| (1.0 - axle.axis[d].abs()) < 1e-14;
         let moves = |m: &ToolMotion, d: usize| {
-            let keeps_apart = m.rotation.is_none_or(|r| (1.0 - r.axis.normalize()[d].abs()) < 1e-14);
+            let keeps_apart = m.rotation.is_none_or(|rotation| rotation.is_along(d));
             match m.free[d] || m.axle.is_some_and(|axle| !along(&axle, d)) {
                 true => f64::NAN,
                 false if keeps_apart => way(m.by[d], m.course),
@@ -305,6 +336,11 @@ impl Conditions {
         self.prescribed[3 * node + d].map(|_| self.axes.direction(node, d))
     }
 
+    /// Whether an owned node turns, so that where it goes depends on where it begins.
+    pub fn turns(&self, node: usize) -> bool {
+        self.prescribed[3 * node..3 * node + 3].iter().flatten().any(|motion| motion.turn.is_some())
+    }
+
     /// How far the prescribed motions of an owned node have moved it at fraction `s` of the step, along its directions: NaN where
     /// it is free.
     pub fn moved(&self, node: usize, s: f64) -> Vec3 {
@@ -312,10 +348,24 @@ impl Conditions {
         Vec3::from_fn(|d, _| motion(d).map_or(f64::NAN, |motion| self.place(&motion, s) - motion.from))
     }
 
+    /// The axis about which a set turns, or did last, at fraction `s` of the step: a point and a unit vector.
+    pub fn axis_of(&self, set: &str, s: f64) -> Option<(Vec3, Vec3)> {
+        self.axes_of_sets.get(set).map(|of_set| (self.stopped(of_set, s).point, of_set.axis))
+    }
+
+    /// The same where it is at fraction `s`, and stays.
+    fn stopped(&self, of_set: &AxisOfSet, s: f64) -> AxisOfSet {
+        let AxisOfSet { point, axis, by, course } = *of_set;
+        AxisOfSet { point: point + by * self.done(course, s), axis, by: Vec3::zeros(), course: 0 }
+    }
+
     /// What is left when the step ends at fraction `s`, before its end.
     pub fn ended_at(mut self, s: f64) -> Self {
+        let stopped = self.axes_of_sets.iter().map(|(set, of_set)| (set.clone(), self.stopped(of_set, s)));
+        self.axes_of_sets = stopped.collect();
         self.loads.iter_mut().chain(&mut self.tool_forces).for_each(|ramp| ramp.end_at(s));
         self.pressures.values_mut().for_each(|ramp| ramp.end_at(s));
+        self.spins.iter_mut().for_each(|spin| spin.square.end_at(s));
         self
     }
 
@@ -342,6 +392,29 @@ impl Conditions {
             }
             self.load_nodes(shares, &force.table);
         }
+    }
+
+    /// Spins of the step, and those of the last one, which end.
+    fn add_spins(&mut self, model: &Model, step: &Step, last: &Self) -> Result<()> {
+        let fading = last.spins.iter().filter(|spin| spin.square.to != 0.0);
+        self.spins = fading.map(|spin| Spinning { square: spin.square.fading(), ..spin.clone() }).collect();
+        for spin in &step.spins {
+            let body = model.bodies.iter().find(|body| body.name == spin.body.value);
+            let is_plane = body.is_some_and(|body| body.reduction == Some(Reduction::PlaneStrain));
+            if let Some(error) = spin.across(2, false).filter(|_| is_plane) {
+                return Err(error);
+            }
+            let known =
+                self.spins.iter().position(|own| own.body == spin.body.value && spin.is_about(&own.point, &own.axis));
+            let k = known.unwrap_or_else(|| {
+                let Spin { point, axis, .. } = *spin;
+                let (body, masses) = (spin.body.value.clone(), masses(model, spin));
+                self.spins.push(Spinning { body, point, axis, square: Ramp::default(), masses });
+                self.spins.len() - 1
+            });
+            self.spins[k].square.add(spin.square, shared(&spin.table).as_ref());
+        }
+        Ok(())
     }
 
     /// Loads on nodes of this rank, of which those that it owns count.
@@ -371,7 +444,7 @@ impl Conditions {
 
     /// A torque, whose lever is the mean distance of the tool's slave nodes from the axis, as they are meshed. Collective.
     fn add_torque(&mut self, comm: &SimpleCommunicator, model: &Model, last: &Self, torque: &Torque) {
-        let Some(t) = model.masters.tools.iter().position(|tool| tool.name == torque.tool.value) else { return };
+        let Some(t) = model.tool_named(&torque.tool.value) else { return };
         let Torque { total, point, axis, table, .. } = torque;
         let slaves = model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)).flat_map(|pair| &pair.slaves);
         let distance = |n: u32| axis.cross(&(model.part.points[n as usize] - point)).norm();
@@ -385,111 +458,21 @@ impl Conditions {
         ramp.add(Vec3::x() * (total / lever), shared(table).as_ref());
         self.motions[t].axle = Some(Axle { point: *point, axis: *axis, lever });
     }
+}
 
-    fn prescribe(&mut self, model: &Model, step: &Step, u: &[Vec3]) -> Result<()> {
-        let mut inclined = Inclined::default();
-        for fix in &step.fix {
-            match fix.normal {
-                None => self.prescribe_set(model, &fix.set, u, &fix.directions, (&Vec3::zeros(), 0))?,
-                Some(normal) => self.prescribe_along(model, (&fix.set, &normal), u, (0.0, 0), &mut inclined)?,
-            }
-        }
-        for motion in &step.moves {
-            let course = self.number(&motion.table);
-            if let Some(tool) = model.masters.tools.iter().position(|t| t.name == motion.target.value) {
-                let own = &mut self.motions[tool];
-                *own = ToolMotion { by: motion.by, rotation: motion.rotate, course, ..*own };
-            } else if let Some(normal) = motion.normal {
-                let by = (normal.dot(&motion.by), course);
-                self.prescribe_along(model, (&motion.target, &normal), u, by, &mut inclined)?;
-            } else {
-                self.prescribe_set(model, &motion.target, u, &motion.directions, (&motion.by, course))?;
-            }
-        }
-        for plane in &model.symmetry {
-            self.prescribe_along(model, (&plane.set, &plane.normal), u, (0.0, 0), &mut inclined)?;
-        }
-        for n in 0..model.part.owned {
-            if model.bodies[model.part.body[n] as usize].is_layer() {
-                self.prescribed[3 * n + 2] = Some(Motion::still(u[n].z));
-            }
-            if model.is_on_axis(n) {
-                self.prescribed[3 * n] = Some(Motion::still(u[n].x));
-            }
-        }
-        inclined.add_to(self, model, u)?;
-        for n in 0..model.part.owned {
-            let one = model.part.tie[n] as usize;
-            (0..3).for_each(|d| self.prescribed[3 * n + d] = self.prescribed[3 * one + d]);
-            if let Some(axes) = self.axes.of(one).copied() {
-                self.axes.set(n, axes);
-            }
-        }
-        Ok(())
-    }
-
-    /// How a set moves along a unit vector.
-    fn prescribe_along<'s>(
-        &mut self,
-        model: &Model,
-        (set, normal): (&'s Located<String>, &Vec3),
-        u: &[Vec3],
-        (by, course): (f64, u32),
-        inclined: &mut Inclined<'s>,
-    ) -> Result<()> {
-        let Some(axis) = inclined::axis_of(normal) else {
-            inclined.add(model, set, *normal, (by, course));
-            return Ok(());
+/// The mass of each owned node of a body that spins: the integral of its shape function times the density.
+fn masses(model: &Model, spin: &Spin) -> BTreeMap<u32, f64> {
+    let mut masses: BTreeMap<u32, f64> = BTreeMap::new();
+    for solid in &model.part.solids {
+        let Some((_, density)) = spin.densities.iter().find(|(section, _)| *section == solid.section as usize) else {
+            continue;
         };
-        self.prescribe_set(model, set, u, &[0, 1, 2].map(|d| d == axis), (&(normal * by), course))
-    }
-
-    fn prescribe_set(
-        &mut self,
-        model: &Model,
-        Located { value: set, at }: &Located<String>,
-        u: &[Vec3],
-        directions: &[bool; 3],
-        (by, course): (&Vec3, u32),
-    ) -> Result<()> {
-        for &n in &model.set(set).nodes {
-            let body = &model.bodies[model.part.body[n as usize] as usize];
-            if let Some(reduction) = body.reduction.filter(|_| directions[2] && by.z != 0.0) {
-                let what = format!("body `{}` is {}, where nothing moves along z", body.name, reduction.words());
-                let help = format!("take `{}` out, or make the motion along z 0", reduction.key());
-                return Err(Error::input(at, what, help));
-            }
-            if model.is_on_axis(n as usize) && directions[0] && by.x != 0.0 {
-                let what =
-                    format!("node {} of `{set}` is on the axis, and cannot move along x", model.part.id[n as usize]);
-                return Err(Error::input(
-                    at,
-                    what,
-                    "leave x out of `directions`, or name a group that ends before the axis",
-                ));
-            }
-            // Nodes that move as one are prescribed as one.
-            let one = model.part.tie[n as usize] as usize;
-            for d in (0..3).filter(|&d| directions[d]) {
-                let motion = Motion { from: u[one][d], by: by[d], course };
-                let slot = &mut self.prescribed[3 * one + d];
-                if slot.is_some_and(|other| !alike(other.way(), motion.way())) {
-                    let axis = AXIS_NAMES[d];
-                    let node = model.part.id[n as usize];
-                    let what = format!(
-                        "node {node} of `{set}` is already moved otherwise along {axis} by another condition of this step"
-                    );
-                    return Err(Error::input(
-                        at,
-                        what,
-                        "restrict one of them with `directions`, or take the node out of one set",
-                    ));
-                }
-                *slot = Some(motion);
-            }
+        let shares = elements::body_force(model, solid, &(Vec3::x() * *density));
+        for (&n, share) in solid.nodes().iter().zip(shares).filter(|(n, _)| (**n as usize) < model.part.owned) {
+            *masses.entry(n).or_default() += share.x;
         }
-        Ok(())
     }
+    masses
 }
 
 /// A table that many loads have.

@@ -2,7 +2,7 @@
 
 use super::cost::work::Rates;
 use super::{Increment, Remedy, Retried};
-use crate::contact::{BodySurface, Master, Meets, Tool};
+use crate::contact::{BodySurface, Tool};
 use crate::error::Error;
 use crate::failure::{Cause, Failure};
 use crate::mesh::SolidShape;
@@ -68,10 +68,10 @@ pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = match pair.master {
-            Master::Surface(_, Meets::Nodes) => ", each on a node of the master",
-            _ if pair.faces.is_some() => ", from segment to segment",
-            _ => "",
+        let by = match pair.is_by_nodes() {
+            true => ", each on a node of the master",
+            false if pair.faces.is_some() => ", from segment to segment",
+            false => "",
         };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }

@@ -1,27 +1,27 @@
-//! Slave nodes inside the body that they are to meet, which came in past the faces that their contacts name: by the places of
-//! nodes and the volume of elements alone.
+//! Nodes inside a body that others of their body are to meet, which came in past the faces that contacts name, or are named by
+//! none: by the places of nodes and the volume of elements alone.
 //!
 //! Surfaces that are named are watched by [`crate::contact::watch`]. A node that goes beside them, over an end of the surface,
 //! may go into the body through a face that no contact names; no contact holds it there, and its forces are missing. So nodes
-//! that are not near a face of their contacts are looked for in the elements of the body. One is inside when all
+//! that are not near a face of their contacts, or have none, are looked for in the elements of the body. One is inside when all
 //! points around it are, as far away as smooth surfaces differ from faces, along directions in which it is free; one that was
 //! there before anything moved is meant so.
 
 use super::conditions::Conditions;
+use crate::Vec3;
 use crate::contact::watch::Side;
 use crate::contact::{Ground, Pair, Sight};
 use crate::model::locate::held;
 use crate::model::{Model, elements};
 use crate::parallel::{any, max};
 use crate::partition::parcels::{bounds, hull};
-use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
-/// A slave node, by the indices of its pair and in it, far from the faces of all contacts with the body.
-type Suspect = (usize, usize);
+/// An owned node far from the faces of all contacts with the body, with the index of one of these.
+pub(super) type Suspect = (usize, u32);
 
-/// Slave nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
+/// Nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
 pub(super) fn intruders(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
     let of_bodies = || model.pairs.iter().filter(|pair| !pair.is_self());
     let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body).collect();
@@ -40,19 +40,17 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
     let own = || elements::of_body(model, body).flat_map(|e| part.solids[e].nodes().iter().copied());
     let Some((low, high)) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
     let is_near = |x: &Vec3| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
-    let node = |(p, s): Suspect| model.pairs[p].slaves[s].node;
-    suspects.retain(|suspect| is_near(&now(node(*suspect))));
+    suspects.retain(|(_, n)| is_near(&now(*n)));
     let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
         let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
         let mut held = held(comm, model, body, &points.concat(), place).into_iter();
         let mut all = |points: &Vec<Vec3>| held.by_ref().take(points.len()).filter(|held| !held).count() == 0;
         suspects.into_iter().zip(&points).filter_map(|(suspect, points)| all(points).then_some(suspect)).collect()
     };
-    let inside: Vec<Suspect> = keep(suspects, &|suspect| vec![now(node(suspect))], &now);
+    let inside: Vec<Suspect> = keep(suspects, &|(_, n)| vec![now(n)], &now);
     let margin = bulge(comm, model, body);
-    let around = |(p, s): Suspect, place: &dyn Fn(u32) -> Vec3| {
+    let around = |(p, n): Suspect, place: &dyn Fn(u32) -> Vec3| {
         let pair = &model.pairs[p];
-        let n = pair.slaves[s].node;
         around(&place(n), &free_axes(pair, n, conditions), margin + pair.controls.watch_deep * pair.facet_size)
     };
     let inside = keep(inside, &|suspect| around(suspect, &now), &now);
@@ -61,16 +59,19 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
     inside.into_iter().filter(|suspect| !began.contains(suspect)).collect()
 }
 
-/// The slave nodes of contacts with a body that are near none of the faces that these name.
+/// The nodes of bodies that meet a body and are near none of the faces of it that their contacts name.
 fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
+    let part = &model.part;
     let mut of_node: BTreeMap<u32, Option<Suspect>> = BTreeMap::new();
     let pairs = model.pairs.iter().enumerate();
-    for (p, pair) in pairs.filter(|(_, pair)| pair.master_body == Some(body) && !pair.is_self()) {
-        for (s, slave) in pair.slaves.iter().enumerate() {
-            let suspect = of_node.entry(slave.node).or_insert(Some((p, s)));
-            if is_seen(&slave.sighted) {
-                *suspect = None;
-            }
+    for (p, pair) in pairs.filter(|(_, pair)| pair.master_body == Some(body) && pair.body != body) {
+        for n in part.owned_of(pair.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32) {
+            of_node.entry(n).or_insert(Some((p, n)));
+        }
+    }
+    for pair in model.pairs.iter().filter(|pair| pair.master_body == Some(body) && !pair.is_self()) {
+        for slave in pair.slaves.iter().filter(|slave| is_seen(&slave.sighted)) {
+            of_node.insert(slave.node, None);
         }
     }
     of_node.into_values().flatten()
@@ -104,15 +105,22 @@ fn bulge(comm: &SimpleCommunicator, model: &Model, body: usize) -> f64 {
 /// Directions in which a slave node may give way; all, if there are none.
 fn free_axes(pair: &Pair, node: u32, conditions: &Conditions) -> Vec<Vec3> {
     let movement = conditions.movement(node);
-    let axes = |of: &Mat3, is_free: &dyn Fn(usize) -> bool| -> Vec<Vec3> {
-        (0..if pair.planar { 2 } else { 3 }).filter(|&d| is_free(d)).map(|d| of.column(d).into_owned()).collect()
-    };
-    let free = axes(&movement.axes, &|d| movement.ways[d].is_nan());
-    if free.is_empty() { axes(&Mat3::identity(), &|_| true) } else { free }
+    let free = (0..dimensions(pair)).filter(|&d| movement.ways[d].is_nan());
+    let free: Vec<Vec3> = free.map(|d| movement.axes.column(d).into_owned()).collect();
+    if free.is_empty() { all_axes(pair) } else { free }
+}
+
+fn dimensions(pair: &Pair) -> usize {
+    if pair.planar { 2 } else { 3 }
+}
+
+/// The coordinate axes along which anything of a pair happens.
+pub(super) fn all_axes(pair: &Pair) -> Vec<Vec3> {
+    (0..dimensions(pair)).map(|d| Vec3::ith(d, 1.0)).collect()
 }
 
 /// The corners of a square or cube around a point.
-fn around(x: &Vec3, axes: &[Vec3], by: f64) -> Vec<Vec3> {
+pub(super) fn around(x: &Vec3, axes: &[Vec3], by: f64) -> Vec<Vec3> {
     let sign = |corner: usize, d: usize| if corner >> d & 1 == 1 { by } else { -by };
     let at = |corner: usize| axes.iter().enumerate().fold(*x, |x, (d, axis)| x + axis * sign(corner, d));
     (0..1 << axes.len()).map(at).collect()

@@ -35,6 +35,7 @@
 
 use super::event::Remedy;
 use super::increments::Increments;
+use crate::contact::Manner;
 use crate::controls::Controls;
 use crate::failure::Cause;
 use crate::words::Words;
@@ -77,20 +78,47 @@ impl Yields {
     }
 }
 
-/// How far the tries are, of what a [`Ladder`] has under these names.
+/// How far the tries at an increment are, and what has helped in those before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tries {
+    /// When constraints of multipliers give way more than they do anyway.
     can_yield: Yields,
+    /// Constraints give way until they are tightened; `None` when it did not help in this increment.
     yields: Option<bool>,
     way: Way,
+    /// Penalties are lower.
     soft: bool,
+    /// Active sets stand still while Newton's method runs.
     sets: bool,
+    /// Contacts are sought along the central path, and each residual must be below the last on it.
     central: Option<bool>,
+    /// Both kinds of penalties were tried in this increment, or in an earlier one, where the lower ones did not help.
     turned: bool,
+    /// The same of active sets.
     sorted: bool,
+    /// Failures in succession.
     failures: usize,
+    /// Jumps that have failed.
     jumps: usize,
+    /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
     jumped: usize,
+}
+
+/// What may help in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Means {
+    /// Lower penalties: there are contacts.
+    pub soften: bool,
+    /// Active sets that stand still: some contact has an augmented Lagrangian, whose place they can take.
+    pub sort: bool,
+    /// The central path: two tools press on a body.
+    pub center: bool,
+    /// Contacts that settle: some has friction, or a penalty that is not the automatic one.
+    pub settle: bool,
+    /// Multipliers that are held: nodes touch several masters with friction and multipliers that are unknowns.
+    pub hold: bool,
+    /// Jumps that may fail.
+    pub jumps: usize,
 }
 
 crate::words!(Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped });
@@ -113,65 +141,26 @@ impl Words for Way {
     }
 }
 
-/// The state of the tries at an increment.
+/// What is tried at an increment, and how far it is.
 #[derive(Clone, Copy, Debug)]
 pub struct Ladder {
-    /// There are contacts.
-    pub can_soften: bool,
-    /// Some contact has an augmented Lagrangian, which active sets can have the place of.
-    pub can_sort: bool,
-    /// Contacts can be sought along the central path: two tools press on a body.
-    pub can_center: bool,
-    /// Some contact has friction, or a penalty that is not the automatic one.
-    can_settle: bool,
-    /// When constraints of multipliers give way more than they do anyway.
-    pub can_yield: Yields,
-    /// Constraints give way until they are tightened; `None` when it did not help in this increment.
-    yields: Option<bool>,
-    /// Nodes touch several masters with friction and multipliers that are unknowns.
-    pub can_hold: bool,
-    /// Jumps that may fail.
-    most_jumps: usize,
+    pub means: Means,
+    tries: Tries,
     /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
     /// round.
     pub settles: bool,
-    way: Way,
-    /// Penalties are lower.
-    soft: bool,
-    /// Active sets stand still while Newton's method runs.
-    sets: bool,
-    /// Contacts are sought along the central path, and each residual must be below the last on it.
-    central: Option<bool>,
-    /// Both kinds of penalties were tried in this increment, or in an earlier one, where the lower ones did not help.
-    turned: bool,
-    /// The same of active sets.
-    sorted: bool,
-    /// Failures in succession.
-    failures: usize,
-    /// Jumps that have failed, and those that the watch has refused.
-    jumps: usize,
+    /// Jumps that the watch has refused.
     refused: usize,
-    /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
-    jumped: usize,
     controls: Controls,
 }
 
 impl Ladder {
-    /// `has_memory` where friction or flow make the state depend on the way to it.
-    pub fn new(can_settle: bool, has_memory: bool, controls: &Controls) -> Self {
-        let most_jumps = if has_memory { controls.jump_tries } else { usize::MAX };
-        let way = Way::Newton { settle: false };
-        Self {
-            can_soften: false,
-            can_sort: false,
-            can_center: false,
-            can_settle,
+    /// At the begin of a step.
+    pub fn new(means: Means, controls: &Controls) -> Self {
+        let tries = Tries {
             can_yield: Yields::Never,
             yields: Some(false),
-            can_hold: false,
-            most_jumps,
-            settles: false,
-            way,
+            way: Way::Newton { settle: false },
             soft: false,
             sets: false,
             central: None,
@@ -179,32 +168,29 @@ impl Ladder {
             sorted: false,
             failures: 0,
             jumps: 0,
-            refused: 0,
             jumped: 0,
-            controls: *controls,
-        }
-    }
-
-    /// The same without jumps, which have no time that dashpots could go by.
-    pub fn without_jumps(self) -> Self {
-        Self { most_jumps: 0, ..self }
+        };
+        Self { means, tries, settles: false, refused: 0, controls: *controls }
     }
 
     /// How far it is.
     pub fn tries(&self) -> Tries {
-        let Self { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped, .. } = *self;
-        Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped }
+        self.tries
     }
 
     /// Goes on from there.
     pub fn go_on(&mut self, tries: Tries) {
-        let Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped } = tries;
-        *self = Self { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped, ..*self };
+        self.tries = tries;
+    }
+
+    /// Notes when constraints of multipliers may give way more than they do anyway, and whether multipliers can be held.
+    pub fn note(&mut self, yields: Yields, hold: bool) {
+        (self.tries.can_yield, self.means.hold) = (yields, hold);
     }
 
     /// How to seek the increment now.
     pub fn way(&self) -> Way {
-        match self.way {
+        match self.tries.way {
             Way::Newton { settle } => Way::Newton { settle: settle != self.settles },
             Way::Jump => Way::Jump,
         }
@@ -212,125 +198,158 @@ impl Ladder {
 
     /// Whether it is sought in the other way because it has failed: then with automatic penalties, too.
     pub fn is_remedy(&self) -> bool {
-        self.way == Way::Newton { settle: true }
+        self.tries.way == Way::Newton { settle: true }
     }
 
-    /// Whether penalties are lower than they are given, or come of themselves.
+    /// Whether penalties are lower than they are given, or come of themselves. Not in a jump: each of its steps has few iterations,
+    /// too few for nodes that slip with lower penalties.
     pub fn is_soft(&self) -> bool {
-        self.soft
+        self.tries.soft && self.tries.way != Way::Jump
     }
 
     /// Whether active sets stand still while Newton's method runs.
     pub fn is_by_sets(&self) -> bool {
-        self.can_sort && self.sets && self.way != Way::Jump
+        self.means.sort && self.tries.sets && self.tries.way != Way::Jump
     }
 
     /// Whether contacts are sought along the central path.
     pub fn is_central(&self) -> bool {
-        self.can_center && self.central.is_some() && self.way != Way::Jump
+        self.means.center && self.tries.central.is_some() && self.tries.way != Way::Jump
+    }
+
+    /// In which way contacts are sought now; `ahead` where the iteration begins from an extrapolation.
+    pub fn manner(&self, ahead: bool) -> Manner {
+        Manner {
+            settles: self.way() == Way::Newton { settle: true },
+            ahead,
+            automatic: self.is_remedy() || self.yields(),
+            soft: self.is_soft(),
+            central: self.is_central(),
+            yields: self.yields(),
+            again: self.tries.failures > 0,
+        }
     }
 
     /// Whether a path of little but jumps, or jumps that are refused, leave nothing to try.
     pub fn jumps_on(&self) -> bool {
-        self.jumped >= self.controls.jump_weight * self.controls.jump_run || self.refused > self.controls.jump_tries
-    }
-
-    /// Whether the increment has failed already.
-    pub fn has_failed(&self) -> bool {
-        self.failures > 0
+        self.tries.jumped >= self.controls.jump_weight * self.controls.jump_run
+            || self.refused > self.controls.jump_tries
     }
 
     /// Whether constraints of multipliers give way until they are tightened.
     pub fn yields(&self) -> bool {
-        self.yields == Some(true)
+        self.tries.yields == Some(true)
     }
 
     /// In plastic bodies, and along the central path, each residual must be below the last, not only below the largest of the
     /// last few. What fails in one way is tried again in the other: neither serves both contacts that come and go and flow that
     /// overshoots.
     pub fn is_strict(&self) -> bool {
-        let by_turns = self.failures % self.controls.remedy_period == 1;
-        self.way == Way::Jump || self.central.unwrap_or(by_turns)
+        let by_turns = self.tries.failures % self.controls.remedy_period == 1;
+        self.tries.way == Way::Jump || self.tries.central.unwrap_or(by_turns)
     }
 
     /// The increment has converged. Says how it was found.
     pub fn succeed(&mut self) -> Found {
-        let found = Found { way: self.way(), failures: self.failures };
-        self.yields = Some(self.yields() && self.can_yield == Yields::OnceSingular);
-        self.jumped =
-            if self.way == Way::Jump { self.jumped + self.controls.jump_weight } else { self.jumped.saturating_sub(1) };
-        (self.way, self.failures) = (Way::Newton { settle: false }, 0);
-        (self.turned, self.sorted, self.refused) = (self.turned && !self.soft, self.sorted && !self.sets, 0);
+        let found = Found { way: self.way(), failures: self.tries.failures };
+        self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
+        self.tries.jumped = if self.tries.way == Way::Jump {
+            self.tries.jumped + self.controls.jump_weight
+        } else {
+            self.tries.jumped.saturating_sub(1)
+        };
+        (self.tries.way, self.tries.failures) = (Way::Newton { settle: false }, 0);
+        (self.tries.turned, self.tries.sorted, self.refused) =
+            (self.tries.turned && !self.tries.soft, self.tries.sorted && !self.tries.sets, 0);
         found
     }
 
     /// The increment to `end` has failed: what to do. `None` when nothing is left.
     pub fn fail(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
         if cause == Cause::Watch {
-            self.refused += usize::from(self.way == Way::Jump);
-            self.way = Way::Newton { settle: false };
-            let last = increments.is_shortest(end) || self.refused > self.controls.jump_tries;
-            increments.cut(end, false);
-            return (!last).then_some(Remedy::Cut);
+            return self.refuse(increments, end);
         }
         // What fails by sets says nothing of what else may help.
-        let cause = if std::mem::take(&mut self.sets) && self.can_sort && self.way != Way::Jump {
-            if !std::mem::replace(&mut self.sorted, true) {
-                return Some(Remedy::Sets);
-            }
-            Cause::Iteration
-        } else {
-            cause
-        };
-        let singular = matches!(cause, Cause::Singular | Cause::Rounding);
-        if self.can_hold {
-            self.yields = Some(false);
-            self.failures += 1;
+        let by_sets = std::mem::take(&mut self.tries.sets) && self.means.sort && self.tries.way != Way::Jump;
+        if by_sets && !std::mem::replace(&mut self.tries.sorted, true) {
+            return Some(Remedy::Sets);
+        }
+        let cause = if by_sets { Cause::Iteration } else { cause };
+        if let Some(remedy) = self.relieve(cause) {
+            return Some(remedy);
+        }
+        if self.tries.way == Way::Jump {
+            self.tries.jumps += 1;
+            return (self.tries.jumps < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
+        }
+        self.turn(cause).or_else(|| self.shorten(increments, end, cause))
+    }
+
+    /// The watch has refused the increment.
+    fn refuse(&mut self, increments: &mut Increments, end: f64) -> Option<Remedy> {
+        self.refused += usize::from(self.tries.way == Way::Jump);
+        self.tries.way = Way::Newton { settle: false };
+        let last = increments.is_shortest(end) || self.refused > self.controls.jump_tries;
+        increments.cut(end, false);
+        (!last).then_some(Remedy::Cut)
+    }
+
+    /// Other constraints, with the increment as it is.
+    fn relieve(&mut self, cause: Cause) -> Option<Remedy> {
+        if self.means.hold {
+            self.tries.yields = Some(false);
+            self.tries.failures += 1;
             return Some(Remedy::Hold);
         }
-        if self.can_yield.after(cause) && self.yields == Some(false) {
-            self.yields = Some(true);
-            self.failures += 1;
+        if self.tries.can_yield.after(cause) && self.tries.yields == Some(false) {
+            self.tries.yields = Some(true);
+            self.tries.failures += 1;
             return Some(Remedy::Yield);
         }
         if cause.is_linear() {
-            self.yields = None;
+            self.tries.yields = None;
         }
-        let Way::Newton { .. } = self.way else {
-            self.jumps += 1;
-            return (self.jumps < self.most_jumps && increments.lengthen(end)).then_some(Remedy::Jump);
-        };
-        if self.can_soften && cause.is_of_iteration() && !std::mem::replace(&mut self.turned, true) {
-            self.soft = !self.soft;
+        None
+    }
+
+    /// Another way to the same contacts, with the increment as it is.
+    fn turn(&mut self, cause: Cause) -> Option<Remedy> {
+        let tries = &mut self.tries;
+        if self.means.soften && cause.is_of_iteration() && !std::mem::replace(&mut tries.turned, true) {
+            tries.soft = !tries.soft;
             return Some(Remedy::Soften);
         }
-        if self.can_center && cause.is_of_iteration() && self.central != Some(true) {
-            (self.central, self.soft) = (Some(self.central.is_some()), false);
+        if self.means.center && cause.is_of_iteration() && tries.central != Some(true) {
+            (tries.central, tries.soft) = (Some(tries.central.is_some()), false);
             return Some(Remedy::Central);
         }
-        self.central = None;
-        if self.can_sort && cause.is_of_iteration() && !std::mem::replace(&mut self.sorted, true) {
-            self.sets = true;
-            return Some(Remedy::Sets);
-        }
-        self.failures += 1;
-        let again = self.can_settle && !self.is_remedy();
+        tries.central = None;
+        tries.sets = self.means.sort && cause.is_of_iteration() && !std::mem::replace(&mut tries.sorted, true);
+        tries.sets.then_some(Remedy::Sets)
+    }
+
+    /// A shorter increment; or, where that hardly serves, contacts that settle, and a jump.
+    fn shorten(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
+        self.tries.failures += 1;
+        let singular = matches!(cause, Cause::Singular | Cause::Rounding);
+        let again = self.means.settle && !self.is_remedy();
         let short = increments.is_short(end);
         if again && (short || singular) {
-            self.way = Way::Newton { settle: true };
+            self.tries.way = Way::Newton { settle: true };
             return Some(Remedy::Settle);
         }
         if singular {
             return None;
         }
         if short {
-            (self.way, self.jumps) = (Way::Jump, 0);
-            return (!self.jumps_on()).then_some(Remedy::Jump);
+            (self.tries.way, self.tries.jumps) = (Way::Jump, 0);
+            return (self.means.jumps > 0 && !self.jumps_on()).then_some(Remedy::Jump);
         }
-        self.way = Way::Newton { settle: self.can_settle && self.failures.is_multiple_of(self.controls.remedy_period) };
-        self.soft = self.can_soften && !self.soft;
-        self.sorted = !self.failures.is_multiple_of(self.controls.remedy_period);
-        increments.cut(end, self.failures > 1);
+        let ends_period = self.tries.failures.is_multiple_of(self.controls.remedy_period);
+        self.tries.way = Way::Newton { settle: self.means.settle && ends_period };
+        self.tries.soft = self.means.soften && !self.tries.soft;
+        self.tries.sorted = !ends_period;
+        increments.cut(end, self.tries.failures > 1);
         Some(Remedy::Cut)
     }
 }
@@ -339,6 +358,15 @@ impl Ladder {
 mod tests {
     use super::*;
     use crate::scene::{Increment, Limits};
+
+    fn begin(means: Means) -> Ladder {
+        Ladder::new(means, &Controls::default())
+    }
+
+    /// With jumps where there is friction or flow.
+    fn means() -> Means {
+        Means { jumps: Controls::default().jump_tries, ..Means::default() }
+    }
 
     /// An increment that never converges is tried in ever shorter ones, then as jumps, and ends.
     #[test]
@@ -349,7 +377,8 @@ mod tests {
                 1.0,
                 &Controls::default(),
             );
-            let mut ladder = Ladder::new(frictional, frictional, &Controls::default());
+            let jumps = if frictional { Controls::default().jump_tries } else { usize::MAX };
+            let mut ladder = begin(Means { settle: frictional, jumps, ..Means::default() });
             let (mut sizes, mut ways) = (Vec::new(), Vec::new());
             loop {
                 let end = increments.next().unwrap();
@@ -366,12 +395,24 @@ mod tests {
         }
     }
 
+    #[test]
+    fn where_no_jump_may_fail_none_is_tried() {
+        let bounds = Increment { initial: 0.5, min: 1e-4, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = begin(Means { settle: true, ..Means::default() });
+        while let Some(end) = increments.next()
+            && ladder.fail(&mut increments, end, Cause::Iteration).is_some()
+        {
+            assert_ne!(ladder.way(), Way::Jump);
+        }
+    }
+
     /// An increment that fails is tried with the other penalties before it is cut; those that helped stay.
     #[test]
     fn contacts_are_softened_before_increments_are_cut() {
         let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
         let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
-        let mut ladder = Ladder { can_soften: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut ladder = begin(Means { soften: true, ..means() });
         let mut fail = |ladder: &mut Ladder| {
             let end = increments.next().unwrap();
             (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_soft(), end)
@@ -382,6 +423,8 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false, 0.5));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), true, 0.5));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, 0.25));
+        let jump = (0..20).map(|_| fail(&mut ladder)).find(|(remedy, ..)| *remedy == Some(Remedy::Jump));
+        assert!(jump.is_some_and(|(_, is_soft, _)| !is_soft));
     }
 
     /// What other penalties do not help is tried by active sets, which stay where they help; a matrix that is singular by sets does
@@ -390,7 +433,7 @@ mod tests {
     fn active_sets_are_tried_before_increments_are_cut() {
         let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
         let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
-        let mut ladder = Ladder { can_soften: true, can_sort: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut ladder = begin(Means { soften: true, sort: true, ..means() });
         let mut fail = |ladder: &mut Ladder, cause: Cause| {
             let end = increments.next().unwrap();
             (ladder.fail(&mut increments, end, cause), ladder.is_by_sets())
@@ -402,7 +445,7 @@ mod tests {
         assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Sets), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Cut), false));
-        let mut ladder = Ladder { can_sort: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut ladder = begin(Means { sort: true, ..means() });
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));
         assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Cut), false));
     }
@@ -412,7 +455,7 @@ mod tests {
     fn jumps_that_are_refused_end() {
         let bounds = Increment { initial: 0.5, min: 1e-6, max: 0.5, limits: Limits::default() };
         let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
-        let mut ladder = Ladder { can_soften: true, ..Ladder::new(false, false, &Controls::default()) };
+        let mut ladder = begin(Means { soften: true, jumps: usize::MAX, ..Means::default() });
         let mut jumps = 0;
         let ended = (0..200).any(|_| {
             let end = increments.next().unwrap();
@@ -430,8 +473,7 @@ mod tests {
     fn contacts_are_sought_along_the_central_path() {
         let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
         let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
-        let mut ladder =
-            Ladder { can_soften: true, can_center: true, ..Ladder::new(false, true, &Controls::default()) };
+        let mut ladder = begin(Means { soften: true, center: true, ..means() });
         let mut fail = |ladder: &mut Ladder| {
             let end = increments.next().unwrap();
             (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_central())
@@ -453,14 +495,15 @@ mod tests {
             &Controls::default(),
         );
         for cause in [Cause::Singular, Cause::Degenerate] {
-            let mut ladder =
-                Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true, &Controls::default()) };
+            let mut ladder = begin(means());
+            ladder.note(Yields::OnceSingular, false);
             assert_eq!((ladder.fail(&mut increments, 0.5, cause), ladder.yields()), (Some(Remedy::Yield), true));
             ladder.succeed();
             assert!(ladder.yields());
             assert!(ladder.fail(&mut increments, 0.5, cause) != Some(Remedy::Yield) && !ladder.yields());
         }
-        let mut ladder = Ladder { can_yield: Yields::OnceSingular, ..Ladder::new(false, true, &Controls::default()) };
+        let mut ladder = begin(means());
+        ladder.note(Yields::OnceSingular, false);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }
@@ -472,12 +515,12 @@ mod tests {
             1.0,
             &Controls::default(),
         );
-        let ladder =
-            Ladder { can_hold: true, can_yield: Yields::OnceSingular, ..Ladder::new(true, true, &Controls::default()) };
+        let mut ladder = begin(Means { settle: true, ..means() });
+        ladder.note(Yields::OnceSingular, true);
         for cause in [Cause::Singular, Cause::Iteration] {
             let mut ladder = ladder;
             assert_eq!((ladder.fail(&mut increments, 0.5, cause), ladder.yields()), (Some(Remedy::Hold), false));
-            ladder.can_hold = false;
+            ladder.note(Yields::OnceSingular, false);
             assert_ne!(ladder.fail(&mut increments, 0.5, cause), Some(Remedy::Hold));
         }
     }
@@ -489,8 +532,11 @@ mod tests {
             1.0,
             &Controls::default(),
         );
-        assert_eq!(Ladder::new(false, false, &Controls::default()).fail(&mut increments, 0.5, Cause::Singular), None);
-        let mut ladder = Ladder::new(true, true, &Controls::default());
+        assert_eq!(
+            begin(Means { jumps: usize::MAX, ..Means::default() }).fail(&mut increments, 0.5, Cause::Singular),
+            None
+        );
+        let mut ladder = begin(Means { settle: true, ..means() });
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Settle));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }

@@ -12,8 +12,8 @@
 //! - `shared_nodes`: nodes that bear several contacts with friction
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
-//!   `between` between the nodes of slaves
-//! - `results`: the history and the fields of what has converged; `body_fields` those of bodies
+//!   `between` between the nodes of slaves, `strays` at what no contact names
+//! - `results`: the history and the fields of what has converged; `grids` what has them, `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
 //! - `estimates`: how far what has converged may be from the solution
@@ -39,6 +39,7 @@ pub mod describe;
 mod ending;
 mod estimates;
 mod event;
+mod grids;
 mod hold;
 mod increments;
 mod intruders;
@@ -58,6 +59,7 @@ mod shared_nodes;
 mod simulation;
 mod state;
 mod step;
+mod strays;
 mod suspects;
 mod watch;
 

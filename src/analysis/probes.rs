@@ -23,11 +23,11 @@ pub(super) type Lengths = BTreeMap<String, (String, u64)>;
 
 /// A probe with its places found.
 struct Probe {
-    place: Place,
+    place: Spots,
     fields: Vec<Quantity>,
 }
 
-enum Place {
+enum Spots {
     /// One row an increment.
     Point(Option<Spot>),
     /// One row an increment; the owned nodes.
@@ -140,33 +140,33 @@ impl Probe {
             })
         };
         let place = match &given.place {
-            ProbePlace::Point(x) => Place::Point(find(&[x.value], &x.at)?[0]),
-            ProbePlace::Set(set) => Place::Nodes(model.set(&set.value).nodes.clone()),
+            ProbePlace::Point(x) => Spots::Point(find(&[x.value], &x.at)?[0]),
+            ProbePlace::Set(set) => Spots::Nodes(model.set(&set.value).nodes.clone()),
             ProbePlace::Path(ends, count) => {
                 let [from, to] = ends.value;
                 let part = |k: usize| k as f64 / (count - 1) as f64;
                 let points: Vec<Vec3> = (0..*count).map(|k| from.lerp(&to, part(k))).collect();
                 let spots = find(&points, &ends.at)?;
                 let leads = points.iter().map(|x| [(x - from).norm(), x.x, x.y, x.z]);
-                Place::Path(leads.zip(spots).collect())
+                Spots::Path(leads.zip(spots).collect())
             }
         };
         Ok(Self { place, fields: given.fields.clone() })
     }
 
     fn is_path(&self) -> bool {
-        matches!(self.place, Place::Path(_))
+        matches!(self.place, Spots::Path(_))
     }
 
     /// Columns of the table behind increment and time.
     fn columns(&self) -> Vec<String> {
         let of_fields = self.fields.iter().flat_map(|field| field.columns());
         match self.place {
-            Place::Point(_) => of_fields.collect(),
-            Place::Nodes(_) => {
+            Spots::Point(_) => of_fields.collect(),
+            Spots::Nodes(_) => {
                 of_fields.flat_map(|c| ["mean", "min", "max"].map(|kind| format!("{c}.{kind}"))).collect()
             }
-            Place::Path(_) => ["distance", "x", "y", "z"].map(String::from).into_iter().chain(of_fields).collect(),
+            Spots::Path(_) => ["distance", "x", "y", "z"].map(String::from).into_iter().chain(of_fields).collect(),
         }
     }
 
@@ -178,16 +178,16 @@ impl Probe {
             None => vec![0.0; width],
         };
         match &self.place {
-            Place::Nodes(nodes) => {
+            Spots::Nodes(nodes) => {
                 let rows: Vec<_> = nodes.iter().map(|&n| self.interpolated(model, of, &Spot::node(n))).collect();
                 spread(comm, &rows, width)
             }
-            Place::Point(spot) => {
+            Spots::Point(spot) => {
                 let mut values = at(spot);
                 sum(comm, &mut values);
                 values
             }
-            Place::Path(points) => {
+            Spots::Path(points) => {
                 let mut values: Vec<f64> = points.iter().flat_map(|(_, spot)| at(spot)).collect();
                 sum(comm, &mut values);
                 points.iter().zip(values.chunks(width)).flat_map(|((lead, _), own)| [&lead[..], own].concat()).collect()

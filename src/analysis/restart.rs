@@ -241,6 +241,7 @@ impl<'a> Simulation<'a> {
             tool_forces: common.tool_forces.clone(),
             seen: common.seen.clone(),
             touches: common.touches.clone(),
+            strays: Vec::new(),
             conditions: Conditions::none(&self.model),
             handed: common.handed.clone(),
         };
@@ -254,6 +255,7 @@ impl<'a> Simulation<'a> {
             (tool.committed, tool.trial) = (*pose, *pose);
         }
         self.model.turn_slaves(&self.state.u);
+        self.begin_strays();
         // Only of the last step do they depend on where nodes were.
         let mut last = Conditions::none(&self.model);
         for (step, forces) in steps.iter().zip(&common.handed) {

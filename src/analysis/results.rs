@@ -1,50 +1,22 @@
 //! What a run reports of its converged increments: the rows of the history and the fields for ParaView.
 
 use super::body_fields::{BodyFields, Known};
+use super::grids::{Columns, Grids, Shown, write};
 use super::probes::{self, Lengths, Probes};
 use super::{Increment, SetReading, Simulation, State, ToolReading, Way};
 use crate::Vec3;
 use crate::contact::{Pose, Status, Trial};
 use crate::error::Result;
-use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::tractions::tractions;
 use crate::model::{Body, Model, states};
 use crate::output::OutputFolder;
-use crate::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData, GridId};
+use crate::output::fields::Fields;
 use crate::output::history::HistoryFile;
 use crate::output::quantity::Quantity;
-use crate::parallel::{agree, max, number, sum};
-use crate::partition::parcels::{bounds, grown, hull};
-use crate::partition::{Order, PartFacet};
+use crate::parallel::{agree, max, sum};
 use crate::scene::Scene;
-use crate::surface::Tessellation;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::*;
 use std::path::Path;
-
-/// A grid, whose points and cells stand in the files in an order that does not depend on the partition.
-struct Placed {
-    id: GridId,
-    points: Order,
-    /// Of the cells, where they have fields.
-    cells: Option<Order>,
-}
-
-/// The nodes of this rank that a grid shows, and the cells that refer to them.
-struct Shown {
-    grid: Placed,
-    /// Local nodes of the part.
-    nodes: Vec<u32>,
-}
-
-/// The grids of a file of fields.
-struct Grids {
-    bodies: Vec<Shown>,
-    contacts: Vec<Shown>,
-    tools: Vec<(Placed, Vec<Vec3>)>,
-    /// Deformable masters, with the initial positions of their points.
-    masters: Vec<(Placed, Vec<Vec3>)>,
-}
 
 /// Writer of history and fields.
 pub struct Results {
@@ -53,56 +25,12 @@ pub struct Results {
     grids: Grids,
     /// Tools with a torque in some step, and sets, in the history.
     turned: Vec<String>,
-    watched: Vec<String>,
+    watched: Vec<(String, bool)>,
     /// Fields that the scene asks for.
     wanted: Vec<Quantity>,
     /// Whether VTK is to read them.
     vtkhdf: bool,
     probes: Probes,
-}
-
-impl Grids {
-    /// Writes them as they begin. Collective.
-    fn new(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Self> {
-        let mut bodies = Vec::new();
-        for (b, body) in model.bodies.iter().enumerate() {
-            let nodes: Vec<u32> =
-                (0..model.part.owned as u32).filter(|&n| model.part.body[n as usize] == b as u32).collect();
-            let cells: Vec<NumberedCell> = (model.part.solids.iter().filter(|s| s.mine && s.body == b as u32))
-                .map(|s| (s.number, cell_shape(s.shape), s.nodes()))
-                .collect();
-            bodies.push(show(comm, fields, model, &format!("body.{}", body.name), nodes, &cells)?);
-        }
-        let mut contacts = Vec::new();
-        for pair in &model.pairs {
-            let set = &model.part.sets[pair.set];
-            let pieces = model.part.pieces(&set.facets);
-            let cells: Vec<NumberedCell> = pieces.iter().filter(|f| f.mine).map(facet_cell).collect();
-            contacts.push(show(comm, fields, model, &format!("contact.{}", pair.name), set.nodes.clone(), &cells)?);
-        }
-        let tools = add_tools(comm, fields, model)?;
-        let masters = add_masters(comm, fields, model)?;
-        Ok(Self { bodies, contacts, tools, masters })
-    }
-
-    /// The tools as they are with these poses, and the deformable masters with nodes displaced by `u`. Collective.
-    fn surfaces<'g>(
-        &'g self,
-        comm: &SimpleCommunicator,
-        model: &Model,
-        (poses, u): (&[Pose], &[Vec3]),
-    ) -> Vec<Columns<'g>> {
-        let mut grids = Vec::new();
-        for ((grid, points), pose) in self.tools.iter().zip(poses) {
-            grids.push(Columns::moved(grid, vectors(points.iter().map(|x| pose.outward(x) - x))));
-        }
-        for ((grid, points), surface) in self.masters.iter().zip(&model.masters.surfaces) {
-            let now = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize] + u[n as usize]);
-            let moved = vectors(now.points.iter().zip(points).map(|(now, x)| Vec3::from(*now) - x));
-            grids.push(Columns::moved(grid, moved));
-        }
-        grids
-    }
 }
 
 /// Writes the last iterate of an increment that was not found, as `failed.xdmf`. Collective.
@@ -143,22 +71,8 @@ pub fn write_failed(folder: &OutputFolder, simulation: &Simulation) -> Result<bo
     Ok(true)
 }
 
-/// Writes the columns of grids as a time. Collective.
-fn write(comm: &SimpleCommunicator, fields: &mut Fields, time: f64, mut grids: Vec<Columns>) -> Result<()> {
-    grids.iter_mut().for_each(|columns| columns.arrange(comm));
-    let columns: Vec<(Vec<Field>, Vec<Field>)> =
-        grids.iter().map(|g| (as_fields(&g.node), as_fields(&g.cell))).collect();
-    let data: Vec<GridData> = (grids.iter().zip(&columns))
-        .map(|(g, (node, cell))| GridData { grid: g.grid.id, node_fields: node, cell_fields: cell })
-        .collect();
-    fields.write(comm, time, &data)
-}
-
 /// The name of the files of an increment that was not found.
 const FAILED: &str = "failed";
-
-/// Pieces along an edge of a smoothed patch in ParaView.
-const PIECES: usize = 6;
 
 impl Results {
     /// Opens the files and writes the grids. Collective.
@@ -254,9 +168,10 @@ impl Results {
         for ToolReading { turned, moment, .. } in self.turned.iter().filter_map(|tool| simulation.tool(tool)) {
             row.extend([turned, moment]);
         }
-        for set in &self.watched {
-            if let Some(SetReading { displacement, reaction }) = simulation.set(set) {
+        for (set, turns) in &self.watched {
+            if let Some(SetReading { displacement, reaction, moment }) = simulation.set(set) {
                 row.extend(displacement.iter().chain(reaction.iter()));
+                row.extend(turns.then_some(moment));
             }
         }
         for (b, _) in plastic_bodies(model) {
@@ -341,46 +256,19 @@ impl Results {
 /// A field as (name, components, values).
 pub(super) type Column = (String, usize, Vec<f64>);
 
-/// A cell with its number, whatever the partition, and its local nodes.
-type NumberedCell<'a> = (u64, CellShape, &'a [u32]);
-
-/// The fields of a grid.
-struct Columns<'g> {
-    grid: &'g Placed,
-    node: Vec<Column>,
-    cell: Vec<Column>,
-}
-
-impl<'g> Columns<'g> {
-    /// Those of a surface that only moves.
-    fn moved(grid: &'g Placed, displacement: Vec<f64>) -> Self {
-        Self { grid, node: vec![("displacement".into(), 3, displacement)], cell: Vec::new() }
-    }
-
-    /// Brings the values of all ranks into the order of the files. Collective.
-    fn arrange(&mut self, comm: &SimpleCommunicator) {
-        for (_, width, values) in &mut self.node {
-            *values = self.grid.points.arrange(comm, *width, values);
-        }
-        for (order, (_, width, values)) in self.grid.cells.iter().cycle().zip(&mut self.cell) {
-            *values = order.arrange(comm, *width, values);
-        }
-    }
-}
-
 /// The tools that a torque drives in some step.
 fn turned(scene: &Scene) -> Vec<String> {
     let is_turned = |tool: &str| scene.steps.iter().flat_map(|step| &step.torques).any(|own| own.tool.value == tool);
     scene.tools.iter().map(|tool| tool.name.value.clone()).filter(|tool| is_turned(tool)).collect()
 }
 
-/// The sets in the history.
-fn watched(scene: &Scene) -> Vec<String> {
-    scene.output.history.iter().map(|set| set.value.clone()).collect()
-}
-
-fn as_fields(columns: &[Column]) -> Vec<Field<'_>> {
-    columns.iter().map(|(name, components, values)| Field { name, components: *components, values }).collect()
+/// The sets in the history, and whether some step turns them.
+fn watched(scene: &Scene) -> Vec<(String, bool)> {
+    let turns = |set: &str| {
+        let mut moves = scene.steps.iter().flat_map(|step| &step.moves);
+        moves.any(|motion| motion.target.value == set && motion.rotate.is_some())
+    };
+    scene.output.history.iter().map(|set| (set.value.clone(), turns(&set.value))).collect()
 }
 
 pub(super) fn vectors(values: impl Iterator<Item = Vec3>) -> Vec<f64> {
@@ -397,7 +285,10 @@ fn columns(model: &Model, scene: &Scene) -> Vec<String> {
     let of = |name: &str| ["ux", "uy", "uz", "fx", "fy", "fz"].map(|c| format!("{name}.{c}"));
     let mut columns: Vec<String> = model.masters.tools.iter().flat_map(|tool| of(&tool.name)).collect();
     columns.extend(turned(scene).iter().flat_map(|tool| ["angle", "moment"].map(|c| format!("{tool}.{c}"))));
-    columns.extend(watched(scene).iter().flat_map(|set| of(set)));
+    for (set, turns) in watched(scene) {
+        columns.extend(of(&set));
+        columns.extend(turns.then(|| format!("{set}.moment")));
+    }
     for (_, body) in plastic_bodies(model) {
         columns.extend(["elastic_energy", "plastic_work"].map(|c| format!("{}.{c}", body.name)));
     }
@@ -452,124 +343,4 @@ fn contact_columns<'g>(
         Some((quantity.key().to_string(), quantity.width(), values))
     };
     Columns { grid: &shown.grid, node: wanted.iter().filter_map(values).collect(), cell: Vec::new() }
-}
-
-fn cell_shape(shape: SolidShape) -> CellShape {
-    match shape {
-        SolidShape::Tet4 => CellShape::Tetrahedron,
-        SolidShape::Hex8 => CellShape::Hexahedron,
-        SolidShape::Wedge6 => CellShape::Wedge,
-        SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
-    }
-}
-
-fn facet_cell(facet: &PartFacet) -> NumberedCell<'_> {
-    match facet.count {
-        3 => (facet.number, CellShape::Triangle, &facet.nodes[..3]),
-        _ => (facet.number, CellShape::Quadrilateral, &facet.nodes[..]),
-    }
-}
-
-/// Writes the grid of some owned nodes and of cells whose nodes may be other ranks'. Collective.
-fn show(
-    comm: &SimpleCommunicator,
-    fields: &mut Fields,
-    model: &Model,
-    name: &str,
-    nodes: Vec<u32>,
-    cells: &[NumberedCell],
-) -> Result<Shown> {
-    let keys: Vec<u64> = nodes.iter().map(|&n| model.part.number[n as usize]).collect();
-    let order = Order::new(comm, &keys);
-    let mut numbers = vec![0u64; model.part.points.len()];
-    for (&n, position) in nodes.iter().zip(order.positions()) {
-        numbers[n as usize] = *position;
-    }
-    model.part.halo.update(comm, 1, &mut numbers);
-    let points: Vec<[f64; 3]> = nodes.iter().map(|&n| model.part.points[n as usize].into()).collect();
-    let keys: Vec<u64> = cells.iter().map(|(number, ..)| *number).collect();
-    let cells: Vec<Cell> = cells
-        .iter()
-        .map(|(_, shape, local)| {
-            let mut of_cell = [0; MOST_NODES];
-            local.iter().zip(&mut of_cell).for_each(|(&n, global)| *global = numbers[n as usize]);
-            if *shape == CellShape::Wedge {
-                // Both triangles of VTK's are seen clockwise from inside, where ours are seen counter-clockwise.
-                of_cell.swap(1, 2);
-                of_cell.swap(4, 5);
-            }
-            Cell { shape: *shape, nodes: of_cell }
-        })
-        .collect();
-    let of_cells = Some(Order::new(comm, &keys));
-    Ok(Shown { grid: place(comm, fields, (name, &points, &cells), order, of_cells)?, nodes })
-}
-
-/// Writes a grid in the order of its points and, where they have fields, its cells. Collective.
-fn place(
-    comm: &SimpleCommunicator,
-    fields: &mut Fields,
-    (name, points, cells): (&str, &[[f64; 3]], &[Cell]),
-    order: Order,
-    of_cells: Option<Order>,
-) -> Result<Placed> {
-    let points = order.arrange(comm, 3, points.as_flattened());
-    let cells = match &of_cells {
-        None => cells.to_vec(),
-        Some(order) => {
-            let numbers: Vec<u64> = cells.iter().flat_map(|cell| cell.to_numbers()).collect();
-            let arranged = order.arrange(comm, Cell::LEN, &numbers);
-            arranged.as_chunks().0.iter().map(Cell::from_numbers).collect()
-        }
-    };
-    let id = fields.add_grid(comm, &Grid { name, points: points.as_chunks().0, cells: &cells })?;
-    Ok(Placed { id, points: order, cells: of_cells })
-}
-
-/// Writes the tools as the solver sees them. Collective.
-fn add_tools(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(Placed, Vec<Vec3>)>> {
-    let whole = hull(comm, bounds(model.part.points[..model.part.owned].iter().copied()));
-    let (lo, hi) = whole.unwrap_or_default();
-    let clip = grown((lo, hi), 0.25 * (hi - lo).norm());
-    let mut tools = Vec::new();
-    for tool in &model.masters.tools {
-        let surface = tool.surface.tessellate(comm.rank(), PIECES, &clip);
-        // Pieces are dealt out by their numbers: those of one rank follow those of the other.
-        let (first, _) = number(comm, surface.points.len() as u64);
-        let numbers: Vec<u64> = (first..first + surface.points.len() as u64).collect();
-        tools.push(add_surface(comm, fields, &format!("tool.{}", tool.name), &surface, &numbers)?);
-    }
-    Ok(tools)
-}
-
-/// Writes the deformable masters as they begin. Collective.
-fn add_masters(comm: &SimpleCommunicator, fields: &mut Fields, model: &Model) -> Result<Vec<(Placed, Vec<Vec3>)>> {
-    let pairs = model.pairs.iter().filter(|p| p.master.surface().is_some());
-    let masters = model.masters.surfaces.iter().zip(pairs).map(|(surface, pair)| {
-        let begins = surface.tessellate(comm, PIECES, |n| model.part.points[n as usize]);
-        let numbers = surface.point_numbers(PIECES);
-        add_surface(comm, fields, &format!("master.{}", pair.name), &begins, &numbers)
-    });
-    masters.collect()
-}
-
-/// Writes a tessellated surface, and gives its points, which have `numbers` whatever the partition. Collective.
-fn add_surface(
-    comm: &SimpleCommunicator,
-    fields: &mut Fields,
-    name: &str,
-    surface: &Tessellation,
-    numbers: &[u64],
-) -> Result<(Placed, Vec<Vec3>)> {
-    let order = Order::new(comm, numbers);
-    let cell = |shape: CellShape, corners: &[u32]| {
-        let mut nodes = [0; MOST_NODES];
-        corners.iter().zip(&mut nodes).for_each(|(&n, global)| *global = order.positions()[n as usize]);
-        Cell { shape, nodes }
-    };
-    let triangles = surface.triangles.iter().map(|t| cell(CellShape::Triangle, t));
-    let quads = surface.quads.iter().map(|q| cell(CellShape::Quadrilateral, q));
-    let cells: Vec<Cell> = triangles.chain(quads).collect();
-    let points = surface.points.iter().map(|x| Vec3::from(*x)).collect();
-    Ok((place(comm, fields, (name, &surface.points, &cells), order, None)?, points))
 }

@@ -115,10 +115,11 @@ impl Drive {
 /// Whether all else in a step stays as it is. Collective.
 fn only_torques_change(simulation: &Simulation, conditions: &Conditions) -> bool {
     let tools = simulation.model.masters.tools.len();
-    let moves = conditions.prescribed.iter().flatten().any(|motion| motion.by != 0.0)
+    let moves = conditions.prescribed.iter().flatten().any(|motion| !motion.stays())
         || conditions.motions.iter().any(|motion| motion.by != Vec3::zeros() || motion.rotation.is_some());
+    let spins = conditions.spins.iter().any(|spin| !spin.square.stays());
     let loads = conditions.loads.iter().chain(&conditions.tool_forces[..tools]).any(|load| !load.stays());
-    !any(simulation.comm, moves || loads || conditions.pressures.values().any(|pressure| !pressure.stays()))
+    !any(simulation.comm, moves || loads || spins || conditions.pressures.values().any(|pressure| !pressure.stays()))
 }
 
 fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) -> String {

@@ -209,7 +209,7 @@ impl<'a> Simulation<'a> {
 
     /// Where a tool is, and what it bears; `None` where there is none of the name.
     pub fn tool(&self, name: &str) -> Option<ToolReading> {
-        let t = self.model.masters.tools.iter().position(|tool| tool.name == name)?;
+        let t = self.model.tool_named(name)?;
         let tool = &self.model.masters.tools[t];
         Some(ToolReading {
             displacement: tool.displacement(),
@@ -229,17 +229,30 @@ impl<'a> Simulation<'a> {
     /// Mean displacement of a set of nodes, and what its supports bear; `None` where there is none of the name. Collective.
     pub fn set(&self, name: &str) -> Option<SetReading> {
         let nodes = &self.model.find_set(name)?.nodes;
-        let mut sums = [0.0; 7];
+        let axis = self.axis_of(name);
+        let mut sums = [0.0; 8];
         for n in nodes.iter().map(|&n| n as usize) {
+            let (u, reaction) = (self.state.u[n], self.state.reactions[n]);
             for d in 0..3 {
-                sums[d] += self.state.u[n][d];
-                sums[3 + d] += self.state.reactions[n][d];
+                sums[d] += u[d];
+                sums[3 + d] += reaction[d];
             }
             sums[6] += 1.0;
+            let moment =
+                |(point, axis): (Vec3, Vec3)| axis.dot(&(self.model.part.points[n] + u - point).cross(&reaction));
+            sums[7] += axis.map_or(0.0, moment);
         }
         sum(self.comm, &mut sums);
         let displacement = Vec3::from_column_slice(&sums[..3]) / sums[6];
-        Some(SetReading { displacement, reaction: Vec3::from_column_slice(&sums[3..6]) })
+        Some(SetReading { displacement, reaction: Vec3::from_column_slice(&sums[3..6]), moment: sums[7] })
+    }
+
+    /// The axis about which a set turns, or did last.
+    fn axis_of(&self, set: &str) -> Option<(Vec3, Vec3)> {
+        match self.running.as_ref().map(|running| &running.frame.progress) {
+            Some(p) => p.conditions.axis_of(set, (self.state.time - p.start) / p.step.duration),
+            None => self.state.conditions.axis_of(set, 1.0),
+        }
     }
 
     /// What the slave nodes of a contact do that this rank owns, in one pass of two; none where there is none of the name.
@@ -262,13 +275,13 @@ impl<'a> Simulation<'a> {
 
     /// Refuses a step that names what there is not: steps of a scene never do.
     pub(super) fn check_names(&self, step: &Step) -> Result<()> {
-        let is_tool = |name: &str| self.model.masters.tools.iter().any(|tool| tool.name == name);
+        let is_tool = |name: &str| self.model.tool_named(name).is_some();
         let is_set = |name: &str| self.model.find_set(name).is_some();
         let turned = step.torques.iter().map(|t| &t.tool).find(|tool| !is_tool(&tool.value));
         let targets = step.moves.iter().map(|m| &m.target).chain(step.forces.iter().map(|f| &f.target)).chain(turned);
         let sets = step.fix.iter().map(|f| &f.set).chain(step.pressures.iter().map(|p| &p.set));
         let sets = sets.chain(step.springs.iter().map(|s| &s.set)).chain(step.dashpots.iter().map(|d| &d.set));
-        let bodies = step.body_forces.iter().map(|b| &b.body);
+        let bodies = step.body_forces.iter().map(|b| &b.body).chain(step.spins.iter().map(|spin| &spin.body));
         let unknown =
             targets.filter(|t| !is_tool(&t.value) && !is_set(&t.value)).chain(sets.filter(|s| !is_set(&s.value)));
         let is_body = |name: &str| self.model.bodies.iter().any(|body| body.name == name);
@@ -331,6 +344,8 @@ pub struct SetReading {
     pub displacement: Vec3,
     /// Sum of the forces that supports exert on its nodes.
     pub reaction: Vec3,
+    /// Their moment about the axis about which a step turns the set, or did last; 0 without one.
+    pub moment: f64,
 }
 
 /// What a slave node does.

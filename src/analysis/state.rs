@@ -4,6 +4,7 @@
 use super::conditions::Conditions;
 use super::increments::Increments;
 use super::ladder::Ladder;
+use super::strays::Strays;
 use super::watch::Touch;
 use crate::Vec3;
 use crate::contact::{Avoided, Committed, Enforcement, Pair, Pose, Sight, Trial};
@@ -30,6 +31,8 @@ pub struct State {
     pub(super) seen: Vec<f64>,
     /// What each pair did until now.
     pub(super) touches: Vec<Touch>,
+    /// What was seen of nodes that no contact names.
+    pub(super) strays: Vec<Strays>,
     /// What the last step ended with.
     pub(super) conditions: Conditions,
     /// The same at the start of each step so far: what a force or torque begins with that takes a tool over.
@@ -48,6 +51,7 @@ impl State {
             tool_forces: vec![Vec3::zeros(); 2 * model.masters.tools.len()],
             seen: vec![0.0; groups],
             touches: vec![Touch::default(); model.pairs.len()],
+            strays: Vec::new(),
             conditions: Conditions::none(model),
             handed: Vec::new(),
         }

@@ -6,15 +6,16 @@
 use super::Simulation;
 use super::between::{Between, between, too_deep};
 use super::conditions::Conditions;
-use super::intruders::intruders;
+use super::intruders::{Suspect, intruders};
 use super::step::{Attempt, Converged};
+use super::strays::{beyond, stray, strays};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
 use crate::contact::{Movement, Pair, Sight, Status};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
-use crate::parallel::{any, sum, word_of_largest};
+use crate::parallel::{first_word, max, sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -35,9 +36,11 @@ pub struct Touch {
     /// The deepest that the master ever was between the slave's nodes, and when.
     between: Between,
     deepest_at: f64,
+    /// How deep its nodes ever were behind the master.
+    depth: f64,
 }
 
-crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at });
+crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth });
 
 /// Where all is at an increment's beginning and end.
 struct Motion<'a> {
@@ -45,14 +48,17 @@ struct Motion<'a> {
     after: &'a [Vec3],
     /// Residual that is let through at each contact, N.
     residuals: &'a [f64],
-    ends_step: bool,
+    /// At the end of the last step what contacts did before.
+    ended: Option<&'a [Touch]>,
+    /// Of which pairs no slave node of any rank is in contact.
+    idle: &'a [bool],
 }
 
 impl Simulation<'_> {
     /// The first look, before anything moves. Collective.
     pub(super) fn begin_watch(&mut self) {
         let still = self.state.u.clone();
-        let motion = Motion { before: &still, after: &still, residuals: &[], ends_step: false };
+        let motion = Motion { before: &still, after: &still, residuals: &[], ended: None, idle: &[] };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let Model { part, masters, pairs, .. } = &mut self.model;
         for (pair, travel) in pairs.iter_mut().zip(travels) {
@@ -65,16 +71,23 @@ impl Simulation<'_> {
             pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
         }
         self.state.touches = vec![Touch::default(); self.model.pairs.len()];
+        self.begin_strays();
+    }
+
+    /// Looks at what no contact names, where it is now. Collective.
+    pub(super) fn begin_strays(&mut self) {
+        self.state.strays = strays(self.comm, &mut self.model, &self.state.u);
     }
 
     /// The attempt as it is, or failed, where a node went through the master or is behind it. Collective.
     pub(super) fn watched(&mut self, attempt: Attempt, conditions: &Conditions) -> Attempt {
         let Attempt::Converged(mut converged) = attempt else { return attempt };
-        if self.model.is_alone() {
-            return Attempt::Converged(converged);
-        }
         let begun = Instant::now();
-        let reason = self.finding(&mut converged, conditions);
+        let reason = match self.model.is_alone() {
+            true => None,
+            false => self.finding(&mut converged, conditions),
+        };
+        let reason = reason.or_else(|| beyond(self.comm, &self.model, &converged.u));
         self.phases.add(Phase::Watch, begun.elapsed());
         match reason {
             None => Attempt::Converged(converged),
@@ -85,7 +98,11 @@ impl Simulation<'_> {
     /// The worst that some node did, in words. Collective.
     fn finding(&mut self, converged: &mut Converged, conditions: &Conditions) -> Option<String> {
         let ends_step = converged.end >= 1.0;
-        let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ends_step };
+        // An earlier step may bring a master that near.
+        let ends_run = ends_step && self.begun >= self.scene.steps.len();
+        let ended = ends_run.then_some(&self.state.touches[..]);
+        let idle = &idle(self.comm, &self.model.pairs)[..];
+        let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ended, idle };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let mut told: Option<(usize, usize, Finding)> = None;
         for (p, travel) in travels.iter().enumerate() {
@@ -96,28 +113,34 @@ impl Simulation<'_> {
                 told = finding.filter(|finding| finding.size() > worst).map(|finding| (p, s, finding)).or(told);
             }
         }
-        for (p, s) in intruders(self.comm, &self.model, &converged.u, conditions) {
-            let far = self.model.pairs[p].slaves[s].sighted.gap.abs();
-            told = told.or(Some((p, s, Finding::Within(far))));
-        }
-        converged.between = between(self.comm, &self.model, &travels, &converged.u);
+        let within = intruders(self.comm, &self.model, &converged.u, conditions);
+        converged.between = between(self.comm, &self.model, (&travels, idle), &converged.u);
         if ends_step {
-            self.recall_unfelt(&mut converged.between);
+            self.recall_unfelt(idle, &mut converged.between);
         }
         told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)));
         told = told.or_else(|| self.undetermined(conditions));
         let told = told.map(|told| (told, told.2.size()));
-        word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]))
-            .map(|(word, _)| word)
+        let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
+        if let Some((word, _)) = word {
+            return Some(word);
+        }
+        let word = first_word(self.comm, within.first().map(|intruder| self.word_within(*intruder)));
+        if word.is_some() {
+            return word;
+        }
+        let (strays, word) = stray(self.comm, &mut self.model, &self.state.strays, [&self.state.u, &converged.u]);
+        converged.strays = strays;
+        word
     }
 
     /// Where no node has ever touched a master that is between nodes, or was on its way, by more than is told of, the force is
-    /// missing as a whole: that ends the step, however little it is. Collective.
-    fn recall_unfelt(&self, between: &mut [Between]) {
-        for ((pair, touch), between) in self.model.pairs.iter().zip(&self.state.touches).zip(between) {
-            let acts = any(self.comm, pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap));
+    /// missing as a whole: that ends the step, however little it is.
+    fn recall_unfelt(&self, idle: &[bool], between: &mut [Between]) {
+        let pairs = self.model.pairs.iter().zip(&self.state.touches);
+        for (((pair, touch), is_idle), between) in pairs.zip(idle).zip(between) {
             let deepest = between.or_deeper(touch.between);
-            if !acts && touch.until.is_none() && deepest.share > pair.controls.watch_between {
+            if *is_idle && touch.until.is_none() && deepest.share > pair.controls.watch_between {
                 *between = Between { share: f64::INFINITY, ..deepest };
             }
         }
@@ -149,19 +172,31 @@ impl Simulation<'_> {
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
+            Finding::Unfelt(depth) => format!(
+                "is {depth:.3e} deep in {master}, but no gap is closed in the mean over the facets around a node, so that \
+                 nothing resists: facets of the slave that are finer there, or `discretization = \"one-pass\"`, feel it"
+            ),
             Finding::Undetermined(_) => {
                 format!(
                     "cannot give way to {master}, which a torque turns, so that what it bears is undetermined: free it along \
                      the normal, or turn the tool by `rotate`"
                 )
             }
-            Finding::Within(_) => {
-                let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
-                format!("is inside body `{body}`, which it entered where no contact names a face, beside {master}")
-            }
             Finding::Between(_) => return self.word_between(p, between),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
+    }
+
+    /// A node inside the body of the master of a pair, in words.
+    fn word_within(&self, (p, n): Suspect) -> String {
+        let pair = &self.model.pairs[p];
+        let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
+        format!(
+            "node {} is inside body `{body}`, which it entered where no contact names a face, beside {} (contact `{}`)",
+            node_name(&self.model, n),
+            self.model.master_name(pair),
+            pair.name
+        )
     }
 
     /// How deep the master of a pair is between the nodes of the slave.
@@ -194,6 +229,12 @@ impl Simulation<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z]);
         }
         sum(self.comm, &mut sums);
+        let deepest = |pair: &Pair| pair.slaves.iter().map(|slave| slave.sight.depth).fold(0.0, f64::max);
+        let mut depths: Vec<f64> = self.model.pairs.iter().map(deepest).collect();
+        max(self.comm, &mut depths);
+        for (touch, depth) in self.state.touches.iter_mut().zip(depths) {
+            touch.depth = touch.depth.max(depth);
+        }
         for (touch, between) in self.state.touches.iter_mut().zip(between) {
             if between.share > touch.between.share {
                 (touch.between, touch.deepest_at) = (*between, self.state.time);
@@ -240,6 +281,14 @@ impl Simulation<'_> {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
             }
+            if pair.method == Enforcement::Penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
+                warnings.push(format!(
+                    "contact `{name}`: its penalty let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
+                     what it would take to push them out: raise `penalty`, or take another method",
+                    touch.depth,
+                    touch.depth / pair.facet_size
+                ));
+            }
             let other = pair.other.map(|other| self.state.touches[other]);
             if pair.is_second || touch.now || other.is_some_and(|o| o.now) {
                 continue;
@@ -275,6 +324,12 @@ fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Ve
     travels
 }
 
+/// Lets masters see what is around slave nodes, after they looked elsewhere. Collective.
+pub(super) fn attend(comm: &SimpleCommunicator, model: &mut Model, u: &[Vec3]) {
+    let Model { part, masters, pairs, .. } = model;
+    masters.attend(comm, pairs, |n| part.points[n as usize] + u[n as usize]);
+}
+
 /// How far to look around nodes that have gone so far.
 pub(super) fn reach(pair: &Pair, travel: f64) -> f64 {
     let around = if pair.is_self() { pair.controls.watch_around_self } else { pair.controls.watch_around };
@@ -285,6 +340,21 @@ pub(super) fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'
     let in_the_mean = pair.faces.as_ref().map_or(0.0, |_| pair.controls.watch_segment * pair.facet_size);
     let explained = explained + in_the_mean;
     Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel), controls: &pair.controls }
+}
+
+/// Of which pairs no slave node of any rank is in contact. Collective.
+fn idle(comm: &SimpleCommunicator, pairs: &[Pair]) -> Vec<bool> {
+    let acts = |pair: &Pair| pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap);
+    let mut acting: Vec<f64> = pairs.iter().map(|pair| f64::from(acts(pair))).collect();
+    max(comm, &mut acting);
+    acting.iter().map(|acts| *acts == 0.0).collect()
+}
+
+/// Depth from which a node is in the master without being felt, at the end of the last step: gaps closed in the mean over facets say
+/// nothing where none is closed. What touched before may have been eased to no force.
+fn unfelt_from(pair: &Pair, touch: &Touch) -> Option<f64> {
+    let share = if touch.until.is_some() { pair.controls.watch_deep } else { pair.controls.watch_unfelt };
+    (pair.faces.is_some() && !pair.is_self()).then_some(share * pair.facet_size)
 }
 
 /// Judges the slave nodes of a pair, of which none has gone farther than `travel`. Collective.
@@ -299,16 +369,15 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let ground = model.masters.of(pair.master);
     let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
-    // Gaps closed in the mean say nothing where nothing is closed; on the way to it nodes are a little ahead.
-    let acts = any(comm, pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap));
-    let is_idle = motion.ends_step && !acts;
+    let unfelt = motion.ended.filter(|_| motion.idle[p]).and_then(|touches| unfelt_from(pair, &touches[p]));
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
         let explained = explained(model, pair, s, motion.residuals[p]);
         let may = allowance(pair, explained, travel);
-        let may = if is_idle { Allowance { explained, ..may } } else { may };
-        watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may)
+        let (sight, finding) = watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may);
+        let is_unfelt = |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained;
+        (sight, finding.or_else(|| unfelt.is_some_and(is_unfelt).then_some(Finding::Unfelt(sight.depth))))
     };
     (0..pair.slaves.len()).map(judge).collect()
 }

@@ -168,9 +168,9 @@ impl Guide {
     }
 }
 
-/// Where a slave node is relative to the master.
+/// Where a slave node is relative to the master: what the law sees of the motion.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct Kinematics {
     pub gap: f64,
     /// n.
     pub normal: Vec3,
@@ -271,7 +271,7 @@ impl Section {
 }
 
 /// The response of a slave node; without a `place` it is in the gap.
-pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: &Guide) -> Response {
+pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Kinematics>, guide: &Guide) -> Response {
     let response = match *multiplier {
         Multiplier::Augmented(lambda) => yielding(law, &lambda, place, guide, None),
         Multiplier::Force(lambda, set) => {
@@ -284,7 +284,7 @@ pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: 
         }
         Multiplier::Held { gap, tangential, force } => {
             let share = law.normal / law.penalty;
-            let shifted = place.map(|p| Place { gap: p.gap + gap, ..*p });
+            let shifted = place.map(|p| Kinematics { gap: p.gap + gap, ..*p });
             let held = tangential * share;
             let response = augmented(law, &(force * (1.0 - share)), &held, shifted.as_ref(), guide, None);
             let violation = apart(law, gap, &tangential, place, &response);
@@ -295,7 +295,7 @@ pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Place>, guide: 
 }
 
 /// The response with the augmented force of λ, of which the constraint gives way: that of m.
-fn yielding(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, set: Option<Status>) -> Response {
+fn yielding(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, set: Option<Status>) -> Response {
     let Compliance { slack, rest } = law.compliance;
     if slack == 0.0 {
         // To the sign of a zero.
@@ -319,7 +319,7 @@ fn augmented(
     law: Law,
     multiplier: &Vec3,
     held: &Vec3,
-    place: Option<&Place>,
+    place: Option<&Kinematics>,
     guide: &Guide,
     set: Option<Status>,
 ) -> Response {
@@ -330,7 +330,13 @@ fn augmented(
     }
 }
 
-fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &Guide, set: Option<Status>) -> Response {
+fn frictional(
+    law: Law,
+    [multiplier, held]: [&Vec3; 2],
+    place: &Kinematics,
+    guide: &Guide,
+    set: Option<Status>,
+) -> Response {
     let section = Section::new(&place.normal, guide);
     let Section { free, normal: n, turn, tangential, lean } = section;
     let path = place.point - place.origin;
@@ -393,7 +399,7 @@ fn frictional(law: Law, [multiplier, held]: [&Vec3; 2], place: &Place, guide: &G
     Response { force_by: by, ..response }
 }
 
-fn frictionless(law: Law, multiplier: f64, place: &Place, set: Option<Status>) -> Response {
+fn frictionless(law: Law, multiplier: f64, place: &Kinematics, set: Option<Status>) -> Response {
     let (pressure, share) = law.pressed(multiplier + law.normal * place.gap);
     let touching = set.map_or(pressure <= 0.0, |set| set != Status::Gap);
     if !touching {
@@ -444,7 +450,7 @@ fn condensed(law: Law, sigma: &Vec3, share: f64, guide: &Guide, response: Respon
 }
 
 /// How far a multiplier that is held, λ_n / ε and λ_t, is from the force of the response, as gap and slip.
-fn apart(law: Law, offset: f64, tangential: &Vec3, place: Option<&Place>, response: &Response) -> f64 {
+fn apart(law: Law, offset: f64, tangential: &Vec3, place: Option<&Kinematics>, response: &Response) -> f64 {
     let Some(place) = place.filter(|_| response.status != Status::Gap) else {
         return offset.abs().max(tangential.norm() / law.penalty);
     };
@@ -453,7 +459,7 @@ fn apart(law: Law, offset: f64, tangential: &Vec3, place: Option<&Place>, respon
 }
 
 /// The same status and constraint, with λ itself for the force.
-fn pure(law: Law, lambda: &Vec3, place: Option<&Place>, guide: &Guide, response: Response) -> Response {
+fn pure(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, response: Response) -> Response {
     let Some(place) = place.filter(|_| response.status != Status::Gap) else { return response };
     if law.friction == 0.0 {
         let normal = Mat3::from_diagonal_element(lambda.x);

@@ -522,6 +522,14 @@ impl<'a> Ground<'a> {
         }
     }
 
+    /// A place of [that frame](Self::seen_from) in space.
+    pub fn in_space(&self, x: &Vec3) -> Vec3 {
+        match self {
+            Self::Tool(tool) => tool.trial.outward(x),
+            _ => *x,
+        }
+    }
+
     /// The nearest point, ends included, to slave node `s` at `x` in [that frame](Self::seen_from).
     pub(super) fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {

@@ -45,10 +45,10 @@ pub fn way(by: f64, course: u32) -> f64 {
     if by == 0.0 { 0.0 } else { f64::from_bits(by.to_bits() & !COURSES | u64::from(course) & COURSES) }
 }
 
-/// Whether two ways are the same, but for rounding.
+/// Whether two ways are the same, but for rounding; of what does not move alike, nothing is known to be.
 pub fn alike(a: f64, b: f64) -> bool {
     let same_course = (a.to_bits() ^ b.to_bits()) & COURSES == 0;
-    a == b || same_course && (a - b).is_finite() && (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+    a == b && a.is_finite() || same_course && (a - b).is_finite() && (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
 }
 
 #[cfg(test)]

@@ -13,6 +13,13 @@ pub struct Rotation {
     pub angle: f64,
 }
 
+impl Rotation {
+    /// Whether its axis is this one of x, y and z.
+    pub fn is_along(&self, d: usize) -> bool {
+        1.0 - self.axis.normalize()[d].abs() < 1e-14
+    }
+}
+
 /// An axis about which a torque turns a tool.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Axle {

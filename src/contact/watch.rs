@@ -72,10 +72,10 @@ pub enum Finding {
     Behind(f64),
     /// It went through the master on a way of this length.
     Through(f64),
-    /// It is inside the body of the master, where no contact names a face, so far from those that one names.
-    Within(f64),
     /// Beside it, between nodes, the master is so deep in the slave.
     Between(f64),
+    /// It is so deep behind the master, and no gap is closed in the mean around any node.
+    Unfelt(f64),
     /// It cannot give way to a tool that is only turned by a torque, which it touches with so much force: how much, nothing says.
     Undetermined(f64),
 }
@@ -86,8 +86,8 @@ impl Finding {
         match self {
             Self::Behind(size)
             | Self::Through(size)
-            | Self::Within(size)
             | Self::Between(size)
+            | Self::Unfelt(size)
             | Self::Undetermined(size) => *size,
         }
     }

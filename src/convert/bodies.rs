@@ -118,9 +118,10 @@ fn connected(whole: &Whole) -> Vec<Vec<u32>> {
 
 fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut Namer) -> Result<Vec<Rigid>> {
     let mut rigids = Vec::new();
-    for card in whole.cards.iter().filter(|card| card.keyword.name == "RIGID BODY") {
+    for (number, card) in whole.cards.iter().enumerate().filter(|(_, card)| is_rigid(card)) {
         let place = card.place.as_deref();
         let (set, members) = match (card.keyword.get("ELSET"), card.keyword.get("NSET")) {
+            _ if card.keyword.name == "COUPLING" => coupled(whole, number)?,
             (Some(set), None) => {
                 let elements = whole.elements(place, set).ok_or_else(|| no_set(&card.at, "element set", set))?;
                 (set, elements.iter().flat_map(|&element| nodes_of(whole, whole.slots[element as usize])).collect())
@@ -135,7 +136,9 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
                 _ => Err(card.error(format!("{key}={field} is not one node"), "")),
             }
         };
-        let Some(reference) = one("REF NODE")? else { return Err(card.error("*RIGID BODY needs REF NODE=", "")) };
+        let Some(reference) = one("REF NODE")? else {
+            return Err(card.error(format!("*{} needs REF NODE=", card.keyword.name), ""));
+        };
         let members: BTreeSet<u32> = members.into_iter().collect();
         let rigid = rigids.len();
         let mut of_bodies: BTreeSet<u32> = BTreeSet::new();
@@ -161,6 +164,35 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
         }
     }
     Ok(rigids)
+}
+
+fn is_rigid(card: &Card) -> bool {
+    matches!(card.keyword.name.as_str(), "RIGID BODY" | "COUPLING")
+}
+
+/// The surface of a *COUPLING, the card of this number, and its nodes: with *KINEMATIC they move as a rigid body does.
+fn coupled(whole: &Whole, number: usize) -> Result<(&str, Vec<u32>)> {
+    let card = &whole.cards[number];
+    let Some(kinematic) = whole.cards.get(number + 1).filter(|next| next.keyword.name == "KINEMATIC") else {
+        return Err(
+            card.error("*COUPLING has no *KINEMATIC", "only nodes that move with a reference node can be converted")
+        );
+    };
+    let mut along = [kinematic.rows.is_empty(); 3];
+    for row in &kinematic.rows {
+        let [first, last] = row.fields();
+        for dof in super::conditions::range(row, first, last)?.into_iter().filter(|dof| *dof < 3) {
+            along[dof] = true;
+        }
+    }
+    if along.contains(&false) {
+        let what = "nodes that a reference node leaves free along 1, 2 or 3 cannot be converted";
+        return Err(kinematic.error(what, "write 1, 3; or give the conditions on the nodes themselves"));
+    }
+    let surface = card.keyword.get("SURFACE").unwrap_or_default();
+    let Some(facets) = whole.surface(surface) else { return Err(no_set(&card.at, "surface of elements", surface)) };
+    let nodes = facets.iter().flat_map(|&facet| nodes_of(whole, Slot::Facet(facet)));
+    Ok((surface, nodes.collect()))
 }
 
 fn nodes_of(whole: &Whole, slot: Slot) -> Vec<u32> {

@@ -25,6 +25,7 @@ const HEAT: &str = "nagata has no temperatures";
 const STATICS: &str = "it does nothing in statics";
 const ONLY_STATIC: &str = "nagata computes static steps";
 const NO_JOINT: &str = "nagata joins faces alone, by *TIE; else mesh what is bonded as one part, with common nodes";
+const NO_MEAN: &str = "nodes cannot follow a reference node in the mean: load them themselves, by *DSLOAD or *CLOAD, or move them by *KINEMATIC";
 const NO_ELEMENT: &str = "nagata has solids alone, and springs to the ground";
 const NO_MODEL: &str =
     "write the body's material by hand from those in docs/scene.md, and take this card out of the deck";
@@ -98,12 +99,11 @@ fn fate(name: &str) -> Fate {
         | "SENSITIVITY"
         | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
         "TIE" => Fate::Read(&["NAME", "POSITION TOLERANCE", "ADJUST"]),
+        "COUPLING" => Fate::Read(&["CONSTRAINT NAME", "REF NODE", "SURFACE"]),
+        "KINEMATIC" => Fate::Read(&[]),
+        "DISTRIBUTING" | "DISTRIBUTING COUPLING" => Fate::Refused(NO_MEAN),
         "EQUATION"
         | "MPC"
-        | "COUPLING"
-        | "KINEMATIC"
-        | "DISTRIBUTING"
-        | "DISTRIBUTING COUPLING"
         | "KINEMATIC COUPLING"
         | "EMBEDDED ELEMENT"
         | "CYCLIC SYMMETRY MODEL"
@@ -147,7 +147,7 @@ fn fate(name: &str) -> Fate {
             Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
         }
         "CLEARANCE" => Fate::Refused("surfaces meet where the mesh has them: move the nodes, or take it out"),
-        "TRANSFORM" => Fate::Refused("write such conditions by hand, with `normal`, and take it out"),
+        "TRANSFORM" => Fate::Read(&["NSET", "TYPE"]),
         "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
         "MODEL CHANGE"
         | "CONTACT INTERFERENCE"
@@ -196,7 +196,7 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
         Some((_, _, lines)) => lines.push(card_line(card)),
         None => passed.push((what, card, Vec::new())),
     };
-    let has_gravity = cards.iter().any(|card| gravities(card).next().is_some());
+    let has_gravity = cards.iter().any(|card| gravities(card).next().is_some() || spins(card));
     refused.extend(turned(cards));
     for card in cards {
         let name = &card.keyword.name;
@@ -217,7 +217,7 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
             }
             Fate::Output => output.push(card.at.line),
             Fate::Passed(STATICS) if name != "DAMPING" && name != "CONTACT DAMPING" && has_gravity => {
-                refused.push((card, format!("*{name} weighs under GRAV: give its weight by *CLOAD")));
+                refused.push((card, format!("*{name} weighs under GRAV and CENTRIF: give its weight by *CLOAD")));
             }
             Fate::Passed(why) => pass(card, format!("*{name} is passed over: {why}")),
             // So PrePoMax begins each step.
@@ -245,6 +245,11 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
     }
 }
 
+/// Whether a card takes off all of its kind that act.
+pub(super) fn is_new(card: &Card) -> bool {
+    card.keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW"))
+}
+
 /// Lines of a card that give gravity: on what, and along which unit vector.
 fn gravities(card: &Card) -> impl Iterator<Item = (&str, Vec3)> {
     let rows = card.rows.iter().filter(|_| card.keyword.name == "DLOAD");
@@ -256,6 +261,11 @@ fn gravities(card: &Card) -> impl Iterator<Item = (&str, Vec3)> {
     })
 }
 
+fn spins(card: &Card) -> bool {
+    let is_spin = |kind: &str| kind.eq_ignore_ascii_case("CENTRIF");
+    card.keyword.name == "DLOAD" && card.rows.iter().any(|row| is_spin(row.fields::<2>()[1]))
+}
+
 /// Gravity that goes on from an earlier step and is given in another direction.
 fn turned(cards: &[Card]) -> Vec<(&Card, String)> {
     const SAME: f64 = 1e-9;
@@ -265,9 +275,7 @@ fn turned(cards: &[Card]) -> Vec<(&Card, String)> {
     for card in cards {
         match card.keyword.name.as_str() {
             "STEP" => live.append(&mut given),
-            "DLOAD" | "DSLOAD" if card.keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW")) => {
-                live.clear()
-            }
+            "DLOAD" | "DSLOAD" if is_new(card) => live.clear(),
             _ => {}
         }
         for (set, along) in gravities(card) {

@@ -2,13 +2,14 @@
 
 use super::amplitudes::{self, Amplitude};
 use super::bodies::{Bodies, Owner};
-use super::cards::Notes;
+use super::cards::{Notes, is_new};
 use super::contacts::faces_by_body;
+use super::frames::{Frames, vectors};
 use super::groups::{Groups, nodes_are};
 use super::loads::{Clock, Load, Loads};
 use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::Slot;
 use crate::mesh::abaqus::{Card, LOWEST, Row, no_set};
 use std::collections::BTreeMap;
@@ -27,12 +28,16 @@ pub(super) struct Conditions {
     pub pressures: Loads,
     /// Accelerations of [sections](Bodies::sections).
     pub gravity: Loads,
+    /// Squares of the angular velocity of sections, as vectors of one number, and the axis of all: a point and a direction.
+    pub spins: Loads,
+    pub spin_axis: Option<[[f64; 3]; 2]>,
 }
 
 /// What the cards refer to, and where what is passed over is told.
 pub(super) struct Setting<'a> {
     pub groups: &'a Groups<'a>,
     pub bodies: &'a Bodies,
+    pub frames: &'a Frames,
     pub materials: &'a [Material],
     pub amplitudes: &'a [Amplitude],
     pub notes: &'a mut Notes,
@@ -51,7 +56,7 @@ impl Conditions {
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.step += 1;
         self.supports.begin(last, next, amplitudes);
-        let kinds = [&mut self.forces, &mut self.moments, &mut self.pressures, &mut self.gravity];
+        let kinds = [&mut self.forces, &mut self.moments, &mut self.pressures, &mut self.gravity, &mut self.spins];
         kinds.into_iter().for_each(|loads| loads.begin(last, next, amplitudes));
     }
 
@@ -61,8 +66,8 @@ impl Conditions {
         self.kinds().into_iter().try_for_each(Loads::check)
     }
 
-    fn kinds(&self) -> [&Loads; 4] {
-        [&self.forces, &self.moments, &self.pressures, &self.gravity]
+    fn kinds(&self) -> [&Loads; 5] {
+        [&self.forces, &self.moments, &self.pressures, &self.gravity, &self.spins]
     }
 
     /// All loads.
@@ -72,10 +77,10 @@ impl Conditions {
 
     /// Takes a card of the step.
     pub fn take(&mut self, card: &Card, setting: &mut Setting) -> Result<()> {
-        let is_new = card.keyword.get("OP").is_some_and(|op| op.eq_ignore_ascii_case("NEW"));
+        let is_new = is_new(card);
         let amplitude = amplitudes::of(setting.amplitudes, card)?;
         let mut lines = |take: &mut dyn FnMut(Line) -> Result<()>| {
-            card.rows.iter().try_for_each(|row| take(Line { card, row, amplitude, setting }))
+            Faults::all(card.rows.iter().map(|row| take(Line { card, row, amplitude, setting }))).map(|_| ())
         };
         match card.keyword.name.as_str() {
             "BOUNDARY" => {
@@ -99,6 +104,7 @@ impl Conditions {
                 if is_new {
                     self.pressures.reset();
                     self.gravity.reset();
+                    self.spins.reset();
                 }
                 lines(&mut |mut line| self.take_distributed(&mut line))
             }
@@ -164,6 +170,13 @@ impl Conditions {
         if dof >= 3 && !of_bodies.is_empty() {
             return Err(row.error("a moment on nodes of a body cannot be converted", "solids have no rotations"));
         }
+        if let Some(&node) = of_bodies.iter().find(|&&node| line.setting.frames.has(node)) {
+            let what = format!(
+                "{} of a *TRANSFORM: forces there cannot be converted",
+                nodes_are(line.setting.groups.whole, &[node])
+            );
+            return Err(row.error(what, "load other nodes, along the global axes, or the faces by a pressure"));
+        }
         let is_one = is_one && of_rigids.is_empty();
         let name = if is_one { format!("loaded-{}", line.card.at.line) } else { hint(set) };
         let value = row.number(value, 0.0)?;
@@ -212,9 +225,12 @@ impl Conditions {
             if length == 0.0 {
                 return Err(row.error("gravity has no direction", "write its value and a unit vector"));
             }
-            let load = line.gravity(set, along.map(|part| part / length * value), self.step)?;
+            let load = line.on_sections("gravity", set, along.map(|part| part / length * value), self.step)?;
             self.gravity.add(load, [true; 3]);
             return Ok(());
+        }
+        if kind == "CENTRIF" && !is_surface {
+            return self.take_spin(line, value);
         }
         let side =
             kind.strip_prefix('P').and_then(|side| side.parse::<u8>().ok()).filter(|side| (1..=6).contains(side));
@@ -237,12 +253,32 @@ impl Conditions {
             }
             _ => {
                 let what = format!("the load {kind} of *{} cannot be converted", line.card.keyword.name);
-                return Err(row.error(what, "P of *DSLOAD, P1 to P6 and GRAV of *DLOAD can"));
+                return Err(row.error(what, "P of *DSLOAD, P1 to P6, GRAV and CENTRIF of *DLOAD can"));
             }
         }
         if !self.pressures.add(load, [true, false, false]).is_empty() {
             line.setting.notes.at(&row.at, "a face has several pressures in one step: they are added");
         }
+        Ok(())
+    }
+}
+
+impl Conditions {
+    /// A centrifugal load with this square of the angular velocity.
+    fn take_spin(&mut self, line: &mut Line, square: f64) -> Result<()> {
+        let row = line.row;
+        let fields: [&str; 9] = row.fields();
+        let axis = vectors(row, &fields[3..])?;
+        if axis[1] == [0.0; 3] || square < 0.0 {
+            let help = "write the square of the angular velocity, a point of the axis, and its direction";
+            return Err(row.error("CENTRIF has no axis, or a square below 0", help));
+        }
+        if *self.spin_axis.get_or_insert(axis) != axis {
+            let what = "CENTRIF about several axes, or about one that is written in several ways, cannot be converted";
+            return Err(row.error(what, "give all lines the same point and direction"));
+        }
+        let load = line.on_sections("CENTRIF", fields[0], [square, 0.0, 0.0], self.step)?;
+        self.spins.add(load, [true, false, false]);
         Ok(())
     }
 }
@@ -317,8 +353,8 @@ impl Line<'_, '_> {
         Ok(faces)
     }
 
-    /// Gravity as accelerations of sections.
-    fn gravity(&self, set: &str, along: [f64; 3], step: usize) -> Result<Load> {
+    /// What acts on the mass of elements, as a load on sections.
+    fn on_sections(&self, kind: &str, set: &str, value: [f64; 3], step: usize) -> Result<Load> {
         let setting = &self.setting;
         let whole = setting.groups.whole;
         let elements = if set.is_empty() { (0..whole.slots.len() as u32).collect() } else { self.elements(set)? };
@@ -336,15 +372,14 @@ impl Line<'_, '_> {
             }
             let Material { deck, density, .. } = &setting.materials[material];
             if count < solids.len() {
-                let what = format!("gravity acts on a part of what of the body `{}` is of '{deck}'", body.name);
+                let what = format!("{kind} acts on a part of what of the body `{}` is of '{deck}'", body.name);
                 return Err(self.row.error(what, "let it act on all elements of the material, or on none"));
             }
             if density.is_none() {
-                let what =
-                    format!("gravity acts on the body `{}`, but its material '{deck}' has no density", body.name);
+                let what = format!("{kind} acts on the body `{}`, but its material '{deck}' has no density", body.name);
                 return Err(self.row.error(what, "give the material a *DENSITY"));
             }
-            load.values.insert(section, along);
+            load.values.insert(section, value);
         }
         Ok(load)
     }
@@ -375,7 +410,7 @@ fn named_support(word: &str) -> Option<&'static [usize]> {
 }
 
 /// The degrees of freedom, from 0, from first to last.
-fn range(row: &Row, first: &str, last: &str) -> Result<Vec<usize>> {
+pub(super) fn range(row: &Row, first: &str, last: &str) -> Result<Vec<usize>> {
     let number = |field: &str| {
         let found = field.parse::<usize>().ok().filter(|dof| (1..=DOFS).contains(dof));
         found.ok_or_else(|| row.error(format!("expected a degree of freedom 1 to 6, found '{field}'"), ""))

@@ -14,6 +14,7 @@ mod bodies;
 mod cards;
 mod conditions;
 mod contacts;
+mod frames;
 mod groups;
 mod loads;
 mod materials;
@@ -26,15 +27,17 @@ mod scene;
 mod spread;
 mod springs;
 mod steps;
+mod supported;
 mod supports;
 mod tables;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::abaqus::{Card, Whole, read_whole};
 use crate::output::replace;
 use bodies::Bodies;
 use cards::Notes;
 use contacts::Contacts;
+use frames::Frames;
 use groups::Groups;
 use names::Namer;
 use std::fmt::Write;
@@ -103,13 +106,14 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
     let mut groups = Groups::new(whole);
     // Bodies, tools and contacts share names in the history; materials and steps have their own.
     let (mut namer, mut of_steps) = (Namer::default(), Namer::default());
-    let materials = materials::read(whole, &mut Namer::default())?;
+    let (materials, amplitudes) = both(materials::read(whole, &mut Namer::default()), amplitudes::read(&whole.cards))?;
     let bodies = Bodies::new(&mut groups, &materials, &mut namer, notes)?;
-    let Contacts { text: contacts, tools, masters } = contacts::convert(&mut groups, &bodies, &mut namer, notes)?;
-    let amplitudes = amplitudes::read(&whole.cards)?;
-    let springs = springs::read(whole, &bodies)?;
-    let model =
-        steps::Model { bodies: &bodies, tools: &tools, materials: &materials, amplitudes: &amplitudes, springs };
+    let contacts = contacts::convert(&mut groups, &bodies, &mut namer, notes);
+    let springs = springs::read(whole, &bodies, notes);
+    let others = springs.and_then(|springs| Ok((Frames::read(whole, &bodies, &springs)?, springs)));
+    let (Contacts { text: contacts, tools, masters }, (frames, springs)) = both(contacts, others)?;
+    let (bodies, tools, frames) = (&bodies, &tools[..], &frames);
+    let model = steps::Model { bodies, tools, frames, materials: &materials, amplitudes: &amplitudes, springs };
     let (steps, history, still) = steps::convert(&mut groups, &model, &mut of_steps, notes)?;
     tell_of_unused(whole, &model, notes);
 
@@ -118,7 +122,7 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
         let mut says = body.write(&mut groups, &materials, notes)?;
         let mut planes = Vec::new();
         for (_, faces) in masters.iter().filter(|(of, _)| *of == number) {
-            planes.extend(still.planes(&mut groups, &bodies, number, faces)?);
+            planes.extend(still.planes(&mut groups, bodies, number, faces)?);
         }
         planes.sort();
         planes.dedup();
@@ -147,6 +151,15 @@ fn parts(whole: &Whole, deck: &str, more: &str, notes: &mut Notes) -> Result<Par
         text += &format!("\n[output]\n{}", scene::list("history", &sets));
     }
     Ok(Parts { text, groups: (!groups.more.is_empty()).then_some(groups.more) })
+}
+
+/// Two results, or the errors of both.
+fn both<A, B>(a: Result<A>, b: Result<B>) -> Result<(A, B)> {
+    let mut faults = Faults::default();
+    faults.note(&a);
+    faults.note(&b);
+    faults.finish()?;
+    Ok((a?, b?))
 }
 
 /// What the deck has, and does nothing with; and the law of elasticity.

@@ -2,6 +2,7 @@
 //! there is smoothed as if it went on, for a deck says by its supports alone that it does.
 
 use super::bodies::Bodies;
+use super::frames::Frames;
 use super::groups::{Face, Groups};
 use super::supports::Supports;
 use crate::AXIS_NAMES;
@@ -16,9 +17,10 @@ const FLAT: f64 = 1e-9;
 pub(super) struct Still(Option<[HashSet<u32>; 3]>);
 
 impl Still {
-    /// Takes the supports of a further step.
-    pub fn meet(&mut self, supports: &Supports) {
-        let now = supports.still();
+    /// Takes the supports of a further step; of nodes with frames of their own nothing is known.
+    pub fn meet(&mut self, supports: &Supports, frames: &Frames) {
+        let mut now = supports.still();
+        now.iter_mut().for_each(|nodes| nodes.retain(|&node| !frames.has(node)));
         match &mut self.0 {
             None => self.0 = Some(now),
             Some(so_far) => {

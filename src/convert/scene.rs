@@ -1,7 +1,8 @@
 //! The text of steps.
 
+use super::frames::Frame;
+use super::supported::Support;
 use super::tables::Table;
-use crate::AXIS_NAMES;
 use std::fmt::Write;
 
 /// The time of a step and its increments.
@@ -47,12 +48,7 @@ pub(super) struct ToolMove {
 /// The conditions of a step by what they act on, each once, in the order in which they came.
 #[derive(Default)]
 pub(super) struct Lists {
-    /// Sets that are held or moved.
-    pub supported: Vec<String>,
-    /// For each of these the way along x, y and z; `None` where it is free.
-    pub ways: Vec<[Option<f64>; 3]>,
-    /// And its table.
-    pub tables: Vec<Option<Table>>,
+    pub supports: Vec<Support>,
     pub tools: Vec<ToolMove>,
     /// With the directions in which the tool is free.
     pub pushed: Vec<(Load, [bool; 3])>,
@@ -62,6 +58,9 @@ pub(super) struct Lists {
     pub pressures: Vec<Load>,
     pub body_forces: Vec<Load>,
     pub gravity: [f64; 3],
+    /// Squares of angular velocities of bodies, and a point and the direction of the axis.
+    pub spins: Vec<Load>,
+    pub spin_axis: Option<[[f64; 3]; 2]>,
     /// Sets and stiffnesses.
     pub springs: Vec<(String, [f64; 3])>,
 }
@@ -82,16 +81,29 @@ impl Axis {
     }
 }
 
+impl Rotation {
+    pub fn write(&self) -> String {
+        format!("rotate = {{ {}, angle = {:?} }}", self.axis.write(), self.angle)
+    }
+}
+
 impl Lists {
-    pub fn add_support(&mut self, set: &str, axis: usize, by: f64) {
-        let known = self.supported.iter().position(|other| other == set);
+    /// A way of a set along one of the directions of its frame.
+    pub fn add_support(&mut self, set: &str, frame: Option<&Frame>, axis: usize, by: f64) {
+        let known = self.supports.iter().position(|other| other.set == set);
         let at = known.unwrap_or_else(|| {
-            self.supported.push(set.to_string());
-            self.ways.push([None; 3]);
-            self.tables.push(None);
-            self.ways.len() - 1
+            let (set, frame) = (set.to_string(), frame.cloned());
+            self.supports.push(Support { set, frame, ways: [None; 3], rotation: None, table: None });
+            self.supports.len() - 1
         });
-        self.ways[at][axis] = Some(by);
+        self.supports[at].ways[axis] = Some(by);
+    }
+
+    /// Turns a set that is held or moved along all axes; says whether it is.
+    pub fn turn_set(&mut self, set: &str, rotation: Rotation) -> bool {
+        let is_it = |other: &&mut Support| other.set == set && other.frame.is_none() && !other.ways.contains(&None);
+        let found = self.supports.iter_mut().find(is_it);
+        found.map(|support| support.rotation = Some(rotation)).is_some()
     }
 
     pub fn move_tool(&mut self, tool: &str, by: [f64; 3], rotation: Option<Rotation>) {
@@ -108,27 +120,10 @@ impl Lists {
         self.turned.push((Load { on: tool.to_string(), value: [moment, 0.0, 0.0], table: None }, axis));
     }
 
-    fn fix(&self) -> Vec<String> {
-        let held = self.supported.iter().zip(&self.ways).map(|(set, ways)| (set, ways.map(|way| way == Some(0.0))));
-        let held = held.filter(|(_, held)| held.contains(&true));
-        held.map(|(set, held)| format!("{{ set = {}{} }}", quoted(set), directions(held))).collect()
-    }
-
     fn moves(&self, duration: f64) -> Vec<String> {
-        let mut moves = Vec::new();
-        let supports = self.supported.iter().zip(&self.ways).zip(&self.tables);
-        for ((set, ways), table) in supports {
-            let moved = ways.map(|way| way.is_some_and(|way| way != 0.0));
-            let by = ways.map(|way| way.unwrap_or(0.0));
-            if moved.contains(&true) {
-                let (set, directions, table) = (quoted(set), directions(moved), in_time(table, duration));
-                moves.push(format!("{{ target = {set}, by = {by:?}{directions}{table} }}"));
-            }
-        }
+        let mut moves: Vec<String> = self.supports.iter().filter_map(|support| support.motion(duration)).collect();
         for ToolMove { name, by, rotation, table } in &self.tools {
-            let rotate = rotation.map_or(String::new(), |Rotation { axis, angle }| {
-                format!(", rotate = {{ {}, angle = {angle:?} }}", axis.write())
-            });
+            let rotate = rotation.map_or(String::new(), |rotation| format!(", {}", rotation.write()));
             let by = if *by == [0.0; 3] { String::new() } else { format!(", by = {by:?}") };
             moves.push(format!("{{ target = {}{by}{rotate}{} }}", quoted(name), in_time(table, duration)));
         }
@@ -148,7 +143,7 @@ impl Lists {
             format!("{{ target = {}, total = {value:?}{directions}{} }}", quoted(on), in_time(table, duration))
         };
         let on_tools = self.pushed.iter().map(|(load, free)| {
-            let free: String = (0..3).filter(|&axis| free[axis]).map(|axis| AXIS_NAMES[axis]).collect();
+            let free: String = chosen("xyz", *free);
             write(load, &format!(", directions = \"{free}\""))
         });
         on_tools.chain(self.forces.iter().map(|load| write(load, ""))).collect()
@@ -164,7 +159,7 @@ pub(super) fn add(list: &mut Vec<Load>, on: &str, value: [f64; 3]) {
 }
 
 /// The key for a table, in the time of the step.
-fn in_time(table: &Option<Table>, duration: f64) -> String {
+pub(super) fn in_time(table: &Option<Table>, duration: f64) -> String {
     let Some(table) = table else { return String::new() };
     let points: Vec<String> = table.iter().map(|[s, share]| format!("[{:?}, {share:?}]", s * duration)).collect();
     format!(", table = [{}]", points.join(", "))
@@ -175,14 +170,15 @@ pub(super) fn quoted(text: &str) -> toml::Value {
 }
 
 /// The key for directions; all three are the default.
-fn directions(which: [bool; 3]) -> String {
+pub(super) fn letters(names: &str, which: [bool; 3]) -> String {
     match which {
         [true, true, true] => String::new(),
-        _ => format!(
-            ", directions = \"{}\"",
-            (0..3).filter(|&axis| which[axis]).map(|axis| AXIS_NAMES[axis]).collect::<String>()
-        ),
+        _ => format!(", directions = \"{}\"", chosen(names, which)),
     }
+}
+
+fn chosen(names: &str, which: [bool; 3]) -> String {
+    names.chars().zip(which).filter(|(_, is_chosen)| *is_chosen).map(|(name, _)| name).collect()
 }
 
 /// The table of a step.
@@ -206,15 +202,21 @@ pub(super) fn step(name: &str, times: &Times, lists: &Lists) -> String {
     let body_forces = lists.body_forces.iter().map(|Load { on, value, table }| {
         format!("{{ body = {}, per_volume = {value:?}{} }}", quoted(on), in_time(table, duration))
     });
+    let [point, axis] = lists.spin_axis.unwrap_or_default();
+    let spins = lists.spins.iter().map(|Load { on, value, table }| {
+        let (body, speed, table) = (quoted(on), value[0].sqrt(), in_time(table, duration));
+        format!("{{ body = {body}, point = {point:?}, axis = {axis:?}, speed = {speed:?}{table} }}")
+    });
     let springs = lists.springs.iter();
     let springs = springs.map(|(set, along)| format!("{{ set = {}, stiffness = {along:?} }}", quoted(set)));
     for (key, items) in [
-        ("fix", lists.fix()),
+        ("fix", lists.supports.iter().flat_map(Support::fixes).collect()),
         ("move", lists.moves(duration)),
         ("force", lists.all_forces(duration)),
         ("torque", lists.torques(duration)),
         ("pressure", pressures.collect()),
         ("body_force", body_forces.collect()),
+        ("spin", spins.collect()),
         ("spring", springs.collect()),
     ] {
         text += &list(key, &items);

@@ -1,6 +1,7 @@
 //! *SPRING of elements SPRING1: springs between nodes and the ground.
 
 use super::bodies::{Bodies, Owner};
+use super::cards::Notes;
 use crate::error::{Error, Result};
 use crate::mesh::Slot;
 use crate::mesh::abaqus::{Whole, no_set};
@@ -10,7 +11,7 @@ use std::collections::BTreeMap;
 pub(super) type Springs = BTreeMap<u32, [f64; 3]>;
 
 /// Reads all springs.
-pub(super) fn read(whole: &Whole, bodies: &Bodies) -> Result<Springs> {
+pub(super) fn read(whole: &Whole, bodies: &Bodies, notes: &mut Notes) -> Result<Springs> {
     let mut springs = Springs::new();
     let mut known = vec![false; whole.slots.len()];
     for card in whole.cards.iter().filter(|card| card.keyword.name == "SPRING") {
@@ -31,6 +32,10 @@ pub(super) fn read(whole: &Whole, bodies: &Bodies) -> Result<Springs> {
         let stiffness = constant.number(constant.fields::<1>()[0], 0.0)?;
         if stiffness <= 0.0 {
             return Err(constant.error(format!("the stiffness {stiffness:?} is not above 0"), ""));
+        }
+        if whole.mesh.is_section {
+            let what = "*SPRING is that of the whole ring: CalculiX takes it for its wedge of 2 degrees, of which 180 make the ring";
+            notes.at(&card.at, what);
         }
         for element in elements {
             let Slot::Loose([node, _]) = whole.slots[element as usize] else { continue };

@@ -5,6 +5,7 @@ use super::bodies::{Bodies, Owner};
 use super::cards::Notes;
 use super::conditions::{Conditions, Setting};
 use super::contacts::Tool;
+use super::frames::Frames;
 use super::groups::Groups;
 use super::loads::{Clock, Loads};
 use super::materials::Material;
@@ -12,10 +13,11 @@ use super::names::Namer;
 use super::planes::Still;
 use super::scene::{self, Lists};
 use super::springs::Springs;
+use super::supported::Support;
 use super::supports::DOFS;
 use super::tables;
 use crate::AXIS_NAMES;
-use crate::error::{Error, Result};
+use crate::error::{Error, Faults, Result};
 use crate::mesh::abaqus::Card;
 use std::collections::BTreeMap;
 
@@ -42,6 +44,7 @@ struct Times {
 pub(super) struct Model<'a> {
     pub bodies: &'a Bodies,
     pub tools: &'a [Tool],
+    pub frames: &'a Frames,
     pub materials: &'a [Material],
     pub amplitudes: &'a [Amplitude],
     pub springs: Springs,
@@ -63,24 +66,23 @@ pub(super) fn convert(
     let mut ended = Lists::default();
     for (number, step) in steps.iter().enumerate() {
         let next = Clock { before: clock.before + clock.period, period: step.times.period };
-        let mut setting =
-            Setting { groups, bodies: model.bodies, materials: model.materials, amplitudes: model.amplitudes, notes };
+        let Model { bodies, frames, materials, amplitudes, .. } = *model;
+        let mut setting = Setting { groups, bodies, frames, materials, amplitudes, notes };
         if number > 0 {
-            conditions.begin(&clock, &next, model.amplitudes);
-        } else {
-            before.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
+            conditions.begin(&clock, &next, amplitudes);
         }
         clock = next;
-        step.cards.iter().try_for_each(|card| conditions.take(card, &mut setting))?;
+        let first = if number == 0 { &before[..] } else { &[] };
+        Faults::all(first.iter().chain(&step.cards).map(|card| conditions.take(card, &mut setting)))?;
         conditions.check()?;
-        still.meet(&conditions.supports);
+        still.meet(&conditions.supports, frames);
         tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
         tell_of_step(step, notes);
         let ends = bends(&conditions, &clock, model.amplitudes);
         let mut writer = Writer { groups, model, conditions: &conditions, clock, axes: &mut axes, step };
         let mut parts: Vec<Lists> =
             ends.windows(2).map(|span| writer.lists(span[0], span[1])).collect::<Result<_>>()?;
-        for set in parts.iter().flat_map(|part| &part.supported) {
+        for Support { set, .. } in parts.iter().flat_map(|part| &part.supports) {
             if !history.contains(set) {
                 history.push(set.clone());
             }
@@ -209,6 +211,7 @@ impl Writer<'_, '_> {
         self.forces(to, &mut lists)?;
         self.pressures(to, &mut lists)?;
         self.gravity(to, &mut lists)?;
+        self.spins(to, &mut lists)?;
         self.springs(&mut lists)?;
         Ok(lists)
     }
@@ -249,6 +252,32 @@ impl Writer<'_, '_> {
         Ok(())
     }
 
+    /// Bodies whose sections all spin alike.
+    fn spins(&mut self, s: f64, lists: &mut Lists) -> Result<()> {
+        let Model { bodies, amplitudes, .. } = self.model;
+        let mut squares = vec![0.0; bodies.sections().count()];
+        let mut last = None;
+        for (load, field) in self.conditions.spins.at(s, &self.clock, amplitudes) {
+            for (section, [square, ..]) in field {
+                squares[section as usize] += square;
+                last = Some(load);
+            }
+        }
+        let Some(load) = last else { return Ok(()) };
+        let mut of_bodies: BTreeMap<&str, f64> = BTreeMap::new();
+        for ((body, ..), square) in bodies.sections().zip(squares) {
+            if *of_bodies.entry(&body.name).or_insert(square) != square {
+                let what = format!("materials of the body `{}` spin at different speeds", body.name);
+                return Err(Error::input(&load.at, what, "let CENTRIF act on all of its elements alike"));
+            }
+        }
+        lists.spin_axis = self.conditions.spin_axis;
+        for (body, square) in of_bodies.into_iter().filter(|(_, square)| *square != 0.0) {
+            scene::add(&mut lists.spins, body, [square, 0.0, 0.0]);
+        }
+        Ok(())
+    }
+
     fn springs(&mut self, lists: &mut Lists) -> Result<()> {
         let springs = &self.model.springs;
         for (body, nodes) in self.by_body(&springs.keys().copied().collect::<Vec<_>>()) {
@@ -272,9 +301,11 @@ impl Writer<'_, '_> {
             };
             // Others may hold some of them just so.
             let nodes = if hold.nodes.iter().all(same) { hold.nodes.to_vec() } else { left };
-            for (body, own) in self.by_body(&nodes) {
-                let set = self.set(body, &own, false, &hold.hint)?;
-                lists.add_support(&set, hold.dof, by);
+            for (body, of_body) in self.by_body(&nodes) {
+                for (frame, own) in self.model.frames.parts(&of_body) {
+                    let set = self.set(body, &own, false, &hold.hint)?;
+                    lists.add_support(&set, frame.map(|frame| &self.model.frames.frames[frame]), hold.dof, by);
+                }
             }
         }
         Ok(())
@@ -302,68 +333,94 @@ impl Writer<'_, '_> {
         Ok(format!("{}.{group}", bodies.bodies[body].name))
     }
 
+    /// Rigid bodies: tools, and nodes of bodies that move as one.
     fn tools(&mut self, from: f64, to: f64, lists: &mut Lists) -> Result<()> {
-        for (number, rigid) in self.model.bodies.rigids.iter().enumerate() {
-            let tools: Vec<&Tool> = self.model.tools.iter().filter(|tool| tool.rigid == number).collect();
+        let (model, conditions, clock) = (self.model, self.conditions, self.clock);
+        for (number, rigid) in model.bodies.rigids.iter().enumerate() {
+            let tools: Vec<&Tool> = model.tools.iter().filter(|tool| tool.rigid == number).collect();
             if tools.is_empty() && rigid.nodes.is_empty() {
                 continue;
             }
-            let hold = |dof: usize| self.conditions.supports.of(rigid.reference, dof);
-            let refuse = |what: String, help: &str| {
-                let at = &rigid.at;
-                Err(Error::input(at, format!("{what} in the step of line {}", self.step.card.at.line), help))
-            };
-            let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &self.clock, self.model.amplitudes));
+            let hold = |dof: usize| conditions.supports.of(rigid.reference, dof);
+            let by = |dof: usize| hold(dof).map(|hold| hold.by(from, to, &clock, model.amplitudes));
             // Those that are free are none of 0.
             let turns: Vec<usize> = (3..6).filter(|&dof| by(dof) != Some(0.0)).collect();
+            let axis = self.axis(number, &turns, from)?;
+            let way = [0, 1, 2].map(|dof| by(dof).unwrap_or(0.0));
+            let angle = axis.map(|axis| by(axis.along + 3));
+            let rotation = axis.zip(angle.flatten()).map(|(axis, by)| scene::Rotation { axis, angle: by.to_degrees() });
             if !rigid.nodes.is_empty() {
-                // Nodes of a body that all move alike, see `Conditions`.
-                if !turns.is_empty() || (0..3).any(|dof| hold(dof).is_none()) {
-                    let what = "nodes of a body that turn, or move freely, as one cannot be converted,".to_string();
-                    return refuse(what, "prescribe 1 to 3 of the reference node, and hold 4 to 6");
+                // How they move along is said by `Conditions`.
+                let is_free = (0..3).any(|dof| hold(dof).is_none()) || axis.is_some() != rotation.is_some();
+                if is_free || !rotation.map_or(Ok(true), |rotation| self.turn_nodes(number, rotation, lists))? {
+                    let what = "nodes of a body that move freely as one, or are held besides, cannot be converted,";
+                    return self.refuse(
+                        number,
+                        what,
+                        "prescribe 1 to 6 of the reference node, and nothing of the nodes",
+                    );
                 }
                 continue;
             }
             let free = [0, 1, 2].map(|dof| hold(dof).is_none());
             let is_free = (0..DOFS).any(|dof| hold(dof).is_none());
             if is_free && tools.len() > 1 {
-                return refuse("a rigid body that meets several surfaces moves freely".into(), "join the surfaces");
+                let what = "a rigid body that meets several surfaces moves freely";
+                return self.refuse(number, what, "join the surfaces");
             }
-            let axis = match turns[..] {
-                [] => None,
-                [dof] if *self.axes.entry(number).or_insert(dof) == dof => {
-                    let place = |axis: usize| {
-                        let at = self.groups.whole.mesh.points[rigid.reference as usize][axis];
-                        let moved = hold(axis).map(|hold| hold.place(from, &self.clock, self.model.amplitudes));
-                        at + moved.filter(|moved| !moved.is_nan()).unwrap_or(0.0)
-                    };
-                    Some(scene::Axis { point: [0, 1, 2].map(place), along: dof - 3 })
-                }
-                _ => {
-                    let names: Vec<_> = turns.iter().map(|dof| AXIS_NAMES[dof - 3].to_string()).collect();
-                    let what = format!("the rigid body turns, or is free to, about {}", names.join(" and "));
-                    return refuse(
-                        what,
-                        "nagata's tools turn about one axis: hold the others of 4 to 6 of the reference node",
-                    );
-                }
-            };
-            let way = [0, 1, 2].map(|dof| by(dof).unwrap_or(0.0));
-            let angle = axis.map(|axis| by(axis.along + 3));
-            let rotation = axis.zip(angle.flatten()).map(|(axis, by)| scene::Rotation { axis, angle: by.to_degrees() });
             for tool in tools {
                 lists.move_tool(&tool.name, way, rotation);
                 if free.contains(&true) {
-                    let force = self.on_node(&self.conditions.forces, rigid.reference, to);
+                    let force = self.on_node(&conditions.forces, rigid.reference, to);
                     lists.push_tool(&tool.name, [0, 1, 2].map(|d| if free[d] { force[d] } else { 0.0 }), free);
                 }
                 if let (Some(axis), Some(None)) = (axis, angle) {
-                    let moment = self.on_node(&self.conditions.moments, rigid.reference, to);
+                    let moment = self.on_node(&conditions.moments, rigid.reference, to);
                     lists.turn_tool(&tool.name, moment[axis.along], axis);
                 }
             }
         }
         Ok(())
+    }
+
+    fn refuse<T>(&self, rigid: usize, what: &str, help: &str) -> Result<T> {
+        let at = &self.model.bodies.rigids[rigid].at;
+        Err(Error::input(at, format!("{what} in the step of line {}", self.step.card.at.line), help))
+    }
+
+    /// The axis about which a rigid body turns, or is free to, by the degrees of freedom along which it does.
+    fn axis(&mut self, number: usize, turns: &[usize], from: f64) -> Result<Option<scene::Axis>> {
+        let rigid = &self.model.bodies.rigids[number];
+        match *turns {
+            [] => Ok(None),
+            [dof] if *self.axes.entry(number).or_insert(dof) == dof => {
+                let place = |axis: usize| {
+                    let at = self.groups.whole.mesh.points[rigid.reference as usize][axis];
+                    let hold = self.conditions.supports.of(rigid.reference, axis);
+                    let moved = hold.map(|hold| hold.place(from, &self.clock, self.model.amplitudes));
+                    at + moved.filter(|moved| !moved.is_nan()).unwrap_or(0.0)
+                };
+                Ok(Some(scene::Axis { point: [0, 1, 2].map(place), along: dof - 3 }))
+            }
+            _ => {
+                let names: Vec<_> = turns.iter().map(|dof| AXIS_NAMES[dof - 3].to_string()).collect();
+                let what = format!("the rigid body turns, or is free to, about {}", names.join(" and "));
+                let help = "nagata turns about one axis: hold the others of 4 to 6 of the reference node";
+                self.refuse(number, &what, help)
+            }
+        }
+    }
+
+    /// Turns the nodes of bodies that move as one; says whether nothing else holds them.
+    fn turn_nodes(&mut self, rigid: usize, rotation: scene::Rotation, lists: &mut Lists) -> Result<bool> {
+        let rigid = &self.model.bodies.rigids[rigid];
+        for (body, own) in self.by_body(&rigid.nodes) {
+            let set = self.set(body, &own, false, &rigid.name)?;
+            if !lists.turn_set(&set, rotation) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
     }
 
     fn on_node(&self, loads: &Loads, node: u32, s: f64) -> [f64; 3] {

@@ -1,6 +1,7 @@
 //! Conditions whose amplitudes bend within a step: one step with tables in time for the parts between the bends.
 
-use super::scene::{Lists, Load, ToolMove};
+use super::scene::{Lists, Load, Rotation, ToolMove};
+use super::supported::Support;
 
 /// Fractions of a step, from 0 to 1, and shares of what acts or is done.
 pub(super) type Table = Vec<[f64; 2]>;
@@ -49,21 +50,13 @@ fn course<const N: usize>(values: &[[f64; N]], ends: &[f64]) -> Option<Course<N>
 /// of the last step. `None` where they change their direction on the way, which no table says.
 pub(super) fn joined(before: &Lists, parts: &[Lists], ends: &[f64]) -> Option<Lists> {
     let first = parts.first()?;
-    if parts.iter().any(|part| part.supported != first.supported || part.pushed.len() != first.pushed.len()) {
+    let sets = |part: &Lists| part.supports.iter().map(|support| support.set.clone()).collect::<Vec<_>>();
+    if parts.iter().any(|part| sets(part) != sets(first) || part.pushed.len() != first.pushed.len()) {
         return None;
     }
-    let mut all = Lists { supported: first.supported.clone(), springs: first.springs.clone(), ..Lists::default() };
-    for (set, way) in first.ways.iter().enumerate() {
-        if parts.iter().any(|part| part.ways[set].map(|way| way.is_some()) != way.map(|way| way.is_some())) {
-            return None;
-        }
-        let steps: Vec<_> = parts.iter().map(|part| part.ways[set].map(|way| way.unwrap_or(0.0))).collect();
-        let Course { whole, table } = course(&sums(&steps), ends)?;
-        all.ways.push([0, 1, 2].map(|axis| {
-            let is_moved = steps.iter().any(|by| by[axis] != 0.0);
-            way[axis].map(|_| if is_moved { whole[axis] } else { 0.0 })
-        }));
-        all.tables.push(table);
+    let mut all = Lists { springs: first.springs.clone(), ..Lists::default() };
+    for k in 0..first.supports.len() {
+        all.supports.push(support(parts.iter().map(|part| &part.supports[k]).collect(), ends)?);
     }
     for name in names(parts.iter().map(|part| part.tools.iter().map(|tool| &tool.name))) {
         all.tools.push(tool(name, parts, ends)?);
@@ -77,30 +70,53 @@ pub(super) fn joined(before: &Lists, parts: &[Lists], ends: &[f64]) -> Option<Li
     }
     all.forces = loads(before, parts, ends, |lists| &lists.forces)?;
     all.pressures = loads(before, parts, ends, |lists| &lists.pressures)?;
+    all.spins = loads(before, parts, ends, |lists| &lists.spins)?;
+    all.spin_axis = parts.iter().find_map(|part| part.spin_axis).or(before.spin_axis);
     all.body_forces = loads(before, parts, ends, |lists| &lists.body_forces)?;
     Some(all)
+}
+
+/// The way of a set.
+fn support(parts: Vec<&Support>, ends: &[f64]) -> Option<Support> {
+    let first = parts[0];
+    if parts.iter().any(|part| part.ways.map(|way| way.is_some()) != first.ways.map(|way| way.is_some())) {
+        return None;
+    }
+    let steps: Vec<_> = parts.iter().map(|part| with_angle(part.by(), part.rotation)).collect();
+    let (whole, rotation, table) = turning(&steps, parts.iter().map(|part| part.rotation), ends)?;
+    let is_moved = |axis: usize| steps.iter().any(|by| by[axis] != 0.0);
+    let ways = [0, 1, 2].map(|axis| first.ways[axis].map(|_| if is_moved(axis) { whole[axis] } else { 0.0 }));
+    Some(Support { ways, rotation, table, ..first.clone() })
 }
 
 /// The way of a tool.
 fn tool(name: &str, parts: &[Lists], ends: &[f64]) -> Option<ToolMove> {
     let found: Vec<_> = parts.iter().map(|part| part.tools.iter().find(|tool| tool.name == name)).collect();
-    let steps: Vec<[f64; 4]> = found
-        .iter()
-        .map(|tool| {
-            let [x, y, z] = tool.map_or([0.0; 3], |tool| tool.by);
-            [x, y, z, tool.and_then(|tool| tool.rotation).map_or(0.0, |rotation| rotation.angle)]
-        })
-        .collect();
-    let places = sums(&steps);
-    let turn = found.iter().zip(&places).find_map(|(tool, place)| Some(((*tool)?.rotation?, place)));
+    let of_tool = |tool: &Option<&ToolMove>| tool.map_or([0.0; 4], |tool| with_angle(tool.by, tool.rotation));
+    let steps: Vec<[f64; 4]> = found.iter().map(of_tool).collect();
+    let (by, rotation, table) = turning(&steps, found.iter().map(|tool| (*tool)?.rotation), ends)?;
+    Some(ToolMove { name: name.to_string(), by, rotation, table })
+}
+
+fn with_angle([x, y, z]: [f64; 3], rotation: Option<Rotation>) -> [f64; 4] {
+    [x, y, z, rotation.map_or(0.0, |rotation| rotation.angle)]
+}
+
+/// A way, a rotation, and the table of both.
+type Turning = ([f64; 3], Option<Rotation>, Option<Table>);
+
+/// Ways and angles of the parts of a step, with the rotations that they are of, as one.
+fn turning(steps: &[[f64; 4]], rotations: impl Iterator<Item = Option<Rotation>>, ends: &[f64]) -> Option<Turning> {
+    let places = sums(steps);
+    let turn = rotations.zip(&places).find_map(|(rotation, place)| Some((rotation?, place)));
     let Course { whole: [x, y, z, angle], table } = course(&places, ends)?;
     let rotation = turn.map(|(mut rotation, place)| {
-        // The axis goes along with the tool.
+        // The axis goes along.
         (0..3).for_each(|axis| rotation.axis.point[axis] -= place[axis]);
         rotation.angle = angle;
         rotation
     });
-    Some(ToolMove { name: name.to_string(), by: [x, y, z], rotation, table })
+    Some(([x, y, z], rotation, table))
 }
 
 /// Loads on tools, each with the way in which its tool is free; these are the same in all parts.

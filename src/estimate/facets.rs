@@ -1,7 +1,7 @@
 //! How far a tool of facets or patches may be from the surface that it stands for, where it is touched.
 
 use crate::Vec3;
-use crate::contact::{Master, Slave, Status};
+use crate::contact::{Slave, Status};
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::tool::Shape;
@@ -18,7 +18,7 @@ pub struct OfTool {
 
 /// The slave nodes that touch a tool.
 fn touching(model: &Model, t: usize) -> impl Iterator<Item = &Slave> {
-    let pairs = model.pairs.iter().filter(move |pair| pair.master == Master::Tool(t));
+    let pairs = model.pairs.iter().filter(move |pair| pair.master.tool() == Some(t));
     pairs.flat_map(|pair| &pair.slaves).filter(|slave| slave.accepted.status != Status::Gap)
 }
 

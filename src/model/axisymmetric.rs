@@ -4,6 +4,7 @@
 //! it is turned to, and move along y alone, as rings do that do not get wider. A surface in space that is round about the y axis
 //! is not taken for its section: the layer lies beside the plane z = 0, or on both sides of it.
 
+use super::assemble::set_of;
 use super::{Model, SymmetryPlane};
 use crate::error::{Error, Faults, Location, Result};
 use crate::mesh::Mesh;
@@ -100,9 +101,14 @@ fn of_tool(tool: &Tool) -> Result<()> {
     if tool.smoothing.value.is_cad() {
         return refuse("is a CAD surface", SECTION);
     }
+    if is_drawn_out(tool) { Ok(()) } else { refuse("is not drawn out along z", SECTION) }
+}
+
+/// Whether a tool with a closed form is alike all along z; meshes are looked at later, and of CAD nothing is known.
+pub(super) fn is_drawn_out(tool: &Tool) -> bool {
     let shape = tool.shapes.iter().find(|shape| shape.description() == tool.smoothing.value);
     let along_z = |axis: &Vec3| axis.xy().norm() < TILT;
-    let is_drawn = match shape {
+    match shape {
         None => matches!(tool.smoothing.value, Description::Mesh(_)),
         Some(Shape::Plane { normal, .. }) => normal.z.abs() < TILT,
         Some(Shape::Cylinder { axis, .. }) => along_z(axis),
@@ -111,21 +117,15 @@ fn of_tool(tool: &Tool) -> Result<()> {
             Sweep::Revolve { .. } => false,
         },
         Some(Shape::Cone { .. } | Shape::Sphere { .. } | Shape::Torus { .. }) => false,
-    };
-    if is_drawn { Ok(()) } else { refuse("is not drawn out along z", SECTION) }
+    }
 }
 
 /// Layers between unlike planes would not meet.
 fn between_planes(scene: &Scene, global: &GlobalMesh) -> Result<()> {
     const ALIKE: f64 = 1e-6;
-    let ends = |b: usize| {
-        let heights =
-            || (global.points.iter().zip(&global.body)).filter(|(_, of)| **of as usize == b).map(|(x, _)| x.z);
-        [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)]
-    };
-    let [low, high] = ends(0);
+    let [low, high] = global.z_range(0);
     for (b, body) in scene.bodies.iter().enumerate().skip(1) {
-        let [from, to] = ends(b);
+        let [from, to] = global.z_range(b);
         if (from - low).abs().max((to - high).abs()) > ALIKE * (high - low) {
             let what = format!(
                 "bodies `{}` and `{}` are axisymmetric, but lie between unlike z-planes: {low:?} and {high:?}, {from:?} and {to:?}",
@@ -149,7 +149,7 @@ fn across(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Resu
     let ends = |fold: fn(f64, f64) -> f64, from: f64| global.points.iter().map(|x| x.z).fold(from, fold);
     let width = ends(f64::max, f64::NEG_INFINITY) - ends(f64::min, f64::INFINITY);
     Faults::all(of_contacts.chain(of_ties).chain(of_steps).map(|name: &Located<String>| {
-        let set = names.iter().position(|known| known.value == name.value).map(|k| &global.sets[k]);
+        let set = set_of(names, global, &name.value);
         let is_across = |facet: &&GlobalFacet| {
             let z = facet.nodes[..facet.count as usize].iter().map(|&n| global.points[n as usize].z);
             let (low, high) = z.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
@@ -215,7 +215,7 @@ pub fn check_step(model: &Model, step: &Step) -> Result<()> {
     if !model.is_axisymmetric() {
         return Ok(());
     }
-    let is_tool = |name: &str| model.masters.tools.iter().any(|tool| tool.name == name);
+    let is_tool = |name: &str| model.tool_named(name).is_some();
     let mut faults = Faults::default();
     let mut refuse = |at: &Location, what: String, help: &str| faults.note(&Err::<(), _>(Error::input(at, what, help)));
     const TOOLS: &str =
@@ -250,5 +250,6 @@ pub fn check_step(model: &Model, step: &Step) -> Result<()> {
         let help = "the weight of axisymmetric bodies is along their axis, y";
         refuse(&gravity.at, "gravity acts across the axis of revolution".into(), help);
     }
+    step.spins.iter().filter_map(|spin| spin.across(1, true)).for_each(|error| faults.note(&Err::<(), _>(error)));
     faults.finish()
 }

@@ -1,8 +1,43 @@
-//! Which elements and nodes of a body are of which of its materials.
+//! Which elements and nodes of a body are of which of its materials, and what elements they have.
 
 use crate::error::{Error, Result};
-use crate::mesh::Mesh;
-use crate::scene::{Body, MaterialModel, Scene, did_you_mean};
+use crate::mesh::{Mesh, SolidShape};
+use crate::parallel::max;
+use crate::partition::Part;
+use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
+use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10, wedge6};
+use crate::solid::material::Material;
+use mpi::topology::SimpleCommunicator;
+
+/// Elements of a body that are of one material.
+#[derive(Clone, Debug)]
+pub struct Section {
+    pub body: usize,
+    pub material: Material,
+    /// Of the first of the shapes that it has; others have what goes with it, [`Formulation::beside`].
+    pub element: Formulation,
+    /// Wedges fill in between hexahedra.
+    pub is_filled: bool,
+    /// Points through the thickness of solid-shell elements.
+    pub layers: usize,
+    /// As of bodies, at the nodes that count as the section's.
+    pub stiffness: f64,
+}
+
+impl Section {
+    /// Integration points of an element of the section that have states.
+    pub(super) fn points_with_memory(&self, shape: SolidShape, is_layer: bool) -> usize {
+        match shape {
+            _ if !self.material.remembers() => 0,
+            _ if is_layer => plane4::POINTS,
+            SolidShape::Hex8 if self.element == Formulation::Hex8Shell => hex8_shell::POINTS * self.layers,
+            SolidShape::Hex8 => hex8::POINTS,
+            SolidShape::Wedge6 => wedge6::POINTS,
+            SolidShape::Tet4 => tet4::POINTS,
+            SolidShape::Tet10 => tet10::POINTS,
+        }
+    }
+}
 
 /// Sections of a body's mesh, numbered from 0 in the order of [`Body::sections`].
 pub(super) struct Sections {
@@ -58,4 +93,67 @@ fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
         }
     }
     Ok(sections)
+}
+
+/// The sections of all bodies. Collective.
+///
+/// # Errors
+/// A material that is not there, or elements that are not those of the mesh.
+pub(super) fn read(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Section>> {
+    let elements = element_kinds(comm, scene, part)?;
+    let mut sections = Vec::new();
+    for ((body, name), (element, is_filled)) in scene.sections().zip(elements) {
+        let card = scene.material(&name.value);
+        let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
+        let material = Material::new(card);
+        let layers = scene.bodies[body].shell.points.unwrap_or_else(|| hex8_shell::usual_layers(&material));
+        sections.push(Section { body, material, element, is_filled, layers, stiffness: 0.0 });
+    }
+    Ok(sections)
+}
+
+/// Whether a body for which a formulation is asked may have elements of a shape: its own, and wedges between hexahedra.
+fn goes_with(asked: Formulation, shape: SolidShape) -> bool {
+    let fills = shape == SolidShape::Wedge6 && asked.shape() == SolidShape::Hex8 && asked != Formulation::Hex8Shell;
+    shape == asked.shape() || fills
+}
+
+/// The element formulation of each section: the user's, checked against the mesh, or the mesh's own; and
+/// whether wedges fill in between hexahedra. Collective.
+fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<(Formulation, bool)>> {
+    const SHAPES: [(SolidShape, &str); 4] = [
+        (SolidShape::Hex8, "hexahedra"),
+        (SolidShape::Wedge6, "wedges"),
+        (SolidShape::Tet4, "linear tetrahedra"),
+        (SolidShape::Tet10, "quadratic tetrahedra"),
+    ];
+    let mut present = vec![0.0; SHAPES.len() * scene.sections().count()];
+    for solid in &part.solids {
+        let shape = SHAPES.iter().position(|(shape, _)| *shape == solid.shape).unwrap_or_default();
+        present[SHAPES.len() * solid.section as usize + shape] = 1.0;
+    }
+    max(comm, &mut present);
+    let mut kinds = Vec::new();
+    for ((body, material), has) in scene.sections().zip(present.chunks_exact(SHAPES.len())) {
+        let body = &scene.bodies[body];
+        let has = || SHAPES.iter().zip(has).filter(|(_, has)| **has > 0.0).map(|(shape, _)| shape);
+        let asked = body.element.as_ref();
+        if let Some(asked) = asked.filter(|asked| has().any(|(shape, _)| !goes_with(asked.value, *shape))) {
+            let words: Vec<&str> = has().map(|(_, word)| *word).collect();
+            let what = format!("the mesh of body `{}` has {}", body.name.value, words.join(" and "));
+            let help = match asked.value {
+                Formulation::Hex8Shell if words == ["hexahedra", "wedges"] => {
+                    "solid-shell elements are hexahedra alone: mesh the sheet with these, or take \"hex8-eas\""
+                }
+                _ => "leave `element` out to take each element by its shape",
+            };
+            return Err(Error::input(&asked.at, what, help));
+        }
+        let default =
+            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
+        let is_filled = [SolidShape::Hex8, SolidShape::Wedge6].iter().all(|shape| has().any(|(own, _)| own == shape));
+        let first = has().next().map_or(SolidShape::Hex8, |(shape, _)| *shape);
+        kinds.push((asked.map_or(default, |e| e.value.beside(first)), is_filled));
+    }
+    Ok(kinds)
 }

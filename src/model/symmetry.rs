@@ -18,6 +18,8 @@ pub struct SymmetryPlane {
     pub normal: Vec3,
     /// n·x of its points.
     pub at: f64,
+    /// How far the body reaches from there, along the normal; negative on the other side.
+    pub extent: f64,
 }
 
 /// How far nodes may be off a plane, over the size of their body, and over its extent across the plane, if that is less.
@@ -36,7 +38,7 @@ pub(super) fn planes(
 ) -> Result<Vec<SymmetryPlane>> {
     let mut planes = Vec::new();
     for (b, body) in scene.bodies.iter().enumerate() {
-        let owned = || (0..part.owned).filter(|n| part.body[*n] as usize == b).map(|n| part.points[n]);
+        let owned = || part.owned_of(b).map(|n| part.points[n]);
         let (lowest, highest) = hull(comm, bounds(owned())).unwrap_or_default();
         // Coordinates are rounded.
         let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
@@ -55,11 +57,13 @@ pub(super) fn planes(
                 let ([low, high], [least, most]) = (heights(comm, group(), &normal), heights(comm, owned(), &normal));
                 let slack = (FLAT * size).min(THIN * (most - least)) + rounding;
                 // What is flat along an axis has that for its normal, to rounding.
-                if high - low <= slack && !flat.iter().any(|(n, ..): &(Vec3, _, _)| n.dot(&normal).abs() > 0.5) {
-                    flat.push((normal, 0.5 * (low + high), low > least + slack && high < most - slack));
+                if high - low <= slack && !flat.iter().any(|(n, ..): &(Vec3, _, _, _)| n.dot(&normal).abs() > 0.5) {
+                    let at = 0.5 * (low + high);
+                    let extent = if most - at > at - least { most - at } else { least - at };
+                    flat.push((normal, at, extent, low > least + slack && high < most - slack));
                 }
             }
-            let &[(normal, at, is_inside)] = flat.as_slice() else {
+            let &[(normal, at, extent, is_inside)] = flat.as_slice() else {
                 let lies = if flat.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
                 let what = format!("`{}` {lies}", set.value);
                 return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
@@ -68,7 +72,7 @@ pub(super) fn planes(
                 let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
                 return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
             }
-            planes.push(SymmetryPlane { set: set.clone(), normal, at });
+            planes.push(SymmetryPlane { set: set.clone(), normal, at, extent });
         }
     }
     Ok(planes)

@@ -5,7 +5,8 @@
 //! Behind what is HDF5's stand 16 bytes, a mark and a checksum of all before them, so that what is cut short, damaged or not
 //! ours is told before HDF5 sees it.
 
-use super::fields::{self, Rows, Share, on_root};
+use super::fields::{self, on_root};
+use super::rows::{Rows, Share};
 use super::{OutputFolder, cannot_go_on, cannot_write, one_line, partial};
 use crate::error::{Error, Result};
 use crate::parallel::{agree, first_word, serve};
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
 pub const NAME: &str = "checkpoint.h5";
 
 /// The mark, with the version of what the tables hold.
-pub const MARK: [u8; 8] = *b"nagata.5";
+pub const MARK: [u8; 8] = *b"nagata.6";
 
 /// The table of the numbers that are the same on all ranks.
 const WORDS: &str = "all";

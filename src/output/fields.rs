@@ -13,12 +13,13 @@
 //! The HDF5 file is closed after every increment, and only then the XDMF file is replaced by one that knows the increment,
 //! so that a kill at any time leaves a file that opens up to the last complete increment.
 
+use super::rows::{Rows, Share};
 use super::xdmf::{self, Reference, XdmfField, XdmfGrid};
 use super::{OutputFolder, cannot_go_on, cannot_write, one_line, remove, replace, vtkhdf};
 use crate::error::{Error, Result};
 use crate::mesh::MOST_NODES;
-use crate::parallel::{agree, number};
-use hdf5::{Dataset, File, FileBuilder, H5Type, OpenMode};
+use crate::parallel::agree;
+use hdf5::{File, FileBuilder, OpenMode};
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
 use std::io::Read as _;
@@ -102,22 +103,6 @@ struct StoredGrid {
     points: Share,
     cells: Share,
     xdmf: XdmfGrid,
-}
-
-/// The rows of a dataset that this rank owns: `first .. first + owned` of `total`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Share {
-    pub first: u64,
-    pub owned: u64,
-    pub total: u64,
-}
-
-/// A dataset to write, with this rank's rows.
-pub(super) struct Rows<'a, T> {
-    pub path: String,
-    pub width: usize,
-    pub share: Share,
-    pub values: &'a [T],
 }
 
 impl Fields {
@@ -399,86 +384,6 @@ impl Cell {
     }
 }
 
-impl Share {
-    fn of(comm: &impl Communicator, owned: usize) -> Self {
-        let (first, total) = number(comm, owned as u64);
-        Self { first, owned: owned as u64, total }
-    }
-}
-
-impl<T: H5Type + Equivalence> Rows<'_, T> {
-    /// Writes the rows of all ranks to `file`, which rank 0 has, unless something is wrong already. Collective.
-    fn add(&self, comm: &impl Communicator, file: Option<&File>, written: &mut hdf5::Result<()>) {
-        let Some(file) = file else {
-            if self.share.total > 0 {
-                comm.process_at_rank(0).send(self.values);
-            }
-            return;
-        };
-        let created = written.clone().and_then(|()| self.create(file));
-        let mut take = |values: &[T], first: u64| {
-            if let (Ok(()), Ok(Some(dataset))) = (&*written, &created) {
-                *written = self.write(dataset, values, first);
-            }
-        };
-        take(self.values, self.share.first);
-        let mut first = self.share.first + self.share.owned;
-        for rank in (1..comm.size()).filter(|_| self.share.total > 0) {
-            let (values, _) = comm.process_at_rank(rank).receive_vec::<T>();
-            take(&values, first);
-            first += (values.len() / self.width) as u64;
-        }
-        if let (Ok(()), Err(error)) = (&*written, created) {
-            *written = Err(error);
-        }
-    }
-}
-
-impl<T: H5Type> Rows<'_, T> {
-    /// The dataset; none when it is empty on all ranks.
-    fn create(&self, file: &File) -> hdf5::Result<Option<Dataset>> {
-        let total = self.share.total as usize;
-        let builder = file.new_dataset::<T>();
-        match (total, self.width) {
-            (0, _) => Ok(None),
-            (_, 1) => builder.shape(total).create(self.path.as_str()).map(Some),
-            (_, width) => builder.shape((total, width)).create(self.path.as_str()).map(Some),
-        }
-    }
-
-    /// Whether the dataset stands in a file, as long and wide.
-    fn check(&self, path: &Path) -> std::result::Result<(), String> {
-        let length = self.share.total as usize;
-        let expected = if self.width == 1 { vec![length] } else { vec![length, self.width] };
-        let found = File::open(path).and_then(|file| file.dataset(&self.path)).map(|dataset| dataset.shape());
-        match found {
-            Ok(shape) if shape == expected => Ok(()),
-            Err(_) if length == 0 => Ok(()),
-            Ok(shape) => Err(format!("{} is {shape:?}, and should be {expected:?}", self.path)),
-            Err(error) => Err(error.to_string()),
-        }
-    }
-
-    /// Bytes that the dataset takes in the file at most, with its part in the tables.
-    fn size(&self) -> u64 {
-        const TABLES: u64 = 1 << 14;
-        self.share.total * (self.width * size_of::<T>()) as u64 + TABLES
-    }
-
-    /// Writes the rows from `first` on.
-    fn write(&self, dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
-        match self.width {
-            _ if values.is_empty() => Ok(()),
-            1 => dataset.write_slice(values, first as usize..first as usize + values.len()),
-            3 => write_table::<T, 3>(dataset, values, first),
-            4 => write_table::<T, 4>(dataset, values, first),
-            6 => write_table::<T, 6>(dataset, values, first),
-            8 => write_table::<T, 8>(dataset, values, first),
-            _ => write_table::<T, 10>(dataset, values, first),
-        }
-    }
-}
-
 /// Takes what was written after so many increments out of both files, all of it without a number; gives the XDMF text of what
 /// stays.
 fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Result<String, String> {
@@ -505,11 +410,6 @@ fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Resul
     };
     let left = cut().and_then(|left| file.close().map(|()| left)).map_err(|error| error.to_string())?;
     if left == kept { Ok(increments.to_string()) } else { Err(format!("it has {left} of {kept} times")) }
-}
-
-fn write_table<T: H5Type, const WIDTH: usize>(dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
-    let (rows, first) = (values.as_chunks::<WIDTH>().0, first as usize);
-    dataset.write_slice::<_, T, _, _>(rows, (first..first + rows.len(), 0..WIDTH))
 }
 
 /// Readers crash on a cell with a point that is not there.

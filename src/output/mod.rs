@@ -11,6 +11,7 @@ mod lock;
 pub mod log;
 pub mod phases;
 pub mod quantity;
+mod rows;
 pub mod summary;
 mod vtkhdf;
 mod xdmf;

@@ -42,6 +42,14 @@ pub struct GlobalMesh {
     pub warnings: Vec<String>,
 }
 
+impl GlobalMesh {
+    /// Between which z the nodes of a body lie.
+    pub fn z_range(&self, body: usize) -> [f64; 2] {
+        let own = self.points.iter().zip(&self.body).filter(|(_, of)| **of as usize == body).map(|(x, _)| x.z);
+        own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)])
+    }
+}
+
 /// A set of the scene in the global numbering.
 #[derive(Clone, Debug, Default)]
 pub struct GlobalSet {

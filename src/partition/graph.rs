@@ -19,12 +19,13 @@ pub fn element_parts<'a>(elements: impl Iterator<Item = &'a [u32]>, weights: &[i
         return Ok((0..count).map(|e| (e * parts / count) as i32).collect());
     }
     let failed = |e: &dyn std::fmt::Display| Error::System(format!("METIS cannot partition the mesh: {e}"));
+    let too_many = |_| failed(&format!("its indices of 32 bits count {} nodes of elements", i32::MAX));
     let mut first = Vec::with_capacity(count + 1);
     let mut nodes = Vec::new();
     first.push(0);
     for element in elements {
         nodes.extend(element.iter().map(|&n| n as i32));
-        first.push(nodes.len() as i32);
+        first.push(i32::try_from(nodes.len()).map_err(too_many)?);
     }
     // Three common nodes make a common face of two elements.
     let dual = mesh_to_dual(&first, &nodes, 3).map_err(|e| failed(&e))?;

@@ -71,6 +71,11 @@ impl Deref for FaceNodes {
 }
 
 impl Part {
+    /// The owned nodes of a body of the scene.
+    pub fn owned_of(&self, body: usize) -> impl Iterator<Item = usize> + Clone {
+        (0..self.owned).filter(move |&n| self.body[n] as usize == body)
+    }
+
     /// Facets as contacts see them: a quadratic triangle is four linear ones.
     pub fn pieces<'a>(&self, facets: &'a [PartFacet]) -> Cow<'a, [PartFacet]> {
         // Far above the numbers of facets, which are those of ranks that have linear ones alone, too.

@@ -1,7 +1,7 @@
 //! How loads and motions follow a table over their step.
 
 use super::reader::Item;
-use super::{BodyForce, Force, Located, Pressure, Step, Torque};
+use super::{BodyForce, Force, Located, Pressure, Spin, Step, Torque};
 use crate::Vec3;
 use crate::error::{Error, Result};
 
@@ -99,6 +99,11 @@ pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()>
         let last = before.and_then(|b| b.body_forces.iter().find(same)).map_or(Vec3::zeros(), BodyForce::last);
         let pulling = ("acts on body", &force.body);
         check_beginning(step, pulling, (force.per_volume.as_slice(), &force.table), last.as_slice())?;
+    }
+    for spin in &step.spins {
+        let same = |other: &&Spin| other.body.value == spin.body.value && other.is_about(&spin.point, &spin.axis);
+        let last = before.and_then(|b| b.spins.iter().find(same)).map_or(0.0, Spin::last);
+        check_beginning(step, ("spins body", &spin.body), (&[spin.square], &spin.table), &[last])?;
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What a step keeps of the one before it.
 
 use super::reader::{Item, Table};
-use super::{BodyForce, Dashpot, Fix, Force, Located, Pressure, Spring, Step, Torque, did_you_mean};
+use super::{Around, BodyForce, Dashpot, Fix, Force, Located, Pressure, Spin, Spring, Step, Torque, did_you_mean};
 use crate::Vec3;
 use crate::error::Result;
 
@@ -41,6 +41,7 @@ struct Kept {
     torques: Vec<Torque>,
     pressures: Vec<Pressure>,
     body_forces: Vec<BodyForce>,
+    spins: Vec<Spin>,
     springs: Vec<Spring>,
     dashpots: Vec<Dashpot>,
     gravity: Option<Located<Vec3>>,
@@ -53,6 +54,7 @@ impl Kept {
             set: motion.target.clone(),
             directions: motion.directions,
             normal: motion.normal,
+            around: motion.around.map(|around| Around { by: Vec3::zeros(), ..around }),
         });
         let forces = before.forces.iter().map(|f| Force { total: f.last(), table: None, ..f.clone() });
         let pressures = before.pressures.iter().map(|p| Pressure { value: p.last(), table: None, ..p.clone() });
@@ -64,6 +66,7 @@ impl Kept {
             torques: before.torques.iter().map(|torque| torque.kept(&before.moves)).collect(),
             pressures: pressures.collect(),
             body_forces: body_forces.collect(),
+            spins: before.spins.iter().map(|s| Spin { square: s.last(), table: None, ..s.clone() }).collect(),
             springs: before.springs.clone(),
             dashpots: before.dashpots.clone(),
             gravity: before.gravity.clone(),
@@ -77,6 +80,7 @@ impl Kept {
             .chain(self.torques.iter().map(|torque| &torque.tool))
             .chain(self.pressures.iter().map(|pressure| &pressure.set))
             .chain(self.body_forces.iter().map(|force| &force.body))
+            .chain(self.spins.iter().map(|spin| &spin.body))
             .chain(self.springs.iter().map(|spring| &spring.set))
             .chain(self.dashpots.iter().map(|dashpot| &dashpot.set))
             .map(|name| name.value.as_str())
@@ -102,6 +106,7 @@ impl Kept {
         self.torques.retain(|torque| keeps(&torque.tool.value));
         self.pressures.retain(|pressure| keeps(&pressure.set.value));
         self.body_forces.retain(|force| keeps(&force.body.value));
+        self.spins.retain(|spin| keeps(&spin.body.value));
         self.springs.retain(|spring| keeps(&spring.set.value));
         self.dashpots.retain(|dashpot| keeps(&dashpot.set.value));
     }
@@ -116,6 +121,7 @@ impl Kept {
         self.torques.retain(|torque| step.torques.iter().all(|own| own.tool.value != torque.tool.value));
         self.pressures.retain(|pressure| step.pressures.iter().all(|own| own.set.value != pressure.set.value));
         self.body_forces.retain(|force| step.body_forces.iter().all(|own| own.body.value != force.body.value));
+        self.spins.retain(|spin| step.spins.iter().all(|own| own.body.value != spin.body.value));
         self.springs.retain(|spring| step.springs.iter().all(|own| own.set.value != spring.set.value));
         self.dashpots.retain(|dashpot| step.dashpots.iter().all(|own| own.set.value != dashpot.set.value));
         step.gravity = step.gravity.take().or(self.gravity);
@@ -124,6 +130,7 @@ impl Kept {
         step.torques.append(&mut self.torques);
         step.pressures.append(&mut self.pressures);
         step.body_forces.append(&mut self.body_forces);
+        step.spins.append(&mut self.spins);
         step.springs.append(&mut self.springs);
         step.dashpots.append(&mut self.dashpots);
     }

@@ -21,6 +21,7 @@ mod references;
 mod same;
 mod schema;
 mod solver;
+mod spin;
 mod steps;
 #[cfg(test)]
 mod tests;
@@ -37,6 +38,7 @@ pub use parse::{load, load_tools, parse};
 pub use probes::{Probe, ProbePlace};
 pub(crate) use references::body_of;
 pub use schema::{begin, schema};
+pub use spin::Spin;
 pub use torque::Torque;
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
@@ -273,6 +275,7 @@ pub struct Step {
     pub torques: Vec<Torque>,
     pub pressures: Vec<Pressure>,
     pub body_forces: Vec<BodyForce>,
+    pub spins: Vec<Spin>,
     pub springs: Vec<Spring>,
     pub dashpots: Vec<Dashpot>,
     /// Acceleration of all bodies.
@@ -306,6 +309,7 @@ impl Step {
             torques: Vec::new(),
             pressures: Vec::new(),
             body_forces: Vec::new(),
+            spins: Vec::new(),
             springs: Vec::new(),
             dashpots: Vec::new(),
             gravity: None,
@@ -315,22 +319,20 @@ impl Step {
 
     /// Holds the nodes of a set in all directions.
     pub fn fixing(mut self, set: &str) -> Self {
-        self.fix.push(Fix { set: Located::given(set), directions: [true; 3], normal: None });
+        self.fix.push(Fix { set: Located::given(set), directions: [true; 3], normal: None, around: None });
         self
     }
 
     /// Moves a tool, or the nodes of a set.
     pub fn moving(mut self, target: &str, by: [f64; 3]) -> Self {
-        let (target, by) = (Located::given(target), by.into());
-        self.moves.push(Move { target, by, directions: [true; 3], normal: None, rotate: None, table: None });
+        self.moves.push(Move::new(target, by.into(), None));
         self
     }
 
-    /// Turns a tool by degrees about an axis through a point.
-    pub fn turning(mut self, tool: &str, point: [f64; 3], axis: [f64; 3], angle: f64) -> Self {
+    /// Turns a tool, or the nodes of a set, by degrees about an axis through a point.
+    pub fn turning(mut self, target: &str, point: [f64; 3], axis: [f64; 3], angle: f64) -> Self {
         let rotation = Rotation { point: point.into(), axis: Vec3::from(axis).normalize(), angle };
-        let (target, by) = (Located::given(tool), Vec3::zeros());
-        self.moves.push(Move { target, by, directions: [true; 3], normal: None, rotate: Some(rotation), table: None });
+        self.moves.push(Move::new(target, Vec3::zeros(), Some(rotation)));
         self
     }
 
@@ -368,7 +370,8 @@ impl Step {
             .chain(self.forces.iter().filter_map(|f| f.table.as_ref()))
             .chain(self.torques.iter().filter_map(|t| t.table.as_ref()))
             .chain(self.pressures.iter().filter_map(|p| p.table.as_ref()))
-            .chain(self.body_forces.iter().filter_map(|b| b.table.as_ref()));
+            .chain(self.body_forces.iter().filter_map(|b| b.table.as_ref()))
+            .chain(self.spins.iter().filter_map(|spin| spin.table.as_ref()));
         let mut corners: Vec<f64> = tables.flat_map(Amplitude::corners).collect();
         corners.sort_by(f64::total_cmp);
         corners.dedup_by(|later, earlier| *later - *earlier < ONE);
@@ -399,10 +402,25 @@ pub struct Limits {
 pub struct Fix {
     /// `body.group` or `body`.
     pub set: Located<String>,
-    /// None with a `normal`.
+    /// None with `normal` or `around`.
     pub directions: [bool; 3],
     /// A unit vector along which alone nodes are held.
     pub normal: Option<Vec3>,
+    /// In the directions of a cylindrical frame.
+    pub around: Option<Around>,
+}
+
+/// A cylindrical frame, in which nodes keep the directions that they have there as they are meshed: away from the axis, around
+/// it, along it.
+#[derive(Clone, Copy, Debug)]
+pub struct Around {
+    pub point: Vec3,
+    /// A unit vector.
+    pub axis: Vec3,
+    /// Directions that are prescribed.
+    pub directions: [bool; 3],
+    /// Displacement along them over the step.
+    pub by: Vec3,
 }
 
 /// Moves a tool or the nodes of a set over the step.
@@ -410,16 +428,26 @@ pub struct Fix {
 pub struct Move {
     /// A tool, `body.group` or `body`.
     pub target: Located<String>,
-    /// Displacement over the step.
+    /// Displacement over the step; none with `around`, which has its own.
     pub by: Vec3,
-    /// Directions that are prescribed; for a tool always all three, none with a `normal`.
+    /// Directions that are prescribed; for a tool always all three, none with `normal` or `around`.
     pub directions: [bool; 3],
     /// A unit vector along which alone the nodes of a set are prescribed.
     pub normal: Option<Vec3>,
-    /// Rotation over the step about an axis through a point (tools only).
+    /// In the directions of a cylindrical frame.
+    pub around: Option<Around>,
+    /// Rotation over the step about an axis through a point; a set has the directions across it then.
     pub rotate: Option<Rotation>,
     /// The share of both that is done; `None` for a straight ramp.
     pub table: Option<Amplitude>,
+}
+
+impl Move {
+    /// Along a straight ramp, in all directions.
+    fn new(target: &str, by: Vec3, rotate: Option<Rotation>) -> Self {
+        let target = Located::given(target);
+        Self { target, by, directions: [true; 3], normal: None, around: None, rotate, table: None }
+    }
 }
 
 /// A total force on a set (spread by area, or evenly over bare nodes), or on a tool, which is then free to

@@ -150,22 +150,23 @@ impl<'a> Item<'a> {
         })
     }
 
-    /// Letters of "xyz".
-    pub fn directions(&self) -> Result<[bool; 3]> {
+    /// Some of three letters, as of "xyz".
+    pub fn directions(&self, letters: &str) -> Result<[bool; 3]> {
         let word = self.string()?;
         let mut directions = [false; 3];
         for letter in word.chars() {
-            match "xyz".find(letter) {
+            match letters.find(letter) {
                 Some(axis) if !directions[axis] => directions[axis] = true,
-                _ => return Err(self.bad_directions(word)),
+                _ => return Err(self.bad_directions(word, letters)),
             }
         }
-        if word.is_empty() { Err(self.bad_directions(word)) } else { Ok(directions) }
+        if word.is_empty() { Err(self.bad_directions(word, letters)) } else { Ok(directions) }
     }
 
-    fn bad_directions(&self, word: &str) -> Error {
-        let help = "for example \"x\", \"yz\" or \"xyz\"";
-        self.error(format!("must be some of the letters x, y and z, each once, not {word:?}"), help)
+    fn bad_directions(&self, word: &str, letters: &str) -> Error {
+        let ([a, b, c], [first, others]) = ([0, 1, 2].map(|d| &letters[d..=d]), [&letters[..1], &letters[1..]]);
+        let help = format!("for example \"{first}\", \"{others}\" or \"{letters}\"");
+        self.error(format!("must be some of the letters {a}, {b} and {c}, each once, not {word:?}"), help)
     }
 
     /// The elements of a list.
@@ -216,14 +217,20 @@ impl<'a> Item<'a> {
 
     /// A table that has no keys but `known` ones.
     pub fn table(&self, known: &[&str]) -> Result<Table<'a>> {
+        let (table, strange) = self.table_and_strange(known)?;
+        strange.map(|()| table)
+    }
+
+    /// A table, and what is wrong with the names of its keys.
+    pub fn table_and_strange(&self, known: &[&str]) -> Result<(Table<'a>, Result<()>)> {
         let Value::Table(entries) = &self.node.value else { return Err(self.wrong_type("a table", "{ ... }")) };
         let unknown = |entry: &&tree::Entry| !known.contains(&entry.key.as_str());
-        Faults::all(entries.iter().filter(unknown).map(|entry| {
+        let strange = Faults::all(entries.iter().filter(unknown).map(|entry| {
             let inside = if self.path.is_empty() { "the scene" } else { &self.path };
             let what = format!("unknown key `{}` in {inside}", entry.key);
             Err::<(), _>(Error::input(&entry.key_at, what, did_you_mean(&entry.key, known.iter().copied())))
-        }))?;
-        Ok(Table(self.clone()))
+        }));
+        Ok((Table(self.clone()), strange.map(|_| ())))
     }
 
     /// The entries of a table whose keys the user chose.

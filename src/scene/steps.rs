@@ -4,8 +4,10 @@ use super::amplitude;
 use super::keep::keep;
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
-use super::torque;
-use super::{BodyForce, Dashpot, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step};
+use super::{
+    Around, BodyForce, Dashpot, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step,
+};
+use super::{spin, torque};
 use crate::error::{Error, Faults, Location, Result};
 use crate::{AXIS_NAMES, Vec3};
 
@@ -39,7 +41,7 @@ pub(super) fn read(root: &Table, names: &Names) -> Result<Vec<Step>> {
 }
 
 /// The keys of a step.
-const KEYS: [&str; 15] = [
+const KEYS: [&str; 16] = [
     "name",
     "duration",
     "increment",
@@ -52,6 +54,7 @@ const KEYS: [&str; 15] = [
     "torque",
     "pressure",
     "body_force",
+    "spin",
     "spring",
     "dashpot",
     "gravity",
@@ -59,7 +62,7 @@ const KEYS: [&str; 15] = [
 
 /// A step after the one `before`, if there is one, and if it is known.
 fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>) -> Result<Step> {
-    let table = item.table(&KEYS)?;
+    let (table, known) = item.table_and_strange(&KEYS)?;
     let name = match table.optional("name", Item::located_string)? {
         Some(name) => check_name(&name.value, &name.at).map(|()| name)?,
         None => item.located(format!("step {number}")),
@@ -71,10 +74,12 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
     let torques = table.each("torque", |item| torque::read(item, names, duration));
     let pressures = table.each("pressure", |item| pressure(item, names, duration));
     let body_forces = table.each("body_force", |item| body_force(item, names, duration));
+    let spins = table.each("spin", |item| spin::read(item, names, duration));
     let springs = table.each("spring", |item| spring(item, names));
     let dashpots = table.each("dashpot", |item| dashpot(item, names));
     let gravity = table.optional("gravity", |item| Ok(item.located(item.vector()?)));
     let mut faults = Faults::default();
+    faults.note(&known);
     faults.note(&increment);
     faults.note(&fix);
     faults.note(&moves);
@@ -82,6 +87,7 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
     faults.note(&torques);
     faults.note(&pressures);
     faults.note(&body_forces);
+    faults.note(&spins);
     faults.note(&springs);
     faults.note(&dashpots);
     faults.note(&gravity);
@@ -96,6 +102,7 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
         moves: moves?,
         forces: forces?,
         torques: torques?,
+        spins: spins?,
         springs: springs?,
         dashpots: dashpots?,
         gravity: gravity?,
@@ -160,42 +167,62 @@ fn increment(step: &Table, duration: f64) -> Result<Increment> {
 }
 
 fn fix(item: &Item, names: &Names) -> Result<Fix> {
-    let table = item.table(&["set", "directions", "normal"])?;
+    let table = item.table(&["set", "directions", "normal", "around"])?;
     let set = names.set(&table.require("set", "\"BODY.GROUP\"")?, "a tool stands still unless the step moves it")?;
-    let (directions, normal) = directions(&table)?;
-    Ok(Fix { set, directions, normal })
+    let Directions { along, normal, around } = directions(&table)?;
+    Ok(Fix { set, directions: along, normal, around })
 }
 
-/// In which directions nodes are prescribed: along the axes that are named, all by default, or along a unit vector alone.
-fn directions(table: &Table) -> Result<([bool; 3], Option<Vec3>)> {
-    match (table.get("directions"), table.get("normal")) {
-        (Some(_), Some(item)) => Err(item.error("stands beside `directions`", "keep one of the two")),
-        (None, Some(item)) => Ok(([false; 3], Some(item.unit_vector()?))),
-        (Some(item), None) => Ok((item.directions()?, None)),
-        (None, None) => Ok(([true; 3], None)),
+/// In which directions nodes are prescribed: along the axes that are named, all by default, along a unit vector alone, or in a
+/// cylindrical frame.
+struct Directions {
+    along: [bool; 3],
+    normal: Option<Vec3>,
+    around: Option<Around>,
+}
+
+fn directions(table: &Table) -> Result<Directions> {
+    let letters = table.get("directions");
+    if let Some(item) = table.get("normal") {
+        let other = ["directions", "around"].into_iter().find(|other| table.get(other).is_some());
+        if let Some(other) = other {
+            return Err(item.error(format!("stands beside `{other}`"), "keep one of the two"));
+        }
+        return Ok(Directions { along: [false; 3], normal: Some(item.unit_vector()?), around: None });
     }
+    let Some(item) = table.get("around") else {
+        let along = letters.map_or(Ok([true; 3]), |item| item.directions("xyz"))?;
+        return Ok(Directions { along, normal: None, around: None });
+    };
+    let frame = item.table(&["point", "axis"])?;
+    let around = Around {
+        point: frame.require("point", "[0.0, 0.0, 0.0]")?.vector()?,
+        axis: frame.require("axis", "[0.0, 0.0, 1.0]")?.unit_vector()?,
+        directions: letters.map_or(Ok([true; 3]), |item| item.directions("rtz"))?,
+        by: Vec3::zeros(),
+    };
+    Ok(Directions { along: [false; 3], normal: None, around: Some(around) })
 }
 
 fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
-    let table = item.table(&["target", "by", "directions", "normal", "rotate", "table"])?;
+    let table = item.table(&["target", "by", "directions", "normal", "around", "rotate", "table"])?;
     let (target, kind) = names.target(&table.require("target", "\"TOOL\"")?)?;
     let (by, rotate) = (table.optional("by", Item::vector)?, table.optional("rotate", rotation)?);
     if by.is_none() && rotate.is_none() {
         return Err(table.error("does not say how to move", "add `by = [0.0, 0.0, 1.0]`"));
     }
-    let by = by.unwrap_or_else(Vec3::zeros);
-    let (directions, normal) = directions(&table)?;
-    match (kind, table.get("directions").or(table.get("normal")), table.get("rotate")) {
-        (Target::Tool, Some(item), _) => {
-            return Err(item.error("is for sets; a tool moves in all three", "remove it"));
-        }
-        (Target::Set, _, Some(item)) => return Err(item.error("is for tools; a set only translates", "remove it")),
-        _ => {}
+    let mut by = by.unwrap_or_else(Vec3::zeros);
+    let own = ["directions", "normal", "around"].into_iter().find_map(|key| table.get(key));
+    if let (Target::Tool, Some(item)) = (kind, own) {
+        return Err(item.error("is for sets; a tool moves in all three", "remove it"));
     }
+    let Directions { along, normal, mut around } = directions(&table)?;
+    let named = around.map_or(along, |around| around.directions);
     if let (Some(axis), Some(item)) =
-        ((0..3).find(|&axis| by[axis] != 0.0 && !directions[axis] && normal.is_none()), table.get("by"))
+        ((0..3).find(|&axis| by[axis] != 0.0 && !named[axis] && normal.is_none()), table.get("by"))
     {
-        let what = format!("moves in {}, which `directions` leaves free", AXIS_NAMES[axis]);
+        let name = if around.is_some() { ["r", "t", "z"][axis] } else { AXIS_NAMES[axis] };
+        let what = format!("moves in {name}, which `directions` leaves free");
         return Err(item.error(what, "make it 0, or add the direction"));
     }
     if let (Some(normal), Some(item)) = (normal, table.get("by"))
@@ -203,13 +230,33 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
     {
         return Err(item.error("moves across `normal`, where it leaves the set free", "make it a multiple of `normal`"));
     }
+    if let (Some(rotation), Some(item)) = (&rotate, table.get("rotate")) {
+        check_turned(&item, rotation, (&table, &along))?;
+    }
+    if let Some(around) = &mut around {
+        std::mem::swap(&mut around.by, &mut by);
+    }
     let begins_at_rest = |item: &Item| {
         let table = amplitude::read(item, duration)?;
         let help = "make the first factor 0: a motion begins where its target is";
         if table.begin() == 0.0 { Ok(table) } else { Err(item.error("begins away from where its target is", help)) }
     };
     let table = table.optional("table", begins_at_rest)?;
-    Ok(Move { target, by, directions, normal, rotate, table })
+    Ok(Move { target, by, directions: along, normal, around, rotate, table })
+}
+
+/// A set that turns is prescribed across the axis; along it it may be free.
+fn check_turned(item: &Item, rotation: &Rotation, (table, along): (&Table, &[bool; 3])) -> Result<()> {
+    if let Some(other) = ["normal", "around"].into_iter().find(|key| table.get(key).is_some()) {
+        return Err(item.error(format!("stands beside `{other}`"), "keep one of the two"));
+    }
+    match (0..3).find(|&d| !along[d] && !rotation.is_along(d)) {
+        None => Ok(()),
+        Some(d) => {
+            let what = format!("turns the set in {}, which `directions` leaves free", AXIS_NAMES[d]);
+            Err(item.error(what, "leave free the direction of the axis alone, and that where it is x, y or z"))
+        }
+    }
 }
 
 fn rotation(item: &Item) -> Result<Rotation> {
@@ -229,7 +276,7 @@ fn force(item: &Item, names: &Names, duration: f64) -> Result<Force> {
     let directions = match (kind, table.get("directions")) {
         (Target::Set, None) => [true; 3],
         (Target::Set, Some(item)) => return Err(item.error("is for tools; a set is free", "remove it")),
-        (Target::Tool, Some(item)) => item.directions()?,
+        (Target::Tool, Some(item)) => item.directions("xyz")?,
         (Target::Tool, None) => {
             let help = "add `directions = \"z\"`, those in which the force moves the tool";
             return Err(table.error(format!("has no `directions` for the tool `{}`", target.value), help));
@@ -294,6 +341,7 @@ fn check_repeats(step: &Step) -> Result<()> {
     once("pushes", step.forces.iter().map(|force| &force.target).collect())?;
     once("presses on", step.pressures.iter().map(|pressure| &pressure.set).collect())?;
     once("pulls at", step.body_forces.iter().map(|force| &force.body).collect())?;
+    once("spins", step.spins.iter().map(|spin| &spin.body).collect())?;
     once("has springs on", step.springs.iter().map(|spring| &spring.set).collect())?;
     once("has dashpots on", step.dashpots.iter().map(|dashpot| &dashpot.set).collect())
 }
@@ -302,7 +350,8 @@ fn check_repeats(step: &Step) -> Result<()> {
 fn check_fixed_moves(step: &Step) -> Result<()> {
     for movement in &step.moves {
         for fix in step.fix.iter().filter(|fix| fix.set.value == movement.target.value) {
-            if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && fix.directions[axis]) {
+            let turns = |axis| movement.rotate.is_some_and(|r| r.angle != 0.0 && !r.is_along(axis));
+            if let Some(axis) = (0..3).find(|&d| (movement.by[d] != 0.0 || turns(d)) && fix.directions[d]) {
                 let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, AXIS_NAMES[axis]);
                 return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
             }

@@ -446,7 +446,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
         message("{ set = \"slab.bottom\" }", "{ group = \"slab.bottom\" }"),
         "in/test.toml:30:11: unknown key `group` in step.press.fix.0\n  \
          | fix = [ { group = \"slab.bottom\" }, { set = \"slab.sides\", directions = \"z\" } ]\n  \
-         help: known: set, directions, normal"
+         help: known: set, directions, normal, around"
     );
 }
 
@@ -751,9 +751,14 @@ fn conditions_of_a_step_do_not_contradict_each_other() {
     assert!(fixed.contains("step `s` moves `slab.a` in y, in which it is fixed"), "{fixed}");
     let left = conditions("move = [ { target = \"slab.a\", by = [1, 1, 0], directions = \"x\" } ]");
     assert!(left.contains("step.s.move.0.by moves in y, which `directions` leaves free"), "{left}");
-    let turned =
-        conditions("move = [ { target = \"slab\", rotate = { point = [0, 0, 0], axis = [0, 0, 1], angle = 1 } } ]");
-    assert!(turned.contains("step.s.move.0.rotate is for tools"), "{turned}");
+    let turn = "move = [ { target = \"slab.a\", rotate = { point = [0, 0, 0], axis = [0, 0, 1], angle = 1 } } ]";
+    let turned = |held: &str| conditions(&format!("fix = [ {{ set = \"slab.a\", directions = \"{held}\" }} ]\n{turn}"));
+    assert!(turned("zy").contains("step `s` moves `slab.a` in y, in which it is fixed"), "{}", turned("zy"));
+    let around = |letters: &str| {
+        let frame = "around = { point = [0, 0, 0], axis = [0, 0, 1] }";
+        conditions(&format!("fix = [ {{ set = \"slab.a\", {frame}, directions = \"{letters}\" }} ]"))
+    };
+    assert!(around("xz").contains("some of the letters r, t and z"), "{}", around("xz"));
     let still = conditions(&format!("move = [ {{ {floor} }} ]"));
     assert!(still.contains("step.s.move.0 does not say how to move"), "{still}");
     assert!(conditions("fix = []").contains("step.s.fix is an empty list\n"));

@@ -56,6 +56,11 @@ impl History {
         self.amplitudes[element].as_deref_mut()
     }
 
+    /// A step begins, or a table turns.
+    pub fn rest(&mut self) {
+        self.states.iter_mut().for_each(|state| state.rests = true);
+    }
+
     /// An increment is accepted, with these states and the amplitudes as they are.
     pub fn accept(&mut self, states: Vec<State>) {
         self.states = states;

@@ -30,17 +30,56 @@ pub struct Motion {
     pub by: f64,
     /// The course over time, by its number in the step; 0 is straight.
     pub course: u32,
+    /// Besides, where it turns about an axis.
+    pub turn: Option<Turn>,
+}
+
+/// A component of how a point at r from an axis with the unit vector e turns about it (Rodrigues): by the angle φ it moves by
+///
+/// ```text
+/// R(φ) r - r = (cos φ - 1) a + sin φ b,     a = r - e (e·r),   b = e × r.
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// φ over the step, radians, as often as the course says.
+    pub angle: f64,
+    /// The components of a and b.
+    pub outward: f64,
+    pub ahead: f64,
+}
+
+impl Turn {
+    /// How far it is along when a share is done.
+    fn at(&self, done: f64) -> f64 {
+        let half = 0.5 * self.angle * done;
+        self.ahead * (2.0 * half).sin() - 2.0 * half.sin().powi(2) * self.outward
+    }
 }
 
 impl Motion {
     /// Stays where it is.
     pub fn still(from: f64) -> Self {
-        Self { from, by: 0.0, course: 0 }
+        Self { from, by: 0.0, course: 0, turn: None }
+    }
+
+    /// Where it is when a share of it is done.
+    pub fn place(&self, done: f64) -> f64 {
+        self.from + self.by * done + self.turn.map_or(0.0, |turn| turn.at(done))
+    }
+
+    /// How long its way is at most, per share of the motion.
+    pub fn length(&self) -> f64 {
+        self.by.abs() + self.turn.map_or(0.0, |turn| turn.angle.abs() * turn.outward.hypot(turn.ahead))
+    }
+
+    /// Whether it stays where it is.
+    pub fn stays(&self) -> bool {
+        self.by == 0.0 && self.turn.is_none()
     }
 
     /// As that of a [`Movement`].
     pub fn way(&self) -> f64 {
-        way(self.by, self.course)
+        if self.turn.is_some() { f64::INFINITY } else { way(self.by, self.course) }
     }
 }
 

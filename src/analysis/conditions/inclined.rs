@@ -43,12 +43,9 @@ pub(super) fn axis_of(normal: &Vec3) -> Option<usize> {
 }
 
 impl<'s> Inclined<'s> {
-    /// Prescribes how a set moves along a unit vector.
-    pub fn add(&mut self, model: &Model, set: &'s Located<String>, normal: Vec3, (by, course): (f64, u32)) {
-        for &n in &model.set(&set.value).nodes {
-            let one = model.part.tie[n as usize];
-            self.0.entry(one).or_default().push(Condition { normal, by, course, set });
-        }
+    /// Prescribes how a node moves along a unit vector.
+    pub fn add(&mut self, node: u32, set: &'s Located<String>, normal: Vec3, (by, course): (f64, u32)) {
+        self.0.entry(node).or_default().push(Condition { normal, by, course, set });
     }
 
     /// Adds them to the conditions along the coordinate axes of nodes that are displaced by `u`.
@@ -65,6 +62,12 @@ impl<'s> Inclined<'s> {
             }
             let n = n as usize;
             let slots = 3 * n..3 * n + 3;
+            if conditions.prescribed[slots.clone()].iter().flatten().any(|motion| motion.turn.is_some()) {
+                let set = of_node[0].set;
+                let what =
+                    format!("node {} of `{}` is turned, too, by `rotate`", node_name(model, n as u32), set.value);
+                return Err(Error::input(&set.at, what, "take it out of one of the two sets"));
+            }
             let mut frame = Frame::new(&conditions.prescribed[slots.clone()]);
             for condition in of_node {
                 frame.add(condition).map_err(|(what, help)| {
@@ -148,7 +151,8 @@ impl Frame {
                 axes[d] = Some(farthest.normalize());
             }
         }
-        let motion = |d: usize| self.along[d].map(|(axis, by, course)| Motion { from: axis.dot(u), by, course });
+        let motion =
+            |d: usize| self.along[d].map(|(axis, by, course)| Motion { from: axis.dot(u), by, course, turn: None });
         let columns = axes.map(Option::unwrap_or_default);
         Some((Mat3::from_columns(&columns), [motion(0), motion(1), motion(2)]))
     }
@@ -168,7 +172,7 @@ mod tests {
         let set = Located::given("sector.amin");
         let (sine, cosine) = 30f64.to_radians().sin_cos();
         let planes = [(Vec3::new(sine, -cosine, 0.2), 0.3), (Vec3::new(0.1, 1.0, 0.0), 0.0)];
-        let mut frame = Frame::new(&[None, None, Some(Motion { from: 0.0, by: -0.7, course: 2 })]);
+        let mut frame = Frame::new(&[None, None, Some(Motion { by: -0.7, course: 2, ..Motion::still(0.0) })]);
         for (normal, by) in planes {
             frame.add(&condition(&set, normal, by, 2)).unwrap();
         }

@@ -6,8 +6,8 @@
 //! residual falls below the largest of the last few iterates (Grippo, Lampariello and Lucidi, SIAM J. Numer. Anal. 23,
 //! 1986). It need not fall below the last one: where contact changes it rises on the way to a solution, and short steps
 //! would creep. Where flow alone is in the way each fall counts: an increment that fails is tried again with the last
-//! iterate alone. When nothing helps, the full step is taken. Elastic bodies
-//! always take it, but along the [central path](super::central), whose residual falls smoothly.
+//! iterate alone. When nothing helps, the full step is taken. Elastic bodies always take it, but along the
+//! [central path](super::central), whose residual falls smoothly.
 
 use super::Newton;
 use crate::contact::{Slave, Trial};

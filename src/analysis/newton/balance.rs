@@ -415,7 +415,7 @@ impl Newton<'_> {
 
     /// A body or tool whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal
     /// forces of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
-    pub fn unresolved(&self, converged: bool) -> Option<String> {
+    pub fn unresolved(&self, converged: bool) -> Option<(Lost, String)> {
         let model = &self.system.model;
         let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
         sum(self.system.comm, &mut sums);
@@ -458,11 +458,16 @@ impl Newton<'_> {
                 } else {
                     "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
                 };
-                format!("what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}")
+                let word = format!("what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}");
+                (Lost(lost / (model.controls.rounding_cap * forces)), word)
             })
         })
     }
 }
+
+/// How many times as much rounding leaves of the forces of a body or tool as it may.
+#[derive(Clone, Copy, Debug)]
+pub struct Lost(pub f64);
 
 /// How far a slave node is from what its contact asks for, N.
 fn violation(pair: &Pair, slave: &Slave) -> f64 {

@@ -11,7 +11,7 @@
 
 use super::sight::Standing;
 use crate::Vec3;
-use crate::contact::{Master, Meets, Pair};
+use crate::contact::Pair;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::model::locate::held;
@@ -31,7 +31,7 @@ pub fn check(
     sights: &[Vec<Standing>],
 ) -> Result<()> {
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
+        if pair.within_body || pair.is_by_nodes() {
             continue;
         }
         let mut least = least(pair, sights);

@@ -12,7 +12,7 @@ use mpi::topology::SimpleCommunicator;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
     let mut told = Vec::new();
     for (step, conditions) in scene.steps.iter().zip(steps) {
-        for (what, set, along) in acting(step).filter(|(_, set, _)| !is_tool(model, set)) {
+        for (what, set, along) in acting(step).filter(|(_, set, _)| model.tool_named(set).is_none()) {
             let gives_way = |n: u32| !is_held(conditions, n as usize, &along);
             if any(comm, nodal_weights(comm, model, set).into_keys().any(gives_way)) {
                 continue;
@@ -36,14 +36,10 @@ fn acting(step: &Step) -> impl Iterator<Item = (&'static str, &str, Vec3)> {
         .filter(|(_, _, along)| *along != Vec3::zeros())
 }
 
-fn is_tool(model: &Model, name: &str) -> bool {
-    model.masters.tools.iter().any(|tool| tool.name == name)
-}
-
 /// Whether an owned node keeps its place along the axes along which something acts; one that is held along others must be
 /// held along all.
 fn is_held(conditions: &Conditions, node: usize, along: &Vec3) -> bool {
     let turned = conditions.axes.of(node).is_some();
-    let stays = |d: usize| conditions.prescribed[3 * node + d].is_some_and(|motion| motion.by == 0.0);
+    let stays = |d: usize| conditions.prescribed[3 * node + d].is_some_and(|motion| motion.stays());
     (0..3).all(|d| stays(d) || !turned && along[d] == 0.0)
 }

@@ -9,7 +9,7 @@ use crate::Vec3;
 use crate::contact::Pair;
 use crate::model::{Model, SymmetryPlane};
 use crate::parallel::any;
-use crate::scene::Scene;
+use crate::scene::{Scene, Spin, body_of};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
@@ -26,6 +26,14 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             if step.gravity.as_ref().is_some_and(|gravity| is_across(&gravity.value, &plane.normal)) {
                 found.push("gravity has another mirror image".to_string());
             }
+            let leans = |spin: &&Spin| {
+                let is_in = (plane.normal.dot(&spin.point) - plane.at).abs() <= SLIGHT * model.size;
+                let is_normal = spin.axis.cross(&plane.normal).norm() <= SLIGHT;
+                !is_normal && (!is_in || is_across(&spin.axis, &plane.normal))
+            };
+            let of_body = |spin: &&Spin| body_of(&plane.set.value) == spin.body.value;
+            let spins = step.spins.iter().filter(of_body).filter(leans);
+            found.extend(spins.map(|spin| format!("the spin of `{}` has another mirror image", spin.body.value)));
             let tools = model.masters.tools.iter().zip(&conditions.motions).zip(crossing);
             for ((tool, motion), _) in tools.filter(|(_, crosses)| **crosses) {
                 let does = way_across(motion, plane);
@@ -35,7 +43,31 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             warnings.extend(found.iter().map(|found| format!("step `{step}`: in the symmetry `{set}` {found}")));
         }
     }
+    warnings.extend(straddling(comm, scene, model));
     model.warnings.extend(warnings);
+}
+
+/// Slaves on both sides of a plane of symmetry of their tool, which has a surface on one of them. Collective.
+fn straddling(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Vec<String> {
+    let mut found = Vec::new();
+    for (t, tool) in scene.tools.iter().enumerate() {
+        for plane in tool.mesh.iter().flat_map(|mesh| &mesh.symmetry) {
+            let normal = plane.normal.normalize();
+            for pair in model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)) {
+                let limit = pair.controls.watch_deep * pair.facet_size;
+                let height = |n: u32| normal.dot(&(model.part.points[n as usize] - plane.point));
+                let is_beyond = |side: f64| pair.slaves.iter().any(|slave| side * height(slave.node) > limit);
+                if any(comm, is_beyond(1.0)) && any(comm, is_beyond(-1.0)) {
+                    found.push(format!(
+                        "contact `{}`: the slave lies on both sides of a plane of `symmetry` of tool `{}`, which has a surface \
+                         on one of them alone: the body must end there, too, or the tool be meshed as a whole",
+                        pair.name, tool.name.value
+                    ));
+                }
+            }
+        }
+    }
+    found
 }
 
 /// Which tools meet faces that end in a plane of symmetry.

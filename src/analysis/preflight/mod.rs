@@ -49,6 +49,7 @@ use mpi::topology::SimpleCommunicator;
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Vec<String>> {
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
+    units::stresses(scene, model);
     probes::check(comm, scene, model)?;
     locking::check(comm, scene, model)?;
     opposite::check(comm, scene, model)?;

@@ -70,7 +70,7 @@ impl RigidMotions {
     pub fn new(comm: &SimpleCommunicator, model: &Model, driven: Vec<Driven>) -> Self {
         let part = &model.part;
         let middle = |b: usize| {
-            let own = (0..part.owned).filter(|&n| part.body[n] as usize == b);
+            let own = part.owned_of(b);
             let (low, high) = hull(comm, bounds(own.map(|n| part.points[n]))).unwrap_or_default();
             (0.5 * (low + high), 0.5 * (high - low).norm())
         };

@@ -5,8 +5,8 @@
 //! given back at the end.
 
 use crate::Vec3;
+use crate::contact::Pair;
 use crate::contact::master::Prospect;
-use crate::contact::{Master, Meets, Pair};
 use crate::model::Model;
 use crate::parallel::any;
 use crate::partition::Part;
@@ -54,7 +54,7 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
     let fetches: Vec<usize> = masters.surfaces.iter().map(|s| s.fetches).collect();
     let mut seen = Vec::new();
     for (pair, mut sights) in pairs.iter().zip(own) {
-        if pair.within_body || matches!(pair.master, Master::Surface(_, Meets::Nodes)) {
+        if pair.within_body || pair.is_by_nodes() {
             let ground = masters.of(pair.master);
             for (s, sight) in sights.iter_mut().enumerate() {
                 sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), (None, false));

@@ -20,6 +20,9 @@ use mpi::topology::SimpleCommunicator;
 const LOOKS: usize = 8;
 /// Depth over the size of a slave facet that counts: well above what smoothed surfaces differ from exact ones.
 const DEPTH: f64 = 1e-3;
+/// How far aside of where a node is known to be, over the size of a slave facet, it must be held, too: where it goes there is not
+/// known, and on the axis of a tool the normal is any.
+const ASIDE: f64 = 0.1;
 /// Components of a normal below this are none, as in [`crate::contact::law::Guide::gives_way`].
 const ACROSS: f64 = 1e-6;
 
@@ -38,7 +41,12 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
         }
         axes.clone_from(&conditions.axes);
         let before = moved.clone();
-        moved.iter_mut().enumerate().for_each(|(n, u)| *u += conditions.moved(n, 1.0));
+        // Circles are those of nodes where they are meshed.
+        let by = |n: usize, s: f64| match conditions.turns(n) && before[n] != Vec3::zeros() {
+            true => Vec3::repeat(f64::NAN),
+            false => conditions.moved(n, s),
+        };
+        moved.iter_mut().enumerate().for_each(|(n, u)| *u += by(n, 1.0));
         let looks = looks(step);
         for (pose, motion) in poses.iter_mut().zip(&conditions.motions) {
             *pose = pose.filter(|_| motion.free == [false; 3] && motion.axle.is_none());
@@ -59,7 +67,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 tool.trial = conditions.pose(t, &start, s);
                 let place = |k: usize| {
                     let n = pair.slaves[k].node as usize;
-                    let u = before[n] + conditions.moved(n, s);
+                    let u = before[n] + by(n, s);
                     let known = u.map(|u| if u.is_nan() { 0.0 } else { u });
                     (model.part.points[n] + conditions.axes.outward(n, &known), u)
                 };
@@ -67,21 +75,28 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 // As deep as a look may find it for the first time.
                 let way = |k: usize| {
                     let motions = |d| conditions.prescribed[3 * pair.slaves[k].node as usize + d];
-                    Vec3::from_fn(|d, _| motions(d).map_or(0.0, |m| farthest(m.by, m.course))).norm()
+                    Vec3::from_fn(|d, _| motions(d).map_or(0.0, |m| farthest(m.length(), m.course))).norm()
                 };
                 let mut reach = [watched.iter().map(|&k| way(k)).fold(0.0, f64::max)];
                 max(comm, &mut reach);
                 let reach = pair.reach + (reach[0] + farthest(motion.by.norm(), motion.course)) / LOOKS as f64;
                 tool.surface.watch(comm, &points, reach);
+                let aside = ASIDE * pair.facet_size;
                 for &k in &watched {
                     let (x, u) = place(k);
-                    let Some(p) = tool.project(&x, reach, (None, false)) else { continue };
-                    let normal = conditions.axes.inward(pair.slaves[k].node as usize, &p.normal);
-                    let held =
-                        (0..3).all(|d| normal[d].abs() <= ACROSS || is_set(pair, k, conditions, d) && !u[d].is_nan());
-                    if held && p.gap < -DEPTH * pair.facet_size {
-                        deep.push((pair.slaves[k].node, -p.gap));
-                    }
+                    let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
+                    let node = pair.slaves[k].node as usize;
+                    // How deep it is, if it is held there.
+                    let depth = |x: &Vec3| {
+                        let p = tool.project(x, reach, (None, false))?;
+                        let normal = conditions.axes.inward(node, &p.normal);
+                        let held = (0..3).all(|d| normal[d].abs() <= ACROSS || known(d));
+                        (held && p.gap < -DEPTH * pair.facet_size).then_some(-p.gap)
+                    };
+                    let steps = (0..3).filter(|d| !known(*d)).flat_map(|d| [Vec3::ith(d, aside), Vec3::ith(d, -aside)]);
+                    let mut around = steps.map(|step| x + conditions.axes.outward(node, &step));
+                    let found = depth(&x).filter(|_| around.all(|x| depth(&x).is_some()));
+                    deep.extend(found.map(|depth| (pair.slaves[k].node, depth)));
                 }
             }
             tool.trial = tool.committed;

@@ -6,11 +6,13 @@ use crate::model::Model;
 use crate::parallel::max;
 use crate::partition::Bounds;
 use crate::partition::parcels::{bounds, hull};
-use crate::scene::Scene;
+use crate::scene::{Material, MaterialModel, Scene};
 use mpi::topology::SimpleCommunicator;
 
 /// Ratio of sizes that is hardly meant: a unit and its thousandth.
 const UNLIKE: f64 = 900.0;
+/// Yield stress over Young's modulus between which materials are: soft metals yield at 1e-5 and more, polymers below 0.1.
+const YIELDS: [f64; 2] = [5e-6, 0.5];
 /// Gap over the size of the body, from which it is hardly meant.
 const FAR: f64 = 10.0;
 /// Largest coordinate over the shortest edge of a body that is farther from the origin than it is long. Coordinates are
@@ -25,7 +27,7 @@ const ROUNDED: f64 = 1e5 * f64::EPSILON;
 /// The box of each body. Collective.
 fn boxes(comm: &SimpleCommunicator, model: &Model) -> Vec<Bounds> {
     let part = &model.part;
-    let of = |b: usize| bounds((0..part.owned).filter(|&n| part.body[n] as usize == b).map(|n| part.points[n]));
+    let of = |b: usize| bounds(part.owned_of(b).map(|n| part.points[n]));
     (0..model.bodies.len()).map(|b| hull(comm, of(b)).unwrap_or_default()).collect()
 }
 
@@ -59,6 +61,20 @@ pub fn offset(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Re
         model.warnings.push(format!("{what}; {help}"));
     }
     Ok(())
+}
+
+/// Warns of stresses and stiffnesses that hint at mixed units.
+pub fn stresses(scene: &Scene, model: &mut Model) {
+    for Material { name, model: material, .. } in &scene.materials {
+        let MaterialModel::Plastic { young, hardening, .. } = material else { continue };
+        let name = &name.value;
+        let strain = hardening.stress(0.0) / young;
+        if !(YIELDS[0]..=YIELDS[1]).contains(&strain) {
+            model.warnings.push(format!(
+                "material `{name}` yields at a strain of {strain:.1e}: are its moduli and its yield stress in one unit?"
+            ));
+        }
+    }
 }
 
 /// Warns of sizes and distances that hint at mixed units. Collective.

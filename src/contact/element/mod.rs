@@ -41,7 +41,7 @@ mod tests_on_spread;
 #[cfg(test)]
 mod tests_on_tools;
 
-use super::law::{self, Guide, Law, Multiplier, Place, Response, Slopes, Status};
+use super::law::{self, Guide, Kinematics, Law, Multiplier, Response, Slopes, Status};
 use super::method::Tangent;
 use super::pose::Axle;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
@@ -179,13 +179,13 @@ impl Opposite<'_> {
 }
 
 impl Contact<'_> {
-    fn place(&self) -> Place {
+    fn place(&self) -> Kinematics {
         let p = self.projection;
         let origin = match &self.origin {
             Origin::Carried(site) => site.patch.shape(site.positions).point(site.xi),
             Origin::Fixed(point) => *point,
         };
-        Place { gap: p.gap, normal: p.normal, point: p.point, origin }
+        Kinematics { gap: p.gap, normal: p.normal, point: p.point, origin }
     }
 
     fn carried(&self) -> Vec3 {

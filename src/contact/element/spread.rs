@@ -15,7 +15,7 @@
 
 use super::motion::{Motion, Part};
 use super::{Element, Method, with_carried};
-use crate::contact::law::{self, Guide, Multiplier, Place, Response, Status};
+use crate::contact::law::{self, Guide, Kinematics, Multiplier, Response, Status};
 use crate::contact::master::{Ground, SlipOrigin};
 use crate::surface::{MovingPatch, Projection, Transfer};
 use crate::{Mat3, Vec3};
@@ -82,10 +82,10 @@ pub(super) struct Sums {
 }
 
 impl Spread<'_> {
-    fn place(&self) -> Place {
+    fn place(&self) -> Kinematics {
         let mean = |of: &dyn Fn(&Portion) -> Vec3| self.portions.iter().map(|p| of(p) * p.weight).sum::<Vec3>();
         let (point, origin) = (mean(&|p| p.at.point), mean(&|p| p.start));
-        Place { gap: self.gap, normal: self.normal, point, origin }
+        Kinematics { gap: self.gap, normal: self.normal, point, origin }
     }
 
     /// B_q F.

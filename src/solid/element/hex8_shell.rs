@@ -46,7 +46,7 @@ use crate::solid::eigen::symmetric_eigen;
 use crate::solid::material::Material;
 use crate::solid::voigt::{PAIRS, Voigt, combine, compose, congruent, right_cauchy_green, to_matrix, transpose};
 use std::sync::LazyLock;
-use strain::{MEMBRANE, MODES, Place, Point, Row, Shape, TIES, component};
+use strain::{IntegrationPoint, MEMBRANE, MODES, Point, Row, Shape, TIES, component};
 
 /// Points through the thickness unless told otherwise: a smooth law wants no more than two.
 pub fn usual_layers(material: &Material) -> usize {
@@ -112,7 +112,7 @@ struct Solution {
 impl Stressed {
     fn new(
         shape: &Shape,
-        place: &Place,
+        place: &IntegrationPoint,
         q: usize,
         amplitudes: &[f64; MODES],
         medium: Medium,
@@ -316,7 +316,7 @@ pub fn samples(
 ) -> Result<Vec<Sample>, Inverted> {
     let Solution { shape, amplitudes, step, .. } = solve((x0, u), layers(layer_count), medium)?;
     let amplitudes = std::array::from_fn(|m| amplitudes[m] + step[m]);
-    let sample = |place: &Place| {
+    let sample = |place: &IntegrationPoint| {
         let point = shape.point(place, &amplitudes).ok_or(Inverted { det_f: f64::NAN })?;
         let compatible = shape.compatible(place);
         let rotation = compatible * power(&right_cauchy_green(&compatible), -0.5);

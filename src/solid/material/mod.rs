@@ -38,13 +38,15 @@ pub struct State {
     pub plastic_strain: Voigt,
     /// Equivalent plastic strain.
     pub equivalent: f64,
+    /// A step has begun since it flowed, or a table has turned, which may ease what is at its yield limit.
+    pub rests: bool,
 }
 
-crate::words!(State { plastic_strain, equivalent });
+crate::words!(State { plastic_strain, equivalent, rests });
 
 impl State {
     /// Of a material that has not flowed.
-    pub const VIRGIN: Self = Self { plastic_strain: [0.0; 6], equivalent: 0.0 };
+    pub const VIRGIN: Self = Self { plastic_strain: [0.0; 6], equivalent: 0.0, rests: false };
 }
 
 /// Stress and tangent at a point, in the unit of the moduli.

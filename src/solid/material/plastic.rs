@@ -31,7 +31,9 @@
 //! ```
 //!
 //! is symmetric. A point that stands at its yield limit, as after any increment in which it flowed, is taken to flow on. Both
-//! tangents are right there, and in forming this is the one that the next increment needs.
+//! tangents are right there, and in forming this is the one that the next increment needs. Where a step begins or a table
+//! turns it is taken to rest, with D of an elastic point: where a structure softens, a force that is eased is in equilibrium
+//! on the way on, too, and which way Newton's method goes is up to its first iteration.
 
 use super::logarithmic::LogarithmicStrain;
 use super::model::{Hardening, Hill};
@@ -111,7 +113,7 @@ impl Plastic {
     /// The state at the end of the increment.
     pub fn flow(&self, f: &Mat3, before: &State) -> Option<State> {
         let flow = self.relax(&self.strain(f)?.strain, before);
-        let mut state = *before;
+        let mut state = State { rests: false, ..*before };
         if flow.increment > 0.0 {
             state.equivalent += flow.increment;
             for i in 0..5 {
@@ -162,7 +164,7 @@ impl Plastic {
         let volume_strain = strain[0] + strain[1] + strain[2];
         let yield_stress = self.hardening.stress(before.equivalent);
         let excess = self.unrelaxed(&trial, 0.0).0 - yield_stress;
-        let yields = excess > -AT_LIMIT * yield_stress;
+        let yields = excess > if before.rests { AT_LIMIT } else { -AT_LIMIT } * yield_stress;
         let (y, increment) = if excess > 0.0 { self.solve(&trial, before.equivalent) } else { (0.0, 0.0) };
         Flow { volume_strain, trial, y, increment, yields }
     }

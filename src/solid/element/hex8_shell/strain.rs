@@ -50,7 +50,7 @@ const TIED: [Tie; TIES] = [
 pub(super) type Row = [f64; 24];
 
 /// An integration point in the reference state.
-pub(super) struct Place {
+pub(super) struct IntegrationPoint {
     at: [f64; 3],
     gradients: Gradients<8>,
     /// J: columns are the base vectors.
@@ -69,7 +69,7 @@ pub(super) struct Place {
 
 /// An element in the reference state and deformed, without enhanced strain.
 pub(super) struct Shape {
-    pub places: Vec<Place>,
+    pub places: Vec<IntegrationPoint>,
     x: [[f64; 3]; 8],
     u: [[f64; 3]; 8],
     gradients: [Gradients<8>; TIES],
@@ -117,9 +117,9 @@ impl Shape {
             let (ratio, map) = (det0 / det, inverse0 * j);
             let to_centre = std::array::from_fn(|l| std::array::from_fn(|i| ratio * map[(l, i)]));
             let shares = std::array::from_fn(|t| TIED[t].share(&at));
-            Place { at, gradients, reference: j, inverse, weight: weight * det, ratio, to_centre, shares }
+            IntegrationPoint { at, gradients, reference: j, inverse, weight: weight * det, ratio, to_centre, shares }
         };
-        let places: Vec<Place> = points(layers).map(place).collect();
+        let places: Vec<IntegrationPoint> = points(layers).map(place).collect();
         let x = std::array::from_fn(|a| std::array::from_fn(|i| x0[a][i] + u[a][i]));
         let gradients: [Gradients<8>; TIES] = std::array::from_fn(|t| TIED[t].gradients());
         let strains = std::array::from_fn(|t| {
@@ -137,12 +137,12 @@ impl Shape {
     }
 
     /// F of the nodes at a place.
-    pub fn compatible(&self, place: &Place) -> Mat3 {
+    pub fn compatible(&self, place: &IntegrationPoint) -> Mat3 {
         Mat3::identity() + jacobian(&self.u, &place.gradients) * place.inverse
     }
 
     /// The point with such amplitudes; `None` where it has no volume.
-    pub fn point(&self, place: &Place, amplitudes: &[f64; MODES]) -> Option<Point> {
+    pub fn point(&self, place: &IntegrationPoint, amplitudes: &[f64; MODES]) -> Option<Point> {
         let by_nodes = jacobian(&self.u, &place.gradients);
         let mut by: [Vec3; 2] = [0, 1].map(|i| by_nodes.column(i).into());
         let mut added = [[0.0; 2]; 2];
@@ -172,7 +172,7 @@ impl Shape {
     }
 
     /// dE/du of the point, row by row; `ties` are those of [`Self::tie_rows`].
-    pub fn rows(&self, place: &Place, point: &Point, ties: &[Row; TIES]) -> [Row; 6] {
+    pub fn rows(&self, place: &IntegrationPoint, point: &Point, ties: &[Row; TIES]) -> [Row; 6] {
         let mut rows = [[0.0; 24]; 6];
         let gradients = self.membrane_gradients(place, point);
         for a in 0..8 {
@@ -193,7 +193,7 @@ impl Shape {
     }
 
     /// Derivatives of the enhanced base vectors of the membrane by the positions of nodes.
-    pub fn membrane_gradients(&self, place: &Place, point: &Point) -> [[f64; 8]; 2] {
+    pub fn membrane_gradients(&self, place: &IntegrationPoint, point: &Point) -> [[f64; 8]; 2] {
         let mut gradients = [place.gradients[0], place.gradients[1]];
         for (k, i) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             add_scaled(&mut gradients[i], point.added[k][i], &CENTRE[k]);
@@ -229,7 +229,7 @@ impl Shape {
     }
 
     /// dE/dalpha of each mode.
-    pub fn modes(&self, place: &Place, point: &Point) -> [Voigt; MODES] {
+    pub fn modes(&self, place: &IntegrationPoint, point: &Point) -> [Voigt; MODES] {
         std::array::from_fn(|m| {
             let mut strain = [0.0; 6];
             if m < MEMBRANE {
@@ -245,7 +245,7 @@ impl Shape {
     }
 
     /// S : d2E/dalpha_m dalpha_n of modes of the membrane.
-    pub fn mode_stiffness(&self, place: &Place, stress: &Voigt, m: usize, n: usize) -> f64 {
+    pub fn mode_stiffness(&self, place: &IntegrationPoint, stress: &Voigt, m: usize, n: usize) -> f64 {
         let (a, b) = (place.membrane(m), place.membrane(n));
         let form = stress[0] * a[0] * b[0] + stress[1] * a[1] * b[1] + stress[3] * (a[0] * b[1] + a[1] * b[0]);
         form * self.base[m / 2].dot(&self.base[n / 2])
@@ -254,7 +254,7 @@ impl Shape {
     /// Adds S : d2E/du dalpha_m of a mode of the membrane to a row.
     pub fn add_mode_coupling(
         &self,
-        place: &Place,
+        place: &IntegrationPoint,
         (point, gradients): (&Point, &[[f64; 8]; 2]),
         stress: &Voigt,
         m: usize,
@@ -270,7 +270,7 @@ impl Shape {
     }
 }
 
-impl Place {
+impl IntegrationPoint {
     /// Derivatives of the two base vectors by the amplitude of a mode of the membrane, along the base vector of the centre that
     /// it has.
     fn membrane(&self, m: usize) -> [f64; 2] {

@@ -249,6 +249,7 @@ fn what_has_flowed_stays_at_its_limit() {
             (0..6).for_each(|v| assert!((first[v] - again.kirchhoff[v]).abs() < 1e-11 * scale));
             let strain = material.strain(&f).unwrap().strain;
             assert!(material.relax(&strain, &after).yields);
+            assert!(!material.relax(&strain, &State { rests: true, ..after }).yields);
             assert!((material.flow(&f, &after).unwrap().equivalent - after.equivalent).abs() < 1e-13);
         }
     }

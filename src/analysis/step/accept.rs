@@ -1,0 +1,144 @@
+//! What becomes of an increment that has converged: it is made the state.
+
+use super::super::ladder::Way;
+use super::super::state::Progress;
+use super::super::{Increment, Simulation};
+use super::Frame;
+use super::attempt::Converged;
+use crate::contact::Status;
+use crate::controls::Controls;
+use crate::error::Result;
+use crate::model::{Model, states};
+use crate::parallel::{agree, first_word, sum};
+use crate::system::dofs::node_name;
+use petsc::Vector;
+
+impl Progress {
+    /// Remembers the unknowns of a converged increment.
+    fn remember(&mut self, end: f64, x: &[f64]) {
+        self.past.push((end, x.to_vec()));
+        if self.past.len() > 3 {
+            self.past.remove(0);
+        }
+    }
+}
+
+impl Simulation<'_> {
+    /// Makes a converged increment the state. Collective.
+    ///
+    /// # Errors
+    /// An element that cannot follow; the state is then what it was.
+    pub(in super::super) fn commit(&mut self, frame: &mut Frame, converged: &Converged) -> Result<()> {
+        let flown = agree(self.comm, states::flown(&mut self.model, &converged.u))?;
+        self.model.history.accept(flown);
+        for tool in &mut self.model.masters.tools {
+            tool.committed = tool.trial;
+        }
+        let Model { part, masters, pairs, joints, .. } = &mut self.model;
+        for (joint, forces) in joints.iter_mut().zip(&converged.forces.ties) {
+            joint.slaves.iter_mut().zip(forces).for_each(|(slave, force)| slave.force = *force);
+        }
+        for (pair, multipliers) in pairs.iter_mut().zip(&converged.forces.contacts) {
+            let ground = masters.of(pair.master);
+            for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
+                let node = slave.node as usize;
+                slave.commit(pair.method, *multiplier, &ground, &(part.points[node] + converged.u[node]));
+            }
+        }
+        frame.progress.offsets.clone_from(&converged.offsets);
+        self.state.u.clone_from(&converged.u);
+        self.model.turn_slaves(&self.state.u);
+        self.model.follow_sheets(self.comm, &self.state.u);
+        self.state.reactions.clone_from(&converged.forces.nodes);
+        self.state.damped.clone_from(&converged.forces.dashpots);
+        self.state.tool_forces.clone_from(&converged.forces.tools);
+        Ok(())
+    }
+
+    /// Makes a converged increment the state, and says what it was. Collective.
+    pub(super) fn accept(&mut self, frame: &mut Frame, converged: Converged, x: &Vector) -> Result<Increment> {
+        let busy = self.is_busy();
+        let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
+        let is_remedy = ladder.is_remedy();
+        let found = ladder.succeed();
+        let end = converged.end;
+        let iterations = converged.effort.residuals.len() - 1;
+        let size = (end - increments.done) * step.duration;
+        let time = *start + end * step.duration;
+        increments.accept(end, iterations.div_ceil(1 + converged.effort.rounds), busy);
+        if found.way == Way::Jump {
+            increments.resume();
+        }
+        let ends_step = increments.next().is_none();
+        // Where a table turns, the solution does not go on as before.
+        let turns = increments.is_at_corner();
+        if is_remedy || turns {
+            past.clear();
+        }
+        if !is_remedy {
+            frame.progress.remember(end, &x.array()?);
+        }
+        self.commit(frame, &converged)?;
+        if turns {
+            self.model.history.rest();
+        }
+        // Not those that a drag has balanced on the way.
+        self.state.seen = converged.seen;
+        self.state.strays = converged.strays;
+        frame.plain = None;
+        self.state.time = time;
+        self.state.increments += 1;
+        self.note_touches(&converged.between);
+        self.summary.increments += 1;
+        self.note_rounded(converged.effort.rounded.as_ref());
+        let [touching, slipping, calmed] = self.count(converged.effort.calmed.len());
+        let calmed_node = first_word(self.comm, converged.effort.calmed.first().map(|&n| node_name(&self.model, n)));
+        Ok(Increment {
+            step: frame.name().to_string(),
+            number: self.state.increments,
+            time,
+            size,
+            iterations,
+            rounds: converged.effort.rounds,
+            residuals: converged.effort.residuals,
+            changes: converged.effort.changes,
+            limit: converged.effort.limit,
+            rounded: converged.effort.rounded,
+            way: found.way,
+            failures: found.failures,
+            touching,
+            slipping,
+            calmed,
+            calmed_node,
+            ends_step,
+        })
+    }
+
+    /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: many
+    /// of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
+    /// short against the radius of curvature. Collective.
+    fn is_busy(&self) -> bool {
+        let Controls { busy_share, busy_turn, .. } = self.model.controls;
+        let mut counts = [0.0; 3];
+        for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
+            let (before, now) = (slave.committed.status != Status::Gap, slave.trial.status != Status::Gap);
+            counts[0] += f64::from(before || now);
+            counts[1] += f64::from(before != now);
+            let curvature = slave.trial.projection.map_or(0.0, |p| p.normal_gradient.norm());
+            counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > busy_turn);
+        }
+        sum(self.comm, &mut counts);
+        counts[1] > busy_share * counts[0] || counts[2] > 0.0
+    }
+
+    /// Slave nodes of all ranks that touch, slip, and were calmed. Collective.
+    fn count(&self, calmed: usize) -> [usize; 3] {
+        let mut counts = [0.0, 0.0, calmed as f64];
+        for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
+            counts[0] += f64::from(slave.trial.status != Status::Gap);
+            counts[1] += f64::from(slave.trial.status == Status::Slip && slave.law.friction > 0.0);
+        }
+        sum(self.comm, &mut counts);
+        counts.map(|count| count as usize)
+    }
+}

@@ -1,0 +1,108 @@
+//! What becomes of an increment that has failed: how it is tried again, or what is told of it.
+
+use super::super::ladder::{Way, Yields};
+use super::super::last_iterate::LastIterate;
+use super::super::newton::Lost;
+use super::super::state::Progress;
+use super::super::{Event, Observer, Remedy, Retried, Simulation, conditioning, describe, suspects};
+use super::Frame;
+use super::attempt::Failed;
+use crate::contact::{Pair, Status};
+use crate::error::{Error, Result};
+use crate::failure::{Cause, Failure, Place};
+use crate::parallel::{any, word_of_largest};
+
+/// Whether an increment fails for its shortness: rounding leaves too much of what it adds to the state at `done`, but not of what
+/// a longer one would have added, which failed for another reason.
+fn is_of_cuts(failed: &Failed, longer: &Failed, done: f64) -> bool {
+    let is_little = |lost: Lost| lost.0 * (failed.end - done) <= longer.end - done;
+    longer.cause.is_of_iteration() && failed.lost.is_some_and(is_little)
+}
+
+impl Simulation<'_> {
+    /// Decides what to do about an increment that failed.
+    pub(super) fn retry(
+        &mut self,
+        frame: &mut Frame,
+        failed: Failed,
+        duration: f64,
+        observer: &mut Observer,
+    ) -> Result<Remedy> {
+        let end = failed.end;
+        let done = frame.progress.increments.done;
+        let size = (end - done) * duration;
+        if let Some(told) = self.runaway(frame, end, false) {
+            return Err(Error::Diverged(Box::new(told)));
+        }
+        let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
+        let Progress { increments, ladder, past, .. } = &mut frame.progress;
+        let was = (ladder.is_soft(), ladder.is_by_sets());
+        let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.is_by_sets() || ladder.way() == Way::Jump;
+        ladder.note(can_yield, can_hold);
+        let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
+            if let Some(told) = self.runaway(frame, end, true) {
+                return Err(Error::Diverged(Box::new(told)));
+            }
+            let of_remedy = is_remedy && failed.cause.is_of_remedy();
+            let plain = frame.plain.take().filter(|plain| of_remedy || is_of_cuts(&failed, plain, done));
+            let mut told = plain.unwrap_or(failed);
+            let size = (told.end - done) * duration;
+            let time = frame.progress.start + told.end * duration;
+            self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
+            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
+        };
+        if (ladder.is_soft(), ladder.is_by_sets()) != was {
+            // Multipliers are unknowns over the penalty.
+            past.clear();
+        }
+        self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
+        observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
+        if !is_remedy && !frame.plain.as_ref().is_some_and(|plain| is_of_cuts(&failed, plain, done)) {
+            frame.plain = Some(failed);
+        }
+        Ok(remedy)
+    }
+
+    /// When constraints may give way, or more than they do anyway. Collective.
+    fn yields(&self) -> Yields {
+        let mut unknown = self.model.pairs.iter().filter(|pair| pair.width() > 0).peekable();
+        if unknown.peek().is_none() {
+            return Yields::Never;
+        }
+        let meets = |pair: &Pair| pair.is_self() && pair.slaves.iter().any(|s| s.trial.status != Status::Gap);
+        if any(self.comm, unknown.any(meets)) { Yields::Anew } else { Yields::OnceSingular }
+    }
+
+    /// Names the worst equation of all ranks, and what to try. Collective.
+    fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> Failure {
+        let worst = failed.worst.filter(|_| frame.dofs.count > 0);
+        let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
+        let node = |equation| frame.dofs.place(&self.model, equation).map_or(String::new(), |place| place.to_line());
+        let place = word_of_largest(self.comm, worst, node).and_then(|(line, _)| Place::from_line(&line));
+        let (word, residual) = told.unzip();
+        let linear = failed.cause.is_linear() || failed.cause == Cause::Contradiction;
+        let conditioning = linear.then(|| conditioning::reason(self.comm, &self.model)).flatten();
+        let failure = Failure {
+            cause: failed.cause,
+            step: frame.name().to_string(),
+            time: self.state.time,
+            size,
+            place,
+            residual: residual.unwrap_or(0.0),
+            changes: failed.changes.last().copied().unwrap_or(0),
+            what: String::new(),
+        };
+        let body = failure.place.as_ref().map(|place| place.body.as_str());
+        let remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        let Progress { increments, ladder, .. } = &frame.progress;
+        let smallest = !ladder.jumps_on() || increments.is_shortest(failed.end);
+        let what = describe::failure(
+            &failure,
+            &failed.reason,
+            (conditioning.as_deref(), word.as_deref()),
+            &remedies,
+            smallest,
+        );
+        Failure { what, ..failure }
+    }
+}

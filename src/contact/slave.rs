@@ -1,0 +1,324 @@
+//! A slave node: its law, what it remembers, and where it is.
+
+use super::master::Ground;
+use super::mates::Mate;
+use super::method::Enforcement;
+use super::trial::Trial;
+use super::watch::Sight;
+use super::{Compliance, Law, Multiplier, Response, Status, meeting};
+use crate::controls::Controls;
+use crate::surface::Projection;
+use crate::{Mat3, Vec3};
+
+/// In which way an increment is sought.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Manner {
+    /// What touches sticks until all is nearly in balance.
+    pub settles: bool,
+    /// It begins from an extrapolation, in which what slips slips on.
+    pub ahead: bool,
+    /// With automatic penalties, whatever is given.
+    pub automatic: bool,
+    /// With penalties that are lower than the automatic ones, and those that are given, by `soft_augmentation` of the [`Controls`].
+    pub soft: bool,
+    /// Along the central path.
+    pub central: bool,
+    /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
+    pub again: bool,
+    /// The constraints of multipliers give way until they are tightened, by `slack`, in self-contact by `wide_slack` of the
+    /// [`Controls`].
+    pub yields: bool,
+}
+
+/// A slave node and its history.
+#[derive(Clone, Debug)]
+pub struct Slave {
+    /// Owned local node.
+    pub node: u32,
+    pub law: Law,
+    /// The one node of the master that it meets, in contact from node to node.
+    pub mate: Option<Mate>,
+    /// Another slave node may make the same constraint, for its surface meets itself.
+    pub repeats: bool,
+    /// The automatic augmentation, force per length.
+    pub automatic: f64,
+    /// Penalties in the law at the start of an increment, and by what share they are lower in it.
+    augmentation: f64,
+    pub softness: f64,
+    /// The multiplier, where it is no unknown.
+    pub held: Held,
+    /// The force, where it is a local unknown.
+    pub local: Local,
+    /// State of the last converged increment.
+    pub committed: Committed,
+    /// State of the current iterate.
+    pub trial: Trial,
+    /// The iterate that became the last converged increment.
+    pub accepted: Trial,
+    /// Normal of another master that it touched then.
+    pub borne: Option<Vec3>,
+    /// What the watch saw of it at the last converged increment, and of the one that is judged.
+    pub sight: Sight,
+    pub sighted: Sight,
+    /// The patches of a body that its points were on at the last iterate, with their slip origins.
+    pub met: Vec<u32>,
+}
+
+/// What a slave node remembers of the last converged increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Committed {
+    /// Nodal contact force λ, N; without friction λ_n stands in the first entry.
+    pub multiplier: Vec3,
+    /// Closest point, in the frame of a tool the slip origin, else in space. Kept for every node in reach, in contact or not.
+    pub anchor: Option<Vec3>,
+    /// Where the node itself was, in the frame of a tool, else in space.
+    pub place: Option<Vec3>,
+    /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
+    /// origin.
+    pub warm: Option<(u32, [f64; 2])>,
+    pub status: Status,
+    /// What a multiplier that is no unknown begins the next increment with.
+    pub held: Held,
+}
+
+crate::words!(Committed { multiplier, anchor, place, warm, status, held });
+
+/// A multiplier that is held while Newton's method runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Held {
+    /// λ_n / ε: a gap that is added.
+    pub gap: f64,
+    /// A part of λ_t, in space.
+    pub tangential: Vec3,
+    /// A part that the master carries along: in the frame of the tool, or of the slip origin on a deformable master.
+    pub carried: Vec3,
+}
+
+crate::words!(Held { gap, tangential, carried });
+
+/// A local unknown, the force of a slave node, as a linear function of positions: what the last tangent has for it.
+#[derive(Clone, Debug, Default)]
+pub struct Local {
+    /// σ where the positions are those of then.
+    pub force: Vec3,
+    /// Derivatives by the positions of nodes, with these positions.
+    pub by: Vec<(Mover, Mat3, Vec3)>,
+}
+
+/// A node that a slave node's contact depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mover {
+    /// A node of the slave, by its local number.
+    Slave(u32),
+    /// A node of the master, by its number whatever the rank sees.
+    Master(u64),
+}
+
+impl Local {
+    /// σ at other positions.
+    pub fn at(&self, place: impl Fn(Mover) -> Option<Vec3>) -> Vec3 {
+        let moved = |(mover, by, then): &(Mover, Mat3, Vec3)| by * (place(*mover).unwrap_or(*then) - then);
+        self.force + self.by.iter().map(moved).sum::<Vec3>()
+    }
+
+    /// Takes over a tangent: the unknown `force` with its response.
+    pub fn learn(&mut self, force: Vec3, response: &Response) {
+        self.by.clear();
+        self.force = force - response.inverse * response.constraint;
+    }
+}
+
+impl Slave {
+    /// A node with the automatic augmentation, force per length, that is not enforced yet.
+    pub fn new(node: u32, friction: f64, automatic: f64) -> Self {
+        let (compliance, augmentation) = (Compliance::default(), automatic);
+        let law = Law {
+            friction,
+            normal: automatic,
+            tangential: automatic,
+            penalty: automatic,
+            rough: false,
+            compliance,
+            barrier: 0.0,
+        };
+        let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
+        let (held, local) = (Held::default(), Local::default());
+        let (sight, sighted) = (Sight::default(), Sight::default());
+        Self {
+            node,
+            law,
+            mate: None,
+            repeats: false,
+            automatic,
+            augmentation,
+            softness: 1.0,
+            held,
+            local,
+            committed,
+            trial,
+            accepted,
+            borne: None,
+            sight,
+            sighted,
+            met: Vec::new(),
+        }
+    }
+
+    /// Has the node enforced with a penalty, force per length. Where multipliers are held the automatic augmentation acts below
+    /// it, else the penalty itself.
+    pub(super) fn enforce(&mut self, method: Enforcement, penalty: f64) {
+        self.augmentation = if method.holds_multipliers() { self.automatic.min(penalty) } else { penalty };
+        self.law = Law { normal: self.augmentation, tangential: self.augmentation, penalty, ..self.law };
+    }
+
+    /// Bytes that it takes, with what it was last evaluated with.
+    pub fn bytes(&self) -> usize {
+        let local = self.local.by.capacity() * size_of::<(Mover, Mat3, Vec3)>();
+        size_of::<Self>() + local + size_of::<Option<meeting::Meeting>>()
+    }
+
+    /// The penalty by which gaps count, where the multiplier is an unknown: none that is given makes them large.
+    pub fn measure(&self) -> f64 {
+        self.law.normal.min(self.automatic)
+    }
+
+    /// Begins an increment from the last converged one.
+    pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
+        let (status, yields) = (self.committed.status, self.accepted.yields);
+        let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
+        self.trial = Trial { status, yields, patience, ..Trial::default() };
+        let automatic = manner.automatic || manner.soft;
+        let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
+        self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
+        let augmentation = augmentation * self.softness;
+        (self.law.normal, self.law.tangential) = (augmentation, augmentation);
+        self.law.barrier = 0.0;
+        self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
+        let slack = match (self.repeats, manner.yields) {
+            (true, true) => controls.wide_slack,
+            (true, false) | (false, true) => controls.slack,
+            (false, false) => 0.0,
+        };
+        let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
+        // Over a lower penalty they give way by as much.
+        self.law.compliance = Compliance { slack: slack * self.softness, rest };
+        self.held = self.committed.held;
+        self.local.force = self.committed.multiplier;
+        self.local.by.clear();
+    }
+
+    /// Reduces the friction penalty, with local unknowns all of the augmentation; `false` when it is low. The solution does
+    /// not depend on it.
+    pub fn calm(&mut self, method: Enforcement, controls: &Controls) -> bool {
+        let least = controls.calm_least * self.augmentation;
+        let can = self.law.friction > 0.0 && self.law.tangential > least;
+        if can {
+            self.law.tangential *= controls.calm_factor;
+            if method.holds_multipliers() {
+                self.law.normal = self.law.tangential;
+            }
+        }
+        can
+    }
+
+    /// The multiplier of `method`, where `lambda` is that of the unknowns, beside the local unknown `force`; without the part of
+    /// one that is held which the master carries along.
+    pub fn multiplier(&self, method: Enforcement, lambda: Vec3, force: Vec3) -> Multiplier {
+        let Held { gap, tangential, .. } = self.held;
+        match method {
+            Enforcement::AugmentedLagrangian => Multiplier::Augmented(lambda),
+            Enforcement::Lagrange => Multiplier::Force(lambda, self.trial.status),
+            _ => Multiplier::Held { gap, tangential, force },
+        }
+    }
+
+    /// What the multiplier becomes when it takes over the force of the iterate, for now.
+    pub fn taken_over(&self) -> Held {
+        match (self.trial.status, self.trial.projection) {
+            (Status::Stick | Status::Slip, Some(p)) => {
+                let friction = if self.law.friction > 0.0 { self.trial.traction() } else { Vec3::zeros() };
+                Held { gap: self.held.gap + p.gap, tangential: friction, carried: Vec3::zeros() }
+            }
+            _ => Held::default(),
+        }
+    }
+
+    /// The multiplier at the beginning of the next increment, with the master's `frame` as it is now: the friction force,
+    /// carried along; for Uzawa's method also the normal force.
+    fn handed_on(&self, method: Enforcement, frame: &Mat3) -> Held {
+        let Held { gap, tangential, .. } = self.taken_over();
+        match (method, frame.try_inverse()) {
+            (Enforcement::Penalty, Some(inverse)) => Held { carried: inverse * tangential, ..Held::default() },
+            (Enforcement::Uzawa, Some(inverse)) => Held { gap, carried: inverse * tangential, ..Held::default() },
+            _ => Held::default(),
+        }
+    }
+
+    /// What Uzawa's method begins with after an increment that another one has ended with, the master's `ground` as it was then.
+    pub(super) fn held_at(&self, ground: &Ground) -> Held {
+        let Trial { status, force, projection, .. } = &self.accepted;
+        match (status, projection, ground.carrier(projection.as_ref()).try_inverse()) {
+            (Status::Stick | Status::Slip, Some(p), Some(inverse)) => Held {
+                gap: force.dot(&p.normal) / self.law.penalty,
+                tangential: Vec3::zeros(),
+                carried: inverse * self.accepted.traction(),
+            },
+            _ => Held::default(),
+        }
+    }
+
+    /// Takes back the gap of the last increment, which a multiplier has taken over for the next: the force is then again that
+    /// of its end.
+    pub fn hand_back(&mut self) {
+        if let (Status::Stick | Status::Slip, Some(p)) = (self.accepted.status, self.accepted.projection) {
+            self.held.gap -= p.gap;
+        }
+    }
+
+    /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
+    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
+    /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
+    /// touched another master, with much the same normal, goes from there on to this one.
+    pub fn is_beside(
+        &self,
+        start: impl FnOnce() -> Option<Vec3>,
+        position: &Vec3,
+        at: &Projection,
+        (facet_size, controls): (f64, &Controls),
+        gap: impl Fn(&Vec3) -> Option<f64>,
+    ) -> bool {
+        const BEHIND: f64 = 1e-6;
+        const MOST: f64 = 32.0;
+        if at.gap >= 0.0 || self.committed.warm.is_some() {
+            return false;
+        }
+        let goes_over = |borne: Vec3| {
+            -at.gap <= controls.hand_over * facet_size && borne.dot(&at.normal) >= 1.0 - controls.kink_turn
+        };
+        if self.borne.is_some_and(goes_over) {
+            return false;
+        }
+        let Some(start) = start() else { return false };
+        if (start - at.point).dot(&at.normal) >= -BEHIND * facet_size {
+            return false;
+        }
+        let way = position - start;
+        // Steps of a facet: within one, start and end tell enough.
+        let steps = (way.norm() / facet_size).min(MOST) as usize;
+        (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
+    }
+
+    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
+    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3) {
+        (self.accepted, self.sight) = (self.trial, self.sighted);
+        let projection = self.trial.projection;
+        self.committed = Committed {
+            held: self.handed_on(method, &ground.carrier(projection.as_ref())),
+            multiplier,
+            anchor: projection.map(|p| ground.inward(&p.point)),
+            place: Some(ground.inward(position)),
+            warm: projection.map(|p| (p.patch, p.xi)),
+            status: self.trial.status,
+        };
+    }
+}

@@ -1,0 +1,248 @@
+//! The contact pairs of a rank, from the contacts of the scene.
+
+use super::{Model, Section};
+use crate::contact::stiffness::{Backing, contact_stiffness};
+use crate::contact::{Avoided, Faces, Master, Meets, Pair, Slave, mates};
+use crate::error::{Error, Result};
+use crate::parallel::{agree, max, sum};
+use crate::partition::{Gather, PartSet};
+use crate::scene::{self, Discretization, Enforcement, Scene, body_of};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
+
+impl Model {
+    /// Makes the pairs of the contacts, of which those within a body have nodes that they shun. Collective.
+    ///
+    /// # Errors
+    /// Nodes that ties hold, too, or that have no mate where they need one.
+    pub(super) fn pair_up(
+        &mut self,
+        comm: &SimpleCommunicator,
+        scene: &Scene,
+        avoided: &[BTreeMap<u32, Avoided>],
+    ) -> Result<()> {
+        let passes = scene.passes();
+        for contact in &passes {
+            let pair = self.pair(comm, scene, contact, avoided);
+            self.pairs.push(pair);
+        }
+        self.join_passes(&passes);
+        self.check_joints(comm, scene)?;
+        self.tell_repeats();
+        self.find_mates(comm, scene)
+    }
+
+    /// A contact on this rank.
+    fn pair(
+        &self,
+        comm: &SimpleCommunicator,
+        scene: &Scene,
+        contact: &scene::Contact,
+        avoided: &[BTreeMap<u32, Avoided>],
+    ) -> Pair {
+        let set = self.set(&contact.slave.value);
+        let index = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
+        let nodes = self.slave_nodes(contact, [index(&contact.slave.value), index(&contact.master.value)]);
+        let master = self.master(scene, contact);
+        let is_surface = contact.surface.is_some();
+        let softest = if is_surface { self.mean_stiffness(comm, &contact.master.value) } else { f64::INFINITY };
+        let mut shunned = Vec::new();
+        if let Master::Surface(k, Meets::Own) = master {
+            let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
+            let depth = |avoided: Avoided| match contact.thickness {
+                Some(thickness) => avoided.with_thickness(thickness, self.controls.self_depth),
+                None => avoided,
+            };
+            shunned = nodes.iter().map(of_node).map(depth).collect();
+        }
+        let stiffness = self.contact_stiffness(set);
+        let slave = |n: u32| {
+            let stiffness = stiffness[n as usize].min(softest);
+            Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
+        };
+        let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
+        let by_faces = contact.discretization == Discretization::Segment;
+        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric()));
+        let facet_size = self.longest_edge(comm, &contact.slave.value);
+        // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
+        let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
+        let mut pair = Pair {
+            name: contact.name.value.clone(),
+            master,
+            body: index(&contact.slave.value).unwrap_or_default(),
+            master_body: index(&contact.master.value).filter(|_| is_surface),
+            sections: self.sections_of(comm, set),
+            master_sections: match is_surface {
+                true => self.sections_of(comm, self.set(&contact.master.value)),
+                false => Vec::new(),
+            },
+            planar: is_surface && [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value)),
+            friction: contact.friction,
+            tangent: contact.tangent,
+            method: contact.method,
+            asked: (contact.method, penalty),
+            tolerance: contact.tolerance,
+            set: self.set_index[&contact.slave.value],
+            slaves,
+            faces,
+            reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
+            facet_size,
+            within_body: is_within_body(contact),
+            facing: -self.controls.self_facing.to_radians().cos(),
+            controls: self.controls,
+            outward: Vec::new(),
+            other: None,
+            is_second: false,
+            sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
+            avoided: shunned,
+        };
+        pair.enforce(contact.method);
+        pair
+    }
+
+    /// The master of a contact, the surfaces of bodies in the order of the contacts.
+    fn master(&self, scene: &Scene, contact: &scene::Contact) -> Master {
+        if contact.surface.is_none() {
+            let tool = scene.tools.iter().position(|t| t.name.value == contact.master.value);
+            return Master::Tool(tool.unwrap_or_default());
+        }
+        let surface = self.pairs.iter().filter(|p| p.master.surface().is_some()).count();
+        let meets = match contact.discretization {
+            Discretization::NodeToNode => Meets::Nodes,
+            _ if contact.is_self() => Meets::Own,
+            _ => Meets::Faces,
+        };
+        Master::Surface(surface, meets)
+    }
+
+    /// The slave nodes of a contact on this rank, between the bodies of its sides.
+    fn slave_nodes(&self, contact: &scene::Contact, bodies: [Option<usize>; 2]) -> Vec<u32> {
+        let of_set = &self.set(&contact.slave.value).nodes;
+        let mut nodes: Vec<u32> = of_set.iter().map(|&n| self.part.tie[n as usize]).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        if is_within_body(contact) && !contact.is_self() {
+            // A node on both sides would meet itself.
+            nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
+        }
+        // What is tied to the master neither opens nor slides.
+        if let [Some(own), Some(other)] = bodies {
+            for joint in &self.joints {
+                let tied = joint.nodes_between(own, other);
+                nodes.retain(|n| tied.binary_search(n).is_err());
+            }
+        }
+        nodes
+    }
+
+    /// Tells the slave nodes of ties how stiff their bodies are there.
+    pub(super) fn stiffen_joints(&mut self, scene: &Scene) {
+        for (k, tie) in scene.ties.iter().enumerate() {
+            let stiffness = self.contact_stiffness(self.set(&tie.slave.value));
+            self.joints[k].slaves.iter_mut().for_each(|slave| slave.stiffness = stiffness[slave.node as usize]);
+        }
+    }
+
+    /// Refuses slave nodes of ties that contacts with multipliers hold, too. Collective.
+    fn check_joints(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
+        for (joint, tie) in self.joints.iter().zip(&scene.ties) {
+            for pair in self.pairs.iter().filter(|pair| pair.width() > 0) {
+                let is_slave = |n: &u32| pair.slaves.binary_search_by_key(n, |s| s.node).is_ok();
+                let both = joint.slaves.iter().map(|slave| slave.node).find(is_slave);
+                let told = both.map(|node| {
+                    let (x, id) = (self.part.points[node as usize], self.part.id[node as usize]);
+                    let what = format!(
+                        "tie `{}`: its slave node {id} at ({:.6}, {:.6}, {:.6}) is one of contact `{}`, too, which would hold \
+                         it twice",
+                        joint.name, x.x, x.y, x.z, pair.name
+                    );
+                    let help = "exchange `slave` and `master` of the tie, or leave the node out of the contact";
+                    Error::input(&tie.slave.at, what, help)
+                });
+                agree(comm, told.map_or(Ok(()), Err))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Tells slave nodes that others of their surface may make the same constraint.
+    fn tell_repeats(&mut self) {
+        let own = self.pairs.iter_mut().filter(|pair| pair.is_self() && pair.width() > 0);
+        own.flat_map(|pair| &mut pair.slaves).for_each(|slave| slave.repeats = true);
+    }
+
+    /// Lets the two passes of a contact know of each other.
+    fn join_passes(&mut self, passes: &[scene::Contact]) {
+        for (second, pass) in passes.iter().enumerate() {
+            if let Some(first) = pass.second_of {
+                self.pairs[second].is_second = true;
+                self.pairs[second].other = Some(first);
+                self.pairs[first].other = Some(second);
+            }
+        }
+    }
+
+    /// Pairs the nodes of contacts from node to node where they stand. Collective.
+    fn find_mates(&mut self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
+        let Self { part, masters, pairs, .. } = self;
+        let place = |n: u32| part.points[n as usize];
+        masters.follow(comm, pairs, place);
+        for pair in pairs.iter_mut() {
+            let (Master::Surface(k, Meets::Nodes), Some(contact)) =
+                (pair.master, scene.contacts.iter().find(|c| c.name.value == pair.name))
+            else {
+                continue;
+            };
+            let lonely = mates::find(&mut pair.slaves, &masters.surfaces[k], place).err();
+            let told = lonely.map(|(node, distance)| {
+                let (x, id) = (place(node), part.id[node as usize]);
+                let what = format!(
+                    "node {id} of `{}` at ({:.6}, {:.6}, {:.6}) has no node of `{}` at its place: {distance}",
+                    contact.slave.value, x.x, x.y, x.z, contact.master.value
+                );
+                Error::input(&contact.slave.at, what, "mesh both sides alike, or use another `discretization`")
+            });
+            agree(comm, told.map_or(Ok(()), Err))?;
+        }
+        Ok(())
+    }
+
+    /// The sections that owned nodes of a set count as, on all ranks. Collective.
+    fn sections_of(&self, comm: &SimpleCommunicator, set: &PartSet) -> Vec<usize> {
+        let mut has = vec![0.0; self.sections.len()];
+        set.nodes.iter().for_each(|&n| has[self.part.section[n as usize] as usize] = 1.0);
+        max(comm, &mut has);
+        (0..has.len()).filter(|&section| has[section] > 0.0).collect()
+    }
+
+    /// Whether a set is on a layer.
+    fn is_planar(&self, set: &str) -> bool {
+        self.bodies.iter().any(|b| b.name == body_of(set) && b.is_layer())
+    }
+
+    /// Stiffness against contact forces of the owned nodes of a set.
+    fn contact_stiffness(&self, set: &PartSet) -> Vec<f64> {
+        let of = |section: &Section| Backing {
+            modulus: section.material.indentation_modulus(),
+            reduction: self.bodies[section.body].reduction,
+        };
+        let backing: Vec<Backing> = self.sections.iter().map(of).collect();
+        contact_stiffness(&self.part, &self.part.pieces(&set.facets), &backing)
+    }
+
+    /// Its mean over the nodes of a set that have any. Collective.
+    fn mean_stiffness(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
+        let mut sums = [0.0; 2];
+        for k in self.contact_stiffness(self.set(set)) {
+            sums[0] += k;
+            sums[1] += f64::from(k > 0.0);
+        }
+        sum(comm, &mut sums);
+        sums[0] / sums[1]
+    }
+}
+
+/// Whether both sides of a contact are on one body.
+fn is_within_body(contact: &scene::Contact) -> bool {
+    body_of(&contact.slave.value) == body_of(&contact.master.value)
+}
