@@ -144,6 +144,37 @@ fn self_contact_goes_on() {
     assert_same(&stopped(&bench, [2, 1], 30), &whole);
 }
 
+/// A die with kinks between its patches is drawn along a block, and stops again and again. Nodes that keep to their side of a kink
+/// as it stops do so when it goes on; they would not be in equilibrium on the other.
+#[test]
+fn nodes_that_keep_to_their_side_of_a_kink_go_on() {
+    const STOPS: usize = 10;
+    let folder = env!("CARGO_MANIFEST_DIR");
+    let scene = fs::read_to_string(format!("{folder}/inputs/shallow-ironing.toml")).unwrap();
+    let (scene, _) = scene.split_once("[[step]]\nname = \"slide\"").unwrap();
+    let scene =
+        scene.replace("elements = [120, 30, 1]", "elements = [48, 12, 1]").replace("increments = 20", "increments = 5");
+    let slide = r#"
+        [[step]]
+        increments = 3
+        fix = [{ set = "block.bottom" }]
+        move = [{ target = "die.top", by = [0.08, 0.0, 0.0] }]
+        "#;
+    let bench = Bench::new(
+        &(scene + &slide.repeat(STOPS) + "[controls]\nkink_gap = 0.01\n[output]\ncheckpoint = { increments = 100 }\n"),
+    );
+    bench.write("shallow-indenter.msh", include_str!("../inputs/shallow-indenter.msh"));
+    let whole = bench.solve(1, &[]);
+    run(&bench, 1, &["--steps", "1"]);
+    for steps in 2..STOPS + 2 {
+        let run = run(&bench, 1, &["--restart", "--steps", &steps.to_string()]);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        if steps == STOPS + 1 {
+            assert_same(&run, &whole);
+        }
+    }
+}
+
 /// The same run is killed again and again, and goes on from where its last checkpoint was.
 #[test]
 fn kills_lose_nothing() {

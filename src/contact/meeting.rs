@@ -57,8 +57,10 @@ impl Meeting {
         let slave = &pair.slaves[s];
         let position = &(ahead.place)(slave.node);
         let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-        let keeps = slave.trial.returns >= slave.trial.patience;
-        let projection = ground.project(pair, s, position, (warm, keeps));
+        let may_keep = slave.trial.returns >= slave.trial.patience;
+        let projection = ground.project(pair, s, position, (warm, may_keep));
+        let other = || ground.project(pair, s, position, (warm, false));
+        let keeps = may_keep && projection.map(|p| p.patch) != other().map(|p| p.patch);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
@@ -71,6 +73,7 @@ impl Meeting {
         };
         let slave = &mut pair.slaves[s];
         slave.trial.stand(projection, warm.map(|(patch, _)| patch));
+        slave.trial.keeps = keeps;
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));

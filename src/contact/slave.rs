@@ -76,12 +76,15 @@ pub struct Committed {
     /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
     /// origin.
     pub warm: Option<(u32, [f64; 2])>,
+    /// It keeps to that patch beyond its kink, and still does so as the next increment begins: the state would not be in
+    /// equilibrium on the other side.
+    pub keeps: bool,
     pub status: Status,
     /// What a multiplier that is no unknown begins the next increment with.
     pub held: Held,
 }
 
-crate::words!(Committed { multiplier, anchor, place, warm, status, held });
+crate::words!(Committed { multiplier, anchor, place, warm, keeps, status, held });
 
 /// A multiplier that is held while Newton's method runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -186,7 +189,8 @@ impl Slave {
     pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
-        self.trial = Trial { status, yields, patience, ..Trial::default() };
+        let returns = if self.committed.keeps { patience } else { 0 };
+        self.trial = Trial { status, yields, patience, returns, ..Trial::default() };
         let automatic = manner.automatic || manner.soft;
         let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
@@ -318,6 +322,7 @@ impl Slave {
             anchor: projection.map(|p| ground.inward(&p.point)),
             place: Some(ground.inward(position)),
             warm: projection.map(|p| (p.patch, p.xi)),
+            keeps: self.trial.keeps,
             status: self.trial.status,
         };
     }

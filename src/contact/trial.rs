@@ -22,6 +22,8 @@ pub struct Trial {
     pub returns: u32,
     /// From so many returns on it keeps to its side of kinks.
     pub patience: u32,
+    /// It does, where its closest point is on the other side.
+    pub keeps: bool,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -48,6 +50,7 @@ crate::words!(Trial {
     left,
     returns,
     patience,
+    keeps,
     slip,
     changed,
     flips,

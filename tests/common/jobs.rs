@@ -45,15 +45,15 @@ impl Job {
         command.args(["run", "scene.toml", "--out", "out"]).args(arguments).current_dir(bench.path(""));
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let out = bench.path("out");
-        wait_for(&mut child, 60, "rows", |_| (rows_in(&out) >= rows).then_some(()));
+        wait_for(&mut child, 600, "rows", |_| (rows_in(&out) >= rows).then_some(()));
         let started = |child: &mut Child| Some(children(child.id())).filter(|found| found.len() == ranks);
-        let ranks = wait_for(&mut child, 60, "the ranks", started);
+        let ranks = wait_for(&mut child, 600, "the ranks", started);
         Self { child, ranks }
     }
 
     /// Waits for the end of the job and of its ranks; its exit code, and what it said of errors.
     pub fn end(mut self) -> (i32, String) {
-        let status = wait_for(&mut self.child, 60, "the end of the job", |job| job.try_wait().unwrap());
+        let status = wait_for(&mut self.child, 600, "the end of the job", |job| job.try_wait().unwrap());
         let gone = || self.ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
         wait_for(&mut self.child, 30, "the end of the ranks", |_| gone().then_some(()));
         let mut said = String::new();

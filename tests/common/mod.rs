@@ -90,7 +90,7 @@ pub fn mpirun(ranks: usize) -> Command {
 
 /// The same for any program.
 pub fn mpirun_of(ranks: usize, program: &Path) -> Command {
-    mpirun_within(240, ranks, program)
+    mpirun_within(900, ranks, program)
 }
 
 /// The same with another time limit, in seconds.
