@@ -12,6 +12,9 @@ use crate::sys;
 /// What OpenBLAS reserves at the first product of matrices, bytes: its `BUFFER_SIZE` on x86-64.
 const BLAS_BUFFER: u64 = 128 << 20;
 
+/// What MPI and PETSc map as they start, bytes: Open MPI 4.1 with its components and PETSc 3.18, as measured.
+const STARTING: u64 = 200 << 20;
+
 /// Address space that this process may still take, bytes; `None` without a limit (`ulimit -v`).
 pub fn address_space_left() -> Option<u64> {
     let read = |file: &str| read_to_string(file).unwrap_or_default();
@@ -26,23 +29,26 @@ fn left(limits: &str, status: &str) -> Option<u64> {
     Some(limit.saturating_sub(number(status, "VmSize:").unwrap_or(0) << 10))
 }
 
-/// What is to be said if less is left than the program cannot do without. MPI would fail to start with half as much, and not
-/// say why.
+/// What is to be said before MPI starts if less is left than the program cannot do without. MPI would fail to load its
+/// components with less, and not say why, or crash.
 pub fn enough_to_start() -> Result<(), String> {
-    if let Some(left) = address_space_left().filter(|left| *left < BLAS_BUFFER) {
-        return Err(format!(
-            "not enough memory to start: {} MB of address space are left of the limit (`ulimit -v`), and the linear \
-             algebra alone takes {} MB",
+    enough(STARTING + BLAS_BUFFER, "MPI, PETSc and the linear algebra take")
+}
+
+fn enough(least: u64, what: &str) -> Result<(), String> {
+    match address_space_left().filter(|left| *left < least) {
+        None => Ok(()),
+        Some(left) => Err(format!(
+            "not enough memory to start: {} MB of address space are left of the limit (`ulimit -v`), and {what} {} MB",
             left >> 20,
-            BLAS_BUFFER >> 20
-        ));
+            least >> 20
+        )),
     }
-    Ok(())
 }
 
 /// Lets OpenBLAS take its buffer now: it keeps it, and without memory for it would try again for ever.
 pub(crate) fn settle_blas() -> Result<(), String> {
-    enough_to_start()?;
+    enough(BLAS_BUFFER, "the linear algebra alone takes")?;
     // Large enough to be no small product, which needs no buffer.
     const SIZE: i32 = 128;
     let alone = SimpleCommunicator::self_comm();

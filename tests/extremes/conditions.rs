@@ -471,7 +471,7 @@ fn memory() -> Vec<Case> {
     }
     vec![
         Case::act("350 MB a rank", "an end that names memory", |folder| limited(folder, 350)).slow(),
-        Case::act("450 MB a rank", "an end that names memory", |folder| limited(folder, 450)).slow(),
+        Case::act("500 MB a rank", "an end that names memory", |folder| limited(folder, 500)).slow(),
     ]
 }
 
