@@ -64,7 +64,7 @@ fn a_second_run_is_refused_and_the_first_goes_on() {
     assert!(second.stderr.starts_with(&holder), "{}", second.stderr);
     assert!(second.stderr.contains("--out DIR") && second.stderr.matches("error:").count() == 1);
     let mut job = job;
-    wait_for(&mut job.child, 60, "more rows", |_| (rows_in(&bench.path("out")) > rows + 2).then_some(()));
+    wait_for(&mut job.child, "more rows", |_| (rows_in(&bench.path("out")) > rows + 2).then_some(()));
     // What mpirun passes on.
     send("USR1", job.child.id());
     ended_in_order(&bench, "SIGUSR1", job.end());
@@ -107,7 +107,7 @@ fn a_signal_during_the_set_up_ends_the_run_in_order() {
         status.starts_with("Name:\tnagata\n") && u64::from_str_radix(mask.trim(), 16).unwrap() & (1 << 9) != 0
     };
     let ready = |job: &mut Child| children(job.id()).into_iter().find(|pid| catches(pid));
-    job.ranks = vec![wait_for(&mut job.child, 60, "signals to be caught", ready)];
+    job.ranks = vec![wait_for(&mut job.child, "signals to be caught", ready)];
     send("USR1", job.ranks[0]);
     let mut end = std::fs::File::options().write(true).open(&pipe).unwrap();
     // Whoever reads it again finds a file.
@@ -295,10 +295,10 @@ fn fifty_kills_and_signals() {
         };
         let (pids, sent) = (job.ranks.clone(), Instant::now());
         send(signal, to);
-        let status = wait_for(&mut job.child, 60, "the end of the job", |job| job.try_wait().unwrap());
+        let status = wait_for(&mut job.child, "the end of the job", |job| job.try_wait().unwrap());
         // mpirun, killed, leaves ranks that notice it by themselves.
         let gone = || pids.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
-        wait_for(&mut job.child, 60, "the end of the ranks", |_| gone().then_some(()));
+        wait_for(&mut job.child, "the end of the ranks", |_| gone().then_some(()));
         let (code, took) = (status.code().unwrap_or(-1), sent.elapsed().as_millis());
 
         let history = History::read(&out.join("history.csv"));

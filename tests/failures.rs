@@ -218,14 +218,14 @@ fn kill_one(victim: usize, rows: usize) -> usize {
         .spawn()
         .unwrap();
     let lines = || std::fs::read_to_string(out.join("history.csv")).map_or(0, |text| text.lines().count());
-    wait_for(&mut job, 60, "rows", |_| (lines() > rows).then_some(()));
+    wait_for(&mut job, "rows", |_| (lines() > rows).then_some(()));
     let ranks = children(job.id());
     assert_eq!(ranks.len(), 2);
     assert!(Command::new("kill").args(["-9", &ranks[victim].to_string()]).status().unwrap().success());
-    let status = wait_for(&mut job, 30, "the end of the job", |job| job.try_wait().unwrap());
+    let status = wait_for(&mut job, "the end of the job", |job| job.try_wait().unwrap());
     assert!(status.code().is_some_and(|code| code != 0), "{status}");
     let gone = || ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
-    wait_for(&mut job, 30, "the end of the ranks", |_| gone().then_some(()));
+    wait_for(&mut job, "the end of the ranks", |_| gone().then_some(()));
 
     let history = History::read(&out.join("history.csv"));
     let (times, all) = (shown_times(&out), history.column("time"));

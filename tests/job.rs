@@ -62,7 +62,7 @@ fn a_job_goes_on_in_the_next_one() {
 
     let mut first = start(&bench, 0);
     let out = bench.path("out");
-    wait_for(&mut first, 60, "rows", |_| (rows_in(&out) > 20).then_some(()));
+    wait_for(&mut first, "rows", |_| (rows_in(&out) > 20).then_some(()));
     send("USR1", first.id());
     assert_eq!(first.wait().unwrap().code(), Some(4));
     assert_eq!(fs::read_to_string(bench.path("asked")).unwrap(), "requeue 77\n");

@@ -188,7 +188,7 @@ fn kills_lose_nothing() {
         std::thread::sleep(Duration::from_millis(wait));
         // It may have ended by now.
         let _ = Command::new("kill").args(["-s", "KILL", &job.ranks[0].to_string()]).status();
-        let _ = wait_for(&mut job.child, 60, "the end of the job", |job| job.try_wait().unwrap());
+        let _ = wait_for(&mut job.child, "the end of the job", |job| job.try_wait().unwrap());
         lost += usize::from(bench.path("out/checkpoint.h5.part").exists());
     }
     println!("killed while a checkpoint was written: {lost}");

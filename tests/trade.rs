@@ -314,12 +314,12 @@ fn a_signal_ends_the_run_and_keeps_the_others() {
     let arguments = ["--reference", "solver.tolerance=1e-11", "--vary", slow, "--no-combined", "--limit", "100000"];
     let mut job = command(&bench, &arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let begun = bench.path(&format!("out/runs/{slow}/history.csv"));
-    jobs::wait_for(&mut job, 60, "the slow run", |_| begun.exists().then_some(()));
+    jobs::wait_for(&mut job, "the slow run", |_| begun.exists().then_some(()));
     let children = jobs::children(job.id());
     assert_eq!(children.len(), 1);
     let asked = Command::new("kill").args(["-TERM", &job.id().to_string()]).status().unwrap();
     assert!(asked.success());
-    let code = jobs::wait_for(&mut job, 60, "the end", |job| job.try_wait().unwrap()).code();
+    let code = jobs::wait_for(&mut job, "the end", |job| job.try_wait().unwrap()).code();
     assert_eq!(code, Some(4));
     assert!(!Path::new(&format!("/proc/{}", children[0])).exists(), "the run goes on");
     let kept = written(&bench);

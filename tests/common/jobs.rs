@@ -45,17 +45,17 @@ impl Job {
         command.args(["run", "scene.toml", "--out", "out"]).args(arguments).current_dir(bench.path(""));
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
         let out = bench.path("out");
-        wait_for(&mut child, 600, "rows", |_| (rows_in(&out) >= rows).then_some(()));
+        wait_for(&mut child, "rows", |_| (rows_in(&out) >= rows).then_some(()));
         let started = |child: &mut Child| Some(children(child.id())).filter(|found| found.len() == ranks);
-        let ranks = wait_for(&mut child, 600, "the ranks", started);
+        let ranks = wait_for(&mut child, "the ranks", started);
         Self { child, ranks }
     }
 
     /// Waits for the end of the job and of its ranks; its exit code, and what it said of errors.
     pub fn end(mut self) -> (i32, String) {
-        let status = wait_for(&mut self.child, 600, "the end of the job", |job| job.try_wait().unwrap());
+        let status = wait_for(&mut self.child, "the end of the job", |job| job.try_wait().unwrap());
         let gone = || self.ranks.iter().all(|pid| !Path::new(&format!("/proc/{pid}")).exists());
-        wait_for(&mut self.child, 30, "the end of the ranks", |_| gone().then_some(()));
+        wait_for(&mut self.child, "the end of the ranks", |_| gone().then_some(()));
         let mut said = String::new();
         std::io::Read::read_to_string(self.child.stderr.as_mut().unwrap(), &mut said).unwrap();
         (status.code().unwrap_or(-1), said)
@@ -115,16 +115,17 @@ pub fn children(parent: u32) -> Vec<u32> {
     found
 }
 
-/// Polls until `done` gives something; the job is ended when it does not in time.
-pub fn wait_for<T>(job: &mut Child, seconds: u64, what: &str, mut done: impl FnMut(&mut Child) -> Option<T>) -> T {
+/// Polls until `done` gives something; the job is ended when it does not in time, which a busy machine needs.
+pub fn wait_for<T>(job: &mut Child, what: &str, mut done: impl FnMut(&mut Child) -> Option<T>) -> T {
+    const PATIENCE: Duration = Duration::from_secs(600);
     let begun = Instant::now();
     loop {
         if let Some(value) = done(job) {
             return value;
         }
-        if begun.elapsed() > Duration::from_secs(seconds) {
+        if begun.elapsed() > PATIENCE {
             job.kill().unwrap();
-            panic!("{what} not within {seconds} s");
+            panic!("{what} not within {PATIENCE:?}");
         }
         std::thread::sleep(Duration::from_millis(2));
     }
