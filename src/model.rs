@@ -5,6 +5,7 @@ mod assemble;
 pub mod axisymmetric;
 mod bodies;
 pub mod elements;
+mod layers;
 pub mod locate;
 mod masters;
 mod pairs;
@@ -90,7 +91,8 @@ impl Model {
         let assemble = || {
             let mut global = assemble_bodies(scene, &names)?;
             axisymmetric::check(scene, &names, &global)?;
-            plane_strain::check(scene, &global)?;
+            plane_strain::check(scene)?;
+            layers::check(scene, &names, &global)?;
             slaves::check(scene, &names, &global)?;
             let tied = ties::tie(scene, &names, &mut global)?;
             Ok(Some((global, tied)))
@@ -143,7 +145,7 @@ impl Model {
             warnings: found.lines().map(str::to_string).collect(),
             controls: scene.controls,
         };
-        axisymmetric::check_tools(comm, scene, &model)?;
+        layers::check_tools(comm, scene, &mut model)?;
         let avoided = model.deal_surfaces(comm, scene, &patches);
         model.measure(comm)?;
         model.stiffen_joints(scene);
