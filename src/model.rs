@@ -5,6 +5,7 @@ mod assemble;
 pub mod axisymmetric;
 mod bodies;
 pub mod elements;
+mod layers;
 pub mod locate;
 mod masters;
 mod pairs;
@@ -24,7 +25,7 @@ use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, sum};
-use crate::partition::{Part, PartSet, PartSolid, distribute};
+use crate::partition::{Component, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Reduction, Scene};
 use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::solid::history::History;
@@ -90,7 +91,8 @@ impl Model {
         let assemble = || {
             let mut global = assemble_bodies(scene, &names)?;
             axisymmetric::check(scene, &names, &global)?;
-            plane_strain::check(scene, &global)?;
+            plane_strain::check(scene)?;
+            layers::check(scene, &names, &global)?;
             slaves::check(scene, &names, &global)?;
             let tied = ties::tie(scene, &names, &mut global)?;
             Ok(Some((global, tied)))
@@ -143,7 +145,7 @@ impl Model {
             warnings: found.lines().map(str::to_string).collect(),
             controls: scene.controls,
         };
-        axisymmetric::check_tools(comm, scene, &model)?;
+        layers::check_tools(comm, scene, &mut model)?;
         let avoided = model.deal_surfaces(comm, scene, &patches);
         model.measure(comm)?;
         model.stiffen_joints(scene);
@@ -306,14 +308,49 @@ impl Model {
         self.pairs.is_empty() && self.masters.tools.is_empty()
     }
 
-    /// For each body the first of those that ties make one with it.
-    pub fn united(&self) -> Vec<usize> {
-        let mut first: Vec<usize> = (0..self.bodies.len()).collect();
-        for joint in &self.joints {
-            let [a, b] = joint.bodies.map(|body| first[body]);
-            first.iter_mut().filter(|body| **body == a.max(b)).for_each(|body| *body = a.min(b));
+    /// A component of a body in words: the body, if it is all of it.
+    pub fn component_name(&self, component: usize) -> String {
+        let Component { body, is_whole, node, place: x, .. } = &self.part.components[component];
+        let name = &self.bodies[*body as usize].name;
+        match is_whole {
+            true => format!("body `{name}`"),
+            false => format!(
+                "the part of body `{name}` with node {node} at ({:.6}, {:.6}, {:.6}), which shares no nodes with the rest,",
+                x.x, x.y, x.z
+            ),
         }
-        first
+    }
+
+    /// The components of the meshes that each tie joins, of its slave nodes on this rank with the place of each. Collective.
+    pub fn tied_components(&self, comm: &SimpleCommunicator) -> Vec<(u32, [usize; 2])> {
+        let component = |n: u32| self.part.component[n as usize] as usize;
+        let mut tied = Vec::new();
+        for joint in &self.joints {
+            let masters = joint.masters.fetch(comm, 1, |n, _| component(n) as f64);
+            for slave in &joint.slaves {
+                let most = slave.weights.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+                tied.extend(most.map(|(k, _)| (slave.node, [component(slave.node), masters[*k as usize] as usize])));
+            }
+        }
+        tied
+    }
+
+    /// For each component of the meshes the first of those that ties make one with it. Collective.
+    pub fn united(&self, comm: &SimpleCommunicator) -> Vec<usize> {
+        let tied = self.tied_components(comm);
+        // As negative numbers, of which the largest counts.
+        let mut first: Vec<f64> = (0..self.part.components.len()).map(|k| -(k as f64)).collect();
+        loop {
+            let before = first.clone();
+            for (_, [a, b]) in &tied {
+                let lowest = first[*a].max(first[*b]);
+                (first[*a], first[*b]) = (lowest, lowest);
+            }
+            max(comm, &mut first);
+            if first == before {
+                return first.into_iter().map(|k| -k as usize).collect();
+            }
+        }
     }
 
     /// Whether some body is elastic-plastic; the same on all ranks.

@@ -5,6 +5,7 @@ mod common;
 
 use common::{Bench, Run, deck, nagata};
 use std::fs;
+use std::path::Path;
 
 const SCENE: &str = r#"[body.slab]
 material = "rubber"
@@ -306,22 +307,130 @@ fn a_slave_with_nodes_off_its_faces() {
     );
 }
 
-/// Bodies in plane strain that meet are as thick as each other.
+/// Bodies that meet are both in plane strain, between the same planes: nodes of one plane meet the other for all of the layer.
 #[test]
-fn plane_strain_of_two_thicknesses() {
-    let bench = Bench::new(
-        r#"
-        body.a = { material = "m", plane_strain = true, block = { box = { size = [2.0, 1.0, 0.5] }, elements = [2, 1, 1] } }
-        body.b = { material = "m", plane_strain = true, block = { box = { origin = [0.0, 1.0, 0.0], size = [2.0, 1.0, 0.4] }, elements = [2, 1, 1] } }
-        material.m = { model = "neo-hookean", young = 100.0, poisson = 0.3 }
-        contact.c = { slave = "a.ymax", master = "b.ymin" }
+fn plane_strain_that_meets_other_layers() {
+    let scene = |other: &str, slave: &str, master: &str| {
+        Bench::new(&format!(
+            r#"
+        body.a = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [2.0, 1.0, 0.5] }}, elements = [2, 1, 1] }} }}
+        body.b = {{ material = "m", {other}, elements = [2, 1, 1] }} }}
+        material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+        contact.c = {{ slave = "{slave}", master = "{master}" }}
         [[step]]
         increments = 1
-        fix = [{ set = "a.ymin" }]
-        move = [{ target = "b.ymax", by = [0.0, -0.1, 0.0] }]
-        "#,
-    );
-    refuses(&bench, &[], "scene.toml:5:", &["bodies in plane strain that are 0.5 and 0.4 thick"]);
+        fix = [{{ set = "a.ymin" }}, {{ set = "b", directions = "z" }}]
+        move = [{{ target = "b.ymax", by = [0.0, -0.1, 0.0], directions = "xy" }}]
+        "#
+        ))
+    };
+    let layer = |low: &str, thick: &str| {
+        format!("plane_strain = true, block = {{ box = {{ origin = [0.0, 1.0, {low}], size = [2.0, 1.0, {thick}] }}")
+    };
+    for (low, thick, told) in
+        [("0.0", "0.4", "0.0 and 0.4"), ("0.25", "0.5", "0.25 and 0.75"), ("9.0", "0.5", "9.0 and 9.5")]
+    {
+        let words = ["`a.ymax` lies between z = 0.0 and 0.5, `b.ymin` between ", told, "between the same two z-planes"];
+        refuses(&scene(&layer(low, thick), "a.ymax", "b.ymin"), &[], "scene.toml:5:", &words);
+    }
+    let in_space = layer("0.0", "0.5").replace("plane_strain = true, ", "");
+    for (slave, master) in [("a.ymax", "b.ymin"), ("b.ymin", "a.ymax")] {
+        let words = ["`a.ymax` is of a body in plane strain, and `b.ymin` is not"];
+        refuses(&scene(&in_space, slave, master), &[], "scene.toml:5:", &words);
+    }
+    scene(&layer("0.0", "0.5"), "a.ymax", "b.ymin").solve(2, &[]);
+}
+
+/// A tool is drawn out along z over all of the layer; beyond, it may be anything.
+#[test]
+fn plane_strain_with_tools_that_end_or_change_along_z() {
+    let scene = |tool: &str, kind: &str| {
+        Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", {kind} = true, block = {{ box = {{ size = [2.0, 1.0, 0.5] }}, elements = [4, 2, 1] }} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            tool.t = {{ {tool} }}
+            contact.c = {{ slave = "b.ymax", master = "t" }}
+            [[step]]
+            increments = 1
+            fix = [{{ set = "b.ymin", directions = "y" }}, {{ set = "b.xmin", directions = "x" }}]
+            move = [{{ target = "t", by = [0.0, -0.1, 0.0] }}]
+            "#
+        ))
+    };
+    let kinds = ["plane_strain", "axisymmetric"];
+    let help = |kind: &str| if kind == "axisymmetric" { "the tool is a section" } else { "draw the tool out over all" };
+    // An arch from side to side, by two parameters and the height of its section.
+    let mesh = |kind: &str, smoothing: &str, z: &dyn Fn(f64) -> f64, rise: &dyn Fn(f64) -> f64| {
+        let bench = scene(&format!("mesh = \"t.msh\", smoothing = \"{smoothing}\""), kind);
+        let place = |s: f64, t: f64| [4.0 * s - 1.0, 1.0 + 0.1 * (4.0 * s - 2.0).powi(2) + rise(z(t)), z(t)];
+        bench.write("t.msh", &common::msh::surface(6, place));
+        bench
+    };
+    let along = |low: f64, high: f64| move |t: f64| low + (high - low) * t;
+    let straight = |_: f64| 0.0;
+    let missing = "has none of it straight above or below at z = ";
+    for (kind, smoothing) in [("plane_strain", "nagata"), ("axisymmetric", "facet")] {
+        for ([low, high], word) in [
+            ([0.1, 0.4], missing),
+            ([-1.0, 0.25], missing),
+            ([0.25, 3.0], missing),
+            ([-1.0, 0.0], "it has nothing there"),
+            ([0.6, 3.0], "it has nothing there"),
+        ] {
+            let bench = mesh(kind, smoothing, &along(low, high), &straight);
+            let words = ["tool `t` is not drawn out along z over `b.ymax`, from z = 0.0 to 0.5", word, help(kind)];
+            refuses(&bench, &[], "scene.toml:4:", &words);
+        }
+        refuses(&mesh(kind, smoothing, &along(-1.0, 3.0), &|z| 0.01 * z), &[], "scene.toml:4:", &[missing]);
+        refuses(&mesh(kind, smoothing, &along(-1.0, 3.0), &|z| 0.05 * z * z), &[], "scene.toml:4:", &[missing]);
+    }
+    // Closed by a face across the layer's own plane.
+    let folded = |t: f64| (0.75 * t).min(0.5);
+    let bench = scene("mesh = \"t.msh\"", "plane_strain");
+    let closed = |s: f64, t: f64| [4.0 * s - 1.0, 1.0 + (6.0 * t - 4.0).max(0.0), folded(t)];
+    bench.write("t.msh", &common::msh::surface(6, closed));
+    refuses(&bench, &[], "scene.toml:4:", &["it has a face across z at "]);
+    // As deep as the layer, deeper, in other rows, and with another shape beyond.
+    let force = |bench: Bench| bench.solve(2, &[]).history().last("t.fy");
+    for kind in kinds {
+        let own = force(mesh(kind, "facet", &along(0.0, 0.5), &straight));
+        assert!(own < -1.0, "{own}");
+        for [low, high] in [[-1.0, 3.0], [0.0, 0.6], [-0.7, 0.5]] {
+            let other = force(mesh(kind, "facet", &along(low, high), &straight));
+            common::assert_close("force", other, own, 1e-10);
+        }
+        let beyond = |z: f64| if z > 1.0 { -0.3 * (z - 1.0) } else { 0.0 };
+        common::assert_close("force", force(mesh(kind, "facet", &along(-1.0, 3.0), &beyond)), own, 1e-10);
+    }
+    // Profiles that end, and CAD.
+    let profile = |low: f64, length: f64| {
+        let extrude = format!(
+            "extrude = {{ origin = [0.0, 0.0, {low}], x = [0.0, 1.0, 0.0], y = [-1.0, 0.0, 0.0], length = {length} }}"
+        );
+        scene(&format!("profile = {{ points = [[1.0, 1.0], [1.0, -3.0]], {extrude} }}"), "plane_strain")
+    };
+    for (low, length, ends) in [(0.1, 0.2, "0.1 to 0."), (-1.0, 1.2, "-1.0 to 0."), (0.2, 3.0, "0.2 to 3.2")] {
+        refuses(&profile(low, length), &[], "scene.toml:4:", &[&format!("it goes from z = {ends}")]);
+    }
+    for (low, length) in [(0.0, 0.5), (-1.0, 3.0)] {
+        assert!(force(profile(low, length)) < -1.0);
+    }
+    let iges = Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs/ironing-indenter.igs");
+    for (thick, is_right) in [("0.5", true), ("9.0", false)] {
+        let bench = scene(&format!("nurbs = {iges:?}"), "plane_strain");
+        let text = fs::read_to_string(bench.path("scene.toml")).unwrap();
+        bench.write(
+            "scene.toml",
+            &text
+                .replace("1.0, 0.5]", &format!("1.0, {thick}]"))
+                .replace("{ size", "{ origin = [20.0, -1.0, 0.0], size"),
+        );
+        match is_right {
+            true => assert!(force(bench) < -1.0),
+            false => refuses(&bench, &[], "scene.toml:4:", &[missing]),
+        }
+    }
 }
 
 /// A body in plane strain meets tools that are as it is.
@@ -358,6 +467,20 @@ fn plane_strain_with_tools_in_space() {
         ("rotate = { point = [1.0, 2.0, 0.0], axis = [1.0, 0.0, 0.0], angle = 9.0 }", "turns out of the plane"),
     ] {
         refuses(&scene(roll, how), &[], "scene.toml:9:", &[word]);
+    }
+    for (driven, word) in [
+        ("force = [{ target = \"t\", total = [0.0, -1.0, 0.0], directions = \"yz\" }]", "moves along z"),
+        (
+            "torque = [{ tool = \"t\", total = 1.0, axis = [1.0, 0.0, 0.0], point = [1.0, 2.0, 0.0] }]",
+            "turns out of the plane",
+        ),
+    ] {
+        let bench = scene(roll, down);
+        let text = fs::read_to_string(bench.path("scene.toml")).unwrap();
+        let moved = format!("move = [{{ target = \"t\", {down} }}]");
+        assert!(text.contains(&moved));
+        bench.write("scene.toml", &text.replace(&moved, driven));
+        refuses(&bench, &[], "scene.toml:9:", &[word]);
     }
 }
 

@@ -531,3 +531,126 @@ fn conditions_that_a_mirror_turns() {
     let turned = format!("{by}, rotate = {{ point = [0.0, 0.0, 1.0], axis = [0.0, 0.0, 1.0], angle = 5.0 }}");
     warned(&block(&[half, (by, &turned)]), &["the mirror image of tool `plate` turns the other way"]);
 }
+
+/// Unit cubes of one mesh, each with nodes of its own and the surfaces `base0`, `lid0`, and so on.
+fn cubes(origins: &[[f64; 3]]) -> String {
+    let (mut nodes, mut elements, mut faces) = (String::new(), String::new(), String::new());
+    for (k, [x, y, z]) in origins.iter().enumerate() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let all = [0.0, 1.0].iter().flat_map(|up| corners.map(|[a, b]| [x + a, y + b, z + up]));
+        for (n, [x, y, z]) in all.enumerate() {
+            nodes += &format!("{}, {x:?}, {y:?}, {z:?}\n", 8 * k + n + 1);
+        }
+        let own: Vec<String> = (1..=8).map(|n| (8 * k + n).to_string()).collect();
+        elements += &format!("{}, {}\n", k + 1, own.join(", "));
+        faces += &format!("*SURFACE, NAME=base{k}\n{}, S1\n*SURFACE, NAME=lid{k}\n{}, S2\n", k + 1, k + 1);
+    }
+    format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8\n{elements}{faces}")
+}
+
+/// A body of such cubes.
+fn parts(origins: &[[f64; 3]], more: &str, step: &str) -> Bench {
+    let bench = Bench::new(&format!(
+        "[body.b]\nmaterial = \"soft\"\nmesh = \"cubes.inp\"\n[material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\n\
+         poisson = 0.3\n{more}\n[[step]]\nname = \"press\"\nincrements = 2\n{step}\n"
+    ));
+    bench.write("cubes.inp", &cubes(origins));
+    bench
+}
+
+/// What holds one part of a body holds no other that shares no nodes with it.
+#[test]
+fn parts_of_a_body_that_share_no_nodes() {
+    let on = |gap: f64| [[0.0; 3], [0.0, 0.0, 1.0 + gap]];
+    let fix = "fix = [{ set = \"b.base0\" }]\n";
+    let push = "force = [{ target = \"b.lid0\", total = [0.0, 0.0, -1.0] }]\n";
+    let upper =
+        "the part of body `b` with node 9 at (0.000000, 0.000000, 1.000100), which shares no nodes with the rest,";
+    let free = parts(&on(1e-4), "", &(fix.to_string() + push));
+    let words = [
+        upper,
+        "can move along x, y and z, and turn about",
+        "no support and no contact",
+        "merge the nodes where it should be one",
+    ];
+    refused(&free, &words);
+    // The first part, too.
+    refused(
+        &parts(&on(1e-4), "", &fix.replace('0', "1")),
+        &["the part of body `b` with node 1 at", "can move along x, y and z"],
+    );
+    // Each held by itself, by a spring, or tied to the other.
+    accepted(&parts(&on(1e-4), "", "fix = [{ set = \"b.base0\" }, { set = \"b.lid1\" }]"), "b");
+    let spring = "spring = [{ set = \"b.lid1\", stiffness = [1.0, 1.0, 1.0] }]\n";
+    accepted(&parts(&on(1e-4), "", &(fix.to_string() + spring)), "b");
+    let tie = "[tie.t]\nslave = \"b.base1\"\nmaster = \"b.lid0\"";
+    accepted(&parts(&on(1e-4), tie, fix), "b");
+    // Under a plate nothing presses it against that but another contact.
+    let plate = |gap: f64, friction: f64| {
+        format!(
+            "[tool.plate]\nplane = {{ point = [0.0, 0.0, {:?}], normal = [0.0, 0.0, -1.0] }}\n[contact.top]\nslave = \"b.lid1\"\n\
+             master = \"plate\"\nfriction = {friction:?}\n",
+            2.0 + gap
+        )
+    };
+    let between =
+        |friction: f64| format!("[contact.i]\nslave = \"b.base1\"\nmaster = \"b.lid0\"\nfriction = {friction:?}\n");
+    let down = format!("{fix}move = [{{ target = \"plate\", by = [0.0, 0.0, -0.05] }}]");
+    refused(&parts(&on(1e-4), &plate(1e-4, 0.3), &down), &["nothing presses ", upper, "against what touches it"]);
+    refused(
+        &parts(&on(1e-4), &plate(1e-4, 0.0), &down),
+        &[upper, "can move along x and y", "give its contact friction"],
+    );
+    accepted(&parts(&on(1e-8), &(plate(1e-8, 0.3) + &between(0.3)), &down), "touch");
+    accepted(&parts(&on(1e-8), &(plate(1e-8, 0.3) + &between(0.0)), &down), "touch");
+    refused(
+        &parts(&on(1e-8), &(plate(1e-8, 0.0) + &between(0.0)), &down),
+        &["the part of body `b` with node 9", "can move along x and y"],
+    );
+    // What only a force drives must touch, as between bodies.
+    let weight = format!("{fix}force = [{{ target = \"b.lid1\", total = [0.0, 0.0, -1.0] }}]");
+    refused(
+        &parts(&on(1e-2), &between(0.3), &weight),
+        &["what touches at the start does not hold that", "with node 9", "let the meshes touch"],
+    );
+    let run = parts(&on(0.0625), &between(0.3), &format!(
+        "fix = [{{ set = \"b.base0\" }}]\nmove = [{{ target = \"b.lid1\", by = [0.0, 0.0, -0.0725] }}]\n[[step]]\nincrements = 1\n{weight}"
+    )).solve(2, &[]);
+    assert_close("weight", run.history().last("i.fz").abs(), 1.0, 1e-8);
+}
+
+#[test]
+fn parts_on_several_ranks() {
+    let row: Vec<[f64; 3]> = (0..12).map(|k| [2.0 * f64::from(k), 0.0, 0.0]).collect();
+    let held = |free: usize| {
+        let sets = (0..12).filter(|k| *k != free).map(|k| format!("{{ set = \"b.base{k}\" }}"));
+        format!("fix = [{}]", sets.collect::<Vec<_>>().join(", "))
+    };
+    for ranks in 1..=4 {
+        for free in [0, 7, 11] {
+            let (code, text) = verdict(&parts(&row, "", &held(free)), ranks);
+            let node = format!("with node {} at ({:.6}, 0.000000, 0.000000)", 8 * free + 1, 2.0 * free as f64);
+            assert!(code == 2 && text.contains(&node) && text.matches("the part of").count() == 1, "{ranks}: {text}");
+        }
+        let (code, text) = verdict(&parts(&row, "", &held(99)), ranks);
+        assert!(code == 0 && !text.contains("warning"), "{ranks}: {text}");
+    }
+}
+
+#[test]
+fn tools_and_bodies_that_no_contact_names() {
+    let more = |more: &str| block(&[("[[step]]", &format!("{more}\n[[step]]"))]);
+    let other = PLATE.replace("1.0]", "9.0]").replacen("plane", "[tool.other]\nplane", 1);
+    let told = "no contact names the tool `other`: bodies pass through it";
+    warned(&more(&other), &[told]);
+    assert!(more(&other).solve(1, &[]).log().contains(told));
+    let aside = |more: &str| {
+        format!(
+            "[body.aside]\nmaterial = \"soft\"\nblock = {{ box = {{ origin = [0.0, 0.0, 3.0], size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1] }}\n{more}"
+        )
+    };
+    let held = (FIX, "fix = [{ set = \"block.bottom\" }, { set = \"aside.zmin\" }]");
+    let by = |text: &str| block(&[("[[step]]", &format!("{text}\n[[step]]")), held]);
+    warned(&by(&aside("")), &["neither contact nor tie names body `aside`: tools and other bodies pass through it"]);
+    accepted(&by(&aside("[contact.rest]\nslave = \"aside.zmin\"\nmaster = \"block.top\"\n")), "touch");
+}

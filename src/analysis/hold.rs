@@ -1,7 +1,7 @@
 //! What holds bodies and force-driven tools while a step runs: supports, contacts, friction.
 
 use super::Simulation;
-use super::preflight::rigid::{RigidMotions, Side, sides};
+use super::preflight::rigid::{RigidMotions, Side};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
@@ -36,20 +36,22 @@ impl Simulation<'_> {
     ) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
         let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
-        for (p, (pair, (body, side))) in self.model.pairs.iter().zip(sides(&self.model, self.scene)).enumerate() {
-            for slave in pair.slaves.iter().filter(|_| side != Side::Body(body)) {
-                let trial = of(slave);
+        for (p, pair) in self.model.pairs.iter().enumerate() {
+            let ground = self.model.masters.of(pair.master);
+            for slave in &pair.slaves {
+                let (trial, own) = (of(slave), self.model.part.component[slave.node as usize] as usize);
                 let Some(at) = trial.projection else { continue };
+                let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
                 let near = friction.is_none() && at.gap <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !near {
                     continue;
                 }
                 let x = place(slave.node as usize);
                 let rough = pair.friction > 0.0 && friction.is_some_and(|holds| holds(p, slave));
-                motions.touch(body, side, &x, &at.normal, rough && trial.status == Status::Stick);
+                motions.touch(own, side, &x, &at.normal, rough && trial.status == Status::Stick);
                 let across = at.normal.cross(&trial.traction());
                 if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
-                    motions.touch(body, side, &x, &across, false);
+                    motions.touch(own, side, &x, &across, false);
                 }
             }
         }

@@ -203,6 +203,11 @@ impl BodySurface {
         Some((&self.near[k], &self.stencils[k]))
     }
 
+    /// The component of the mesh that a point of a near patch is on.
+    pub fn component(&self, at: &Projection) -> Option<usize> {
+        self.patch(at.patch).map(|(patch, _)| patch.component as usize)
+    }
+
     /// Tangents and unit normal of a near patch at a point of it, as columns.
     pub fn frame(&self, at: &Projection) -> Option<Mat3> {
         self.shapes.get(at.patch).map(|patch| frame(&patch.local(at.xi)))

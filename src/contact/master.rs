@@ -95,6 +95,8 @@ pub struct Prospect {
     pub contact: Option<Projection>,
     /// The normal where it is nearest, ends included, and the distance.
     pub nearest: Option<(Vec3, f64)>,
+    /// The component of the mesh that this is on; a tool has none.
+    pub component: Option<usize>,
 }
 
 impl Masters {
@@ -210,17 +212,19 @@ impl Masters {
                 let see = |(x, outward): (&Vec3, &Vec3)| {
                     surface.near().nearest(x, reach)?;
                     let contact = surface.project(x, reach, (None, false));
-                    Some(Prospect { contact, nearest: surface.near().side_normal(x, outward) })
+                    Some(Prospect { contact, nearest: surface.near().side_normal(x, outward), component: None })
                 };
                 points_with_normals.map(see).collect()
             }
             Master::Surface(k, _) => {
                 let surface = &mut self.surfaces[k];
                 surface.follow(comm, points, reach, &BTreeSet::new(), place);
-                let shapes = surface.shapes();
+                let (shapes, surface) = (surface.shapes(), &*surface);
                 let see = |(x, outward): (&Vec3, &Vec3)| {
-                    shapes.nearest_within(x, reach)?;
-                    Some(Prospect { contact: shapes.closest(x, reach, None), nearest: side_normal(shapes, x, outward) })
+                    let beside = shapes.nearest_within(x, reach)?;
+                    let contact = shapes.closest(x, reach, None);
+                    let component = surface.component(contact.as_ref().unwrap_or(&beside));
+                    Some(Prospect { contact, nearest: side_normal(shapes, x, outward), component })
                 };
                 points_with_normals.map(see).collect()
             }
@@ -310,6 +314,14 @@ impl<'a> Ground<'a> {
         match self {
             Self::Tool(_) => None,
             Self::Surface(surface, _) => surface.patch(id),
+        }
+    }
+
+    /// The component of the mesh that a point of a body is on; a tool has none.
+    pub fn component(&self, at: &Projection) -> Option<usize> {
+        match self {
+            Self::Tool(_) => None,
+            Self::Surface(surface, _) => surface.component(at),
         }
     }
 

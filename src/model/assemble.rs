@@ -74,6 +74,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         join(&mut global.solids, mesh.solids);
     }
     faults.finish()?;
+    global.connect();
     refuse_quadratic_sides(scene, &global)?;
     global.node_work = vec![0; global.points.len()];
     for contact in &scene.passes() {

@@ -11,7 +11,6 @@ use crate::mesh::Mesh;
 use crate::partition::{GlobalFacet, GlobalMesh};
 use crate::scene::{Body, Description, Formulation, Located, MaterialModel, Scene, Shape, Step, Sweep, Tool};
 use crate::{AXIS_NAMES, Mat3, Vec3};
-use mpi::topology::SimpleCommunicator;
 
 /// Cosine and sine of directions that count as at a right angle, and as parallel.
 const TILT: f64 = 1e-6;
@@ -182,26 +181,6 @@ pub(super) fn check_planes(scene: &Scene, planes: &[SymmetryPlane]) -> Result<()
             &plane.set.at,
             what,
             "only planes orthogonal to the y axis are such; on the axis nothing need be said",
-        ))
-    }))
-    .map(|_: Vec<()>| ())
-}
-
-/// The meshes of tools are drawn out along z. Collective.
-pub(super) fn check_tools(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<()> {
-    if !model.is_axisymmetric() {
-        return Ok(());
-    }
-    Faults::all(scene.tools.iter().zip(&model.masters.tools).map(|(tool, placed)| {
-        if placed.surface.is_drawn_along_z(comm, TILT) {
-            return Ok(());
-        }
-        let what =
-            format!("the mesh of tool `{}` is not drawn out along z, but the bodies are axisymmetric", tool.name.value);
-        Err(Error::input(
-            &tool.smoothing.at,
-            what,
-            "name a `group` without its ends; normals must have no part along z",
         ))
     }))
     .map(|_: Vec<()>| ())

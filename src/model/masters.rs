@@ -69,6 +69,7 @@ fn of_master(
     let mut patches =
         MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
     for (patch, facet) in patches.iter_mut().zip(facets) {
+        patch.component = mesh.component[facet.nodes[0] as usize];
         if let Some(middles) = mesh.middles.of(facet.nodes()) {
             patch.bend_through(middles.map(|n| numbers[n as usize]));
         }

@@ -1,6 +1,7 @@
 //! Rank 0 has the whole mesh; afterwards every rank has its part. The parts are made one after the other, each in time and
 //! memory of its own size.
 
+use super::components::{Component, lowest_joined};
 use super::graph::{element_parts, node_owners};
 use super::halo::Halo;
 use super::lists::Lists;
@@ -22,6 +23,9 @@ pub struct GlobalMesh {
     pub section: Vec<u32>,
     /// Number of each node in its file.
     pub id: Vec<u64>,
+    /// Index of the component of each node, see [`Self::connect`].
+    pub component: Vec<u32>,
+    pub components: Vec<Component>,
     /// Node whose displacement a node shares; mostly itself.
     pub tie: Vec<u32>,
     pub solids: Vec<Solid>,
@@ -43,6 +47,31 @@ pub struct GlobalMesh {
 }
 
 impl GlobalMesh {
+    /// Finds what hangs together.
+    pub fn connect(&mut self) {
+        let lowest = lowest_joined(self.points.len(), self.solids.iter().map(Solid::nodes));
+        (self.component, self.components) = (Vec::with_capacity(lowest.len()), Vec::new());
+        for (n, first) in lowest.into_iter().enumerate() {
+            let x = self.points[n];
+            if first as usize == n {
+                self.component.push(self.components.len() as u32);
+                let (body, node) = (self.body[n], self.id[n]);
+                self.components.push(Component { body, is_whole: true, node, place: x, bounds: (x, x) });
+            } else {
+                let own = self.component[first as usize];
+                self.component.push(own);
+                let (low, high) = &mut self.components[own as usize].bounds;
+                (*low, *high) = (low.inf(&x), high.sup(&x));
+            }
+        }
+        // Those of a body stand one after the other.
+        let bodies: Vec<u32> = self.components.iter().map(|component| component.body).collect();
+        for (k, component) in self.components.iter_mut().enumerate() {
+            let beside = [k.checked_sub(1), Some(k + 1)].into_iter().flatten().filter_map(|other| bodies.get(other));
+            component.is_whole = beside.into_iter().all(|body| *body != component.body);
+        }
+    }
+
     /// Between which z the nodes of a body lie.
     pub fn z_range(&self, body: usize) -> [f64; 2] {
         let own = self.points.iter().zip(&self.body).filter(|(_, of)| **of as usize == body).map(|(x, _)| x.z);
@@ -201,9 +230,11 @@ impl<'a> Cut<'a> {
         let at = |n: u32| u64::from(local[n as usize]);
         let mut p = Vec::with_capacity(8 * held.len() + 12 * solids.len());
         p.extend([owned, held.len(), mesh.points.len(), mesh.solids.len(), solids.len()].map(|n| n as u64));
+        p.push(mesh.components.len() as u64);
+        p.extend(mesh.components.iter().flat_map(Component::to_words));
         for n in held.iter().map(|&n| n as usize) {
             p.extend([owner[n] as u64, u64::from(place[n]), u64::from(mesh.body[n]), u64::from(mesh.section[n])]);
-            p.extend([mesh.id[n], n as u64, at(mesh.tie[n])]);
+            p.extend([u64::from(mesh.component[n]), mesh.id[n], n as u64, at(mesh.tie[n])]);
             p.extend(mesh.points[n].iter().map(|x| x.to_bits()));
         }
         for e in solids {
@@ -238,6 +269,9 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     part.total_nodes = next();
     part.total_solids = next();
     let solids = next() as usize;
+    for _ in 0..next() {
+        part.components.push(Component::from_words(&std::array::from_fn(|_| next())));
+    }
     let mut wanted = Parcels::new();
     for local in 0..held {
         let (of, place) = (next() as usize, next() as u32);
@@ -246,6 +280,7 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         }
         part.body.push(next() as u32);
         part.section.push(next() as u32);
+        part.component.push(next() as u32);
         part.id.push(next());
         part.number.push(next());
         part.tie.push(next() as u32);
@@ -305,7 +340,7 @@ mod tests {
         };
         let points: Vec<Vec3> = all(N + 1).map(|(i, j, k)| Vec3::new(i.into(), j.into(), k.into())).collect();
         let count = points.len();
-        let mesh = GlobalMesh {
+        let mut mesh = GlobalMesh {
             body: vec![0; count],
             section: vec![0; count],
             id: (0..count as u64).collect(),
@@ -317,6 +352,7 @@ mod tests {
             points,
             ..GlobalMesh::default()
         };
+        mesh.connect();
         for ranks in [1, 2, 5, 300] {
             let (pieces, numbers) = pieces(&mesh, ranks).unwrap();
             assert_eq!(pieces.len(), ranks);

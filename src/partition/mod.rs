@@ -5,8 +5,9 @@
 //! assemble its own rows of any finite-element matrix without sending matrix entries. Surfaces are seen farther than that:
 //! [`Gather`] fetches values of nodes wherever they are owned, [`parcels`] deals out the pieces of a surface, and
 //! [`directory`] finds which of them come near the points of which rank. What is written to files stands in an
-//! [`Order`] of its own, whatever the partition.
+//! [`Order`] of its own, whatever the partition. Every rank knows the [`Component`]s of the whole mesh.
 
+mod components;
 pub mod directory;
 mod distribute;
 mod gather;
@@ -16,6 +17,7 @@ mod lists;
 mod order;
 pub mod parcels;
 
+pub use components::{Component, lowest_joined};
 pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
 pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
@@ -147,6 +149,10 @@ pub struct Part {
     pub body: Vec<u32>,
     /// Index of the section of a node: of those around it the stiffest.
     pub section: Vec<u32>,
+    /// Index of the component of a node in [`Self::components`].
+    pub component: Vec<u32>,
+    /// The parts of all bodies that share no nodes with each other, by their lowest nodes; on every rank.
+    pub components: Vec<Component>,
     /// The number a node has in its mesh file, for messages.
     pub id: Vec<u64>,
     /// Its number among the nodes of all bodies, whatever the partition.

@@ -2,6 +2,7 @@
 
 use crate::Vec3;
 use crate::controls::Controls;
+use crate::surface::analytic::Profile;
 use crate::surface::{Analytic, FaceSet, PatchSet, Piece, PieceSet, Projection};
 
 /// The whole of a surface, or what is near.
@@ -47,6 +48,17 @@ impl Shape {
             Self::Patches(patches) => patches.nearest_within(x, reach),
             Self::Faces(faces) => faces.nearest_within(x, reach),
             Self::Analytic(shape) => shape.nearest(x).filter(|p| p.gap.abs() <= reach),
+        }
+    }
+
+    /// Between which z a profile that is drawn out along z lies, if it ends.
+    pub fn ends_along_z(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Analytic(Analytic::Profile(Profile { sweep, .. })) => sweep.ends().map(|ends| {
+                let [from, to] = ends.map(|end| end.z);
+                [from.min(to), from.max(to)]
+            }),
+            _ => None,
         }
     }
 

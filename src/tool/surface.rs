@@ -8,13 +8,20 @@ use super::shape::Shape;
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
-use crate::parallel::{agree, any, first_word, max};
+use crate::parallel::{agree, any, first_word, max, word_of_largest};
 use crate::partition::parcels::{self, bounds, collect, hull, strayed};
 use crate::partition::{Bounds, Parcel};
 use crate::scene::{self, Description, Smoothing};
+use crate::surface::analytic::ROUNDED;
 use crate::surface::{Edge, FaceSet, Parametric, Patch, PatchSet, Projection, SewnFace, Tessellation};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use std::collections::BTreeMap;
+
+/// How far a surface may be from the same all along z, over the length, in radians: to a thousandth of the layer's thickness.
+const SLOPE: f64 = 1e-3;
+/// Planes z that are closer than this part of the length between two are one.
+const ALIKE: f64 = 1e-6;
 
 /// The surface of a tool, in its own frame.
 pub struct Surface {
@@ -151,22 +158,60 @@ impl Surface {
         !any(comm, is_open)
     }
 
-    /// Whether the patches have no normal with a part along z beyond `tilt`, as far as their corners tell. Collective.
-    pub fn is_drawn_along_z(&self, comm: &SimpleCommunicator, tilt: f64) -> bool {
-        let leans = |patch: &Patch| {
-            let corners: &[[f64; 2]] = if patch.count == 3 {
-                &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
-            } else {
-                &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
-            };
-            corners.iter().any(|xi| patch.normal(*xi).z.abs() > tilt)
+    /// Where the surface is not the same all along z between two planes z, in words; `None` where it is. What lies beyond the
+    /// planes does not count. Collective.
+    pub fn unlike_along_z(&mut self, comm: &SimpleCommunicator, [low, high]: [f64; 2]) -> Option<String> {
+        if let Share::Nothing = &self.share {
+            return self.near.ends_along_z().and_then(|[from, to]| {
+                let slack = ROUNDED * (to - from);
+                (from > low + slack || to < high - slack).then(|| format!("it goes from z = {from:?} to {to:?}"))
+            });
+        }
+        let (between, across) = self.points_between([low, high]);
+        let place = |x: &Vec3| format!("({:.6}, {:.6}, {:.6})", x.x, x.y, x.z);
+        if let Some(told) = first_word(comm, across.map(|x| format!("it has a face across z at {}", place(&x)))) {
+            return Some(told);
+        }
+        if !any(comm, !between.is_empty()) {
+            return Some("it has nothing there".into());
+        }
+        let (reach, at) = (SLOPE * (high - low), |x: &Vec3, z: f64| Vec3::new(x.x, x.y, z));
+        let places: Vec<Vec3> = between.iter().flat_map(|x| [low, high].map(|z| at(x, z))).collect();
+        self.watch(comm, &places, reach);
+        let is_lost = |k: &usize| self.near.nearest(&places[*k], reach).is_none();
+        let lost = (0..places.len()).filter(is_lost).min_by(|a, b| places[*a].x.total_cmp(&places[*b].x));
+        self.forget();
+        let told = |k: usize| {
+            let z = places[k].z;
+            format!("its point {} has none of it straight above or below at z = {z:?}", place(&between[k / 2]))
         };
-        let here = match &self.share {
-            Share::Patches(share) => share.iter().any(leans),
-            Share::Faces(_) => true,
-            Share::Nothing => false,
+        word_of_largest(comm, lost.map(|k| (k, -places[k].x)), told).map(|(told, _)| told)
+    }
+
+    /// Corners of this rank's cells that have more than their border between two planes z, one of those that stand over each
+    /// other; and a place where a cell lies across.
+    fn points_between(&self, [low, high]: [f64; 2]) -> (Vec<Vec3>, Option<Vec3>) {
+        const CELLS: usize = 4;
+        let cells = match &self.share {
+            Share::Patches(share) => Tessellation::of_patches(share, CELLS),
+            Share::Faces(share) => Tessellation::of_faces(FaceSet::new(share).pieces(), CELLS),
+            Share::Nothing => Tessellation::default(),
         };
-        !any(comm, here)
+        let slack = ALIKE * (high - low);
+        let (mut between, mut across) = (BTreeMap::new(), None);
+        let all = (cells.triangles.iter().map(|cell| &cell[..])).chain(cells.quads.iter().map(|cell| &cell[..]));
+        for corners in all.map(|cell| cell.iter().map(|k| Vec3::from(cells.points[*k as usize]))) {
+            let ends = |[from, to]: [f64; 2], x: Vec3| [from.min(x.z), to.max(x.z)];
+            let [from, to] = corners.clone().fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+            if from < high - slack && to > low + slack {
+                between.extend(corners.clone().map(|x| ([x.x.to_bits(), x.y.to_bits()], x)));
+            }
+            // What only touches a plane may lie in it: the nodes there would meet that.
+            if to - from <= slack && from < high + slack && to > low - slack {
+                across = corners.clone().next();
+            }
+        }
+        (between.into_values().collect(), across)
     }
 
     /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.

@@ -8,14 +8,15 @@
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
 //! - `opposite`: contacts that are another one the other way round
 //! - `tied`: slave nodes of ties that a step moves otherwise than their masters
-//! - `support`: what holds every body and every force-driven tool, in each step
+//! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
+//!   step
 //! - `pressed`: bodies that nothing presses against what touches them
 //! - `idle`: loads, springs and dashpots on nodes that are held
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
-//! Places of probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read: [`crate::model`].
+//! Tools and bodies that no contact names are warned of. Places of probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read: [`crate::model`].
 
 mod facing;
 mod gaps;
@@ -37,7 +38,7 @@ use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{agree, first_word, max};
-use crate::scene::{Scene, Step};
+use crate::scene::{Scene, Step, body_of};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 
@@ -54,6 +55,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     locking::check(comm, scene, model)?;
     opposite::check(comm, scene, model)?;
     turns(scene, model);
+    bystanders(scene, model);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
     facing::check(comm, &contacts, model, &sights)?;
@@ -77,6 +79,24 @@ fn turns(scene: &Scene, model: &mut Model) {
             step.name.value,
             Step::TURN,
             step.sizes().max
+        ));
+    }
+}
+
+/// Warns of tools that no contact names, and where some bodies meet others or tools, of bodies that neither contact nor tie names.
+fn bystanders(scene: &Scene, model: &mut Model) {
+    let named = |name: &str| {
+        let contacts = scene.contacts.iter().flat_map(|contact| [&contact.slave, &contact.master]);
+        let mut sides = contacts.chain(scene.ties.iter().flat_map(|tie| [&tie.slave, &tie.master]));
+        sides.any(|side| body_of(&side.value) == name)
+    };
+    for tool in scene.tools.iter().filter(|tool| !named(&tool.name.value)) {
+        model.warnings.push(format!("no contact names the tool `{}`: bodies pass through it", tool.name.value));
+    }
+    for body in scene.bodies.iter().filter(|body| !scene.contacts.is_empty() && !named(&body.name.value)) {
+        model.warnings.push(format!(
+            "neither contact nor tie names body `{}`: tools and other bodies pass through it",
+            body.name.value
         ));
     }
 }

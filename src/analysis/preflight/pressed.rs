@@ -3,10 +3,10 @@
 //! Contacts push, and friction pulls along them by no more than mu times that. Where all the forces that the contacts of a
 //! body could have lie on one side, and neither a support nor a load acts against them, there is no equilibrium, or only one
 //! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of no support, that is so if
-//! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are tied count as one.
+//! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are tied count as one,
+//! parts of a body that share no nodes as several.
 
 use super::super::conditions::Conditions;
-use super::rigid::{Side, sides};
 use super::sight::Standing;
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -25,24 +25,26 @@ pub fn check(
     model: &Model,
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
-    let sides = sides(model, scene);
-    let united = model.united();
+    let united = model.united(comm);
+    let component = &model.part.component;
     for (step, conditions) in scene.steps.iter().zip(steps) {
         let times: Vec<f64> = [0.0, 1.0].into_iter().chain(step.corners()).collect();
         let supports = supports(comm, model, &united, conditions, &times);
-        for (b, (body, Support { free, loads, pressed })) in model.bodies.iter().zip(supports).enumerate() {
+        for (b, Support { free, loads, pressed }) in supports.into_iter().enumerate() {
             if united[b] != b || pressed || free == Vec3::zeros() {
                 continue;
             }
             // The normals of all contacts, as pushes on the body, with the sine of the angle of friction of each.
             let pushes = || {
-                model.pairs.iter().zip(&sides).zip(sights).flat_map(|((pair, (own, other)), sights)| {
-                    let sign = if united[*own] == b { 1.0 } else { -1.0 };
-                    let is_other = matches!(other, Side::Body(other) if united[*other] == b);
-                    let concerned = (united[*own] == b) != is_other;
+                model.pairs.iter().zip(sights).flat_map(|(pair, sights)| {
                     let sine = pair.friction / pair.friction.hypot(1.0);
-                    let of = move |s: &Standing| s.normal().map(|n| (sign * n, sine));
-                    sights.iter().filter(move |_| concerned).filter_map(of)
+                    let united = &united;
+                    pair.slaves.iter().zip(sights).filter_map(move |(slave, sight)| {
+                        let is_own = united[component[slave.node as usize] as usize] == b;
+                        let is_other = sight.component.is_some_and(|other| united[other] == b);
+                        let normal = sight.normal().filter(|_| is_own != is_other)?;
+                        Some((if is_own { normal } else { -normal }, sine))
+                    })
                 })
             };
             let mut total = pushes().map(|(n, _)| n).sum::<Vec3>();
@@ -56,9 +58,10 @@ pub fn check(
             max(comm, &mut least);
             if least[0] < 0.0 && least[0].is_finite() {
                 let what = format!(
-                    "step `{}`: nothing presses body `{}` against what touches it: all contacts push it one way, and no support \
+                    "step `{}`: nothing presses {} against what touches it: all contacts push it one way, and no support \
                      or load holds against that",
-                    step.name.value, body.name
+                    step.name.value,
+                    model.component_name(b)
                 );
                 return Err(Error::input(
                     &step.name.at,
@@ -71,7 +74,7 @@ pub fn check(
     Ok(())
 }
 
-/// What acts on a body besides contacts, on all ranks.
+/// What acts on a component of a body besides contacts, on all ranks.
 struct Support {
     /// 1 along x, y, z where no node is prescribed or on a spring or dashpot, by any component of a direction, else 0.
     free: Vec3,
@@ -81,7 +84,7 @@ struct Support {
     pressed: bool,
 }
 
-/// What acts on each body and those `united` with it, with the loads at these fractions of the step. Collective.
+/// What acts on each component of a body and those `united` with it, with the loads at these fractions of the step. Collective.
 fn supports(
     comm: &SimpleCommunicator,
     model: &Model,
@@ -89,11 +92,12 @@ fn supports(
     conditions: &Conditions,
     times: &[f64],
 ) -> Vec<Support> {
-    let mut set = vec![0.0f64; 3 * model.bodies.len()];
+    let count = model.part.components.len();
+    let mut set = vec![0.0f64; 3 * count];
     let width = 3 * times.len();
-    let mut loads = vec![0.0f64; width * model.bodies.len()];
+    let mut loads = vec![0.0f64; width * count];
     for n in 0..model.part.owned {
-        let b = united[model.part.body[n] as usize];
+        let b = united[model.part.component[n] as usize];
         let resists = conditions.springs.get(&(n as u32)).copied().unwrap_or_default().resists();
         let held: Vec<Vec3> = (0..3).filter_map(|d| conditions.held_along(n, d)).collect();
         // Rings resist getting wider.
@@ -109,12 +113,13 @@ fn supports(
     }
     max(comm, &mut set);
     sum(comm, &mut loads);
-    let body = |set: &str| model.bodies.iter().position(|body| body.name == body_of(set));
-    let pressed = |b: usize| conditions.pressures.keys().any(|set| body(set).is_some_and(|body| united[body] == b));
+    let body = |k: usize| model.bodies[model.part.components[k].body as usize].name.as_str();
+    let of_one = |b: usize| (0..count).filter(move |&k| united[k] == b);
+    let pressed = |b: usize| conditions.pressures.keys().any(|set| of_one(b).any(|k| body(k) == body_of(set)));
     let one = |b: usize| Support {
         free: Vec3::from_column_slice(&set[3 * b..3 * b + 3]).map(|set| 1.0 - set),
         loads: loads[width * b..width * (b + 1)].chunks_exact(3).map(Vec3::from_column_slice).collect(),
         pressed: pressed(b),
     };
-    (0..model.bodies.len()).map(one).collect()
+    (0..count).map(one).collect()
 }

@@ -1,6 +1,6 @@
 //! Which rigid motions of the bodies and tools nothing holds.
 //!
-//! A body moves with the velocity v + ω x (x - c), c the middle of its box; a tool that a force drives translates along its
+//! A body, or each of its components that share no nodes, moves with the velocity v + ω x (x - c), c the middle of its box; a tool that a force drives translates along its
 //! free directions, and one that a torque drives turns about its axis. Every support is a row: no velocity along a direction at a point. Every contact is one, too: no
 //! velocity of the two sides relative to each other along the normal, with friction that sticks along no direction.
 //!
@@ -12,11 +12,13 @@
 
 use crate::contact::{Axle, Pair};
 use crate::model::Model;
-use crate::parallel::sum;
-use crate::partition::parcels::{bounds, hull};
+use crate::parallel::{Parcels, exchange};
+use crate::partition::{Component, lowest_joined};
 use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
-use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use mpi::traits::*;
+use nalgebra::{DMatrix, DVector, Matrix6, SymmetricEigen, Vector6};
+use std::collections::BTreeMap;
 
 /// Share of a velocity that may be normal to a contact and count as none: 1e-3 radians, the accuracy of the normals of
 /// coarse smoothed meshes.
@@ -31,8 +33,8 @@ const UNIT: f64 = 1e-6;
 /// Parts of motions below this are none.
 const SLIGHT: f64 = 1e-4;
 
-/// Velocities of a body: three translations, then three rotations.
-const OF_BODY: usize = 6;
+/// Velocities of a component of a body: three translations, then three rotations.
+const OF_COMPONENT: usize = 6;
 
 /// Velocities of a tool: three translations, and a rotation.
 const OF_TOOL: usize = 4;
@@ -40,24 +42,46 @@ const OF_TOOL: usize = 4;
 /// The free directions of a tool, and the axis about which it turns freely.
 type Driven = ([bool; 3], Option<Axle>);
 
+/// A component of a body.
+#[derive(Clone, Debug)]
+struct Rigid {
+    who: String,
+    body: usize,
+    is_whole: bool,
+    center: Vec3,
+    size: f64,
+}
+
+/// What of a row is of a component, or of a tool, which come behind all components.
+type Entry = (usize, Vector6<f64>);
+
+/// Of the Gram matrices of the rows what is of two components or tools.
+#[derive(Clone, Copy, Debug, Default)]
+struct Grams {
+    /// Of supports, which are in both of the others, too.
+    firm: Matrix6<f64>,
+    held: Matrix6<f64>,
+    moved: Matrix6<f64>,
+}
+
 /// The rigid motions of a model, and what holds them on this rank.
 #[derive(Clone, Debug)]
 pub struct RigidMotions {
-    bodies: Vec<(String, Vec3, f64)>,
+    components: Vec<Rigid>,
     /// Tools with the free directions of each, and the axis about which it turns freely.
     tools: Vec<(String, Driven)>,
-    /// Of supports, which are in both of the others, too.
-    firm: DMatrix<f64>,
-    held: DMatrix<f64>,
-    moved: DMatrix<f64>,
+    grams: BTreeMap<[usize; 2], Grams>,
 }
 
-/// What one body or tool does in the motions that nothing holds.
+/// What one component of a body or tool does in the motions that nothing holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free {
     /// "body `a`", "tool `b`".
     pub who: String,
     pub is_tool: bool,
+    /// It is not all of its body.
+    pub is_piece: bool,
+    /// Of the body or the tool.
     pub index: usize,
     /// Directions of free translations, unit vectors.
     pub along: Vec<Vec3>,
@@ -65,88 +89,101 @@ pub struct Free {
     pub about: Vec<(Vec3, Vec3)>,
 }
 
+/// Where a slave node touches.
+pub struct Touch {
+    pub at: Vec3,
+    pub normal: Vec3,
+    pub sticks: bool,
+    pub side: Side,
+}
+
 impl RigidMotions {
-    /// All bodies, and the tools as they are `driven`; nothing holds them yet. Collective.
-    pub fn new(comm: &SimpleCommunicator, model: &Model, driven: Vec<Driven>) -> Self {
-        let part = &model.part;
-        let middle = |b: usize| {
-            let own = part.owned_of(b);
-            let (low, high) = hull(comm, bounds(own.map(|n| part.points[n]))).unwrap_or_default();
-            (0.5 * (low + high), 0.5 * (high - low).norm())
+    /// All components of bodies, and the tools as they are `driven`; nothing holds them yet.
+    pub fn new(model: &Model, driven: Vec<Driven>) -> Self {
+        let named = |(k, component): (usize, &Component)| {
+            let (low, high) = component.bounds;
+            let size = 0.5 * (high - low).norm();
+            Rigid {
+                who: model.component_name(k),
+                body: component.body as usize,
+                is_whole: component.is_whole,
+                center: 0.5 * (low + high),
+                size: if size > 0.0 { size } else { 1.0 },
+            }
         };
-        let named = |(b, body): (usize, &crate::model::Body)| {
-            let (center, size) = middle(b);
-            (body.name.clone(), center, if size > 0.0 { size } else { 1.0 })
-        };
-        let bodies = model.bodies.iter().enumerate().map(named).collect();
-        Self::of(bodies, model.masters.tools.iter().map(|t| t.name.clone()).zip(driven).collect())
+        let components = model.part.components.iter().enumerate().map(named).collect();
+        Self::of(components, model.masters.tools.iter().map(|t| t.name.clone()).zip(driven).collect())
     }
 
-    fn of(bodies: Vec<(String, Vec3, f64)>, tools: Vec<(String, Driven)>) -> Self {
-        let count = OF_BODY * bodies.len() + OF_TOOL * tools.len();
-        let zeros = || DMatrix::zeros(count, count);
-        Self { bodies, tools, firm: zeros(), held: zeros(), moved: zeros() }
+    fn of(components: Vec<Rigid>, tools: Vec<(String, Driven)>) -> Self {
+        Self { components, tools, grams: BTreeMap::new() }
     }
 
-    /// The point `x` of a body has no velocity along a unit vector.
-    pub fn hold(&mut self, body: usize, x: &Vec3, along: &Vec3) {
-        let row = self.velocity(body, x, along);
-        for gram in [&mut self.firm, &mut self.held, &mut self.moved] {
-            add_square(gram, &row);
+    /// The point `x` of a component has no velocity along a unit vector.
+    pub fn hold(&mut self, component: usize, x: &Vec3, along: &Vec3) {
+        let row = [self.velocity(component, x, along)];
+        self.add_square(&row, |grams| [Some(&mut grams.firm), Some(&mut grams.held), Some(&mut grams.moved)]);
+    }
+
+    /// A point of a component at `x` touches a tool or a component along a unit vector; with friction that sticks they move as
+    /// one.
+    pub fn touch(&mut self, component: usize, master: Side, x: &Vec3, normal: &Vec3, sticks: bool) {
+        if master == Side::Component(component) {
+            return;
         }
-    }
-
-    /// A node of `body` at `x` touches a tool or, where `master` says so, a body, along a unit vector; with friction that
-    /// sticks they move as one.
-    pub fn touch(&mut self, body: usize, master: Side, x: &Vec3, normal: &Vec3, sticks: bool) {
         let relative = |motions: &Self, along: &Vec3| {
-            let mut row = motions.velocity(body, x, along).to_vec();
+            let mut row = vec![motions.velocity(component, x, along)];
             match master {
-                Side::Body(other) => row.extend(motions.velocity(other, x, along).iter().map(|(k, v)| (*k, -v))),
+                Side::Component(other) => {
+                    let (unit, entries) = motions.velocity(other, x, along);
+                    row.push((unit, -entries));
+                }
                 Side::Tool(t) => {
-                    let first = OF_BODY * motions.bodies.len() + OF_TOOL * t;
                     let (free, axle) = motions.tools[t].1;
-                    row.extend((0..3).filter(|&d| free[d]).map(|d| (first + d, -along[d])));
-                    row.extend(axle.map(|axle| (first + 3, -axle.velocity(x).dot(along))));
+                    let mut entries = Vector6::zeros();
+                    (0..3).filter(|&d| free[d]).for_each(|d| entries[d] = -along[d]);
+                    entries[3] = axle.map_or(0.0, |axle| -axle.velocity(x).dot(along));
+                    if free.contains(&true) || axle.is_some() {
+                        row.push((motions.components.len() + t, entries));
+                    }
                 }
             }
             row
         };
         for d in 0..3 {
             let row = relative(self, &Vec3::ith(d, 1.0));
-            add_square(&mut self.moved, &row);
-            if sticks {
-                add_square(&mut self.held, &row);
-            }
+            self.add_square(&row, |grams| [None, sticks.then_some(&mut grams.held), Some(&mut grams.moved)]);
         }
         if !sticks {
             let row = relative(self, normal);
-            add_square(&mut self.held, &row);
+            self.add_square(&row, |grams| [None, Some(&mut grams.held), None]);
         }
     }
 
-    /// Adds what touches of a pair: where `state` says of a slave node that it touches at a place with a normal, and
-    /// whether it sticks there. `place` says which bodies these are, as by [`sides`].
-    pub fn touch_pair(
-        &mut self,
-        pair: &Pair,
-        place: (usize, Side),
-        state: impl Fn(usize) -> Option<(Vec3, Vec3, bool)>,
-    ) {
-        if place.1 == Side::Body(place.0) {
-            return;
-        }
-        for (x, normal, sticks) in (0..pair.slaves.len()).filter_map(state) {
-            self.touch(place.0, place.1, &x, &normal, sticks);
+    /// Adds what touches of a pair, as `state` says of a slave node; `component` has those of all local nodes.
+    pub fn touch_pair(&mut self, pair: &Pair, component: &[u32], state: impl Fn(usize) -> Option<Touch>) {
+        for (s, slave) in pair.slaves.iter().enumerate() {
+            if let Some(Touch { at, normal, sticks, side }) = state(s) {
+                self.touch(component[slave.node as usize] as usize, side, &at, &normal, sticks);
+            }
         }
     }
 
-    /// The velocity of the point `x` of a body along a direction: entries of a row.
-    fn velocity(&self, body: usize, x: &Vec3, along: &Vec3) -> [(usize, f64); OF_BODY] {
-        let (_, center, size) = &self.bodies[body];
+    fn add_square(&mut self, row: &[Entry], choose: impl Fn(&mut Grams) -> [Option<&mut Matrix6<f64>>; 3]) {
+        for (i, a) in row {
+            for (j, b) in row {
+                let square = a * b.transpose();
+                let grams = self.grams.entry([*i, *j]).or_default();
+                choose(grams).into_iter().flatten().for_each(|gram| *gram += square);
+            }
+        }
+    }
+
+    /// The velocity of the point `x` of a component along a direction: its entries of a row.
+    fn velocity(&self, component: usize, x: &Vec3, along: &Vec3) -> Entry {
+        let Rigid { center, size, .. } = &self.components[component];
         let turn = (x - center).cross(along) / *size;
-        let first = OF_BODY * body;
-        std::array::from_fn(|k| (first + k, if k < 3 { along[k] } else { turn[k - 3] }))
+        (component, Vector6::from_fn(|k, _| if k < 3 { along[k] } else { turn[k - 3] }))
     }
 
     /// What can move: by body, then by tool; empty when everything is held. The same on all ranks. Collective.
@@ -157,27 +194,76 @@ impl RigidMotions {
     /// The same, where a velocity at the contacts of which no more than the share `tilt` is normal to them counts as free,
     /// and what moves a support does not, however many contacts there are. Collective.
     pub fn free_along(&self, comm: &SimpleCommunicator, tilt: f64) -> Vec<Free> {
-        let mut all = self.clone();
-        all.held += &self.firm * FIRM;
-        all.moved += &self.firm * FIRM;
-        sum(comm, all.held.as_mut_slice());
-        sum(comm, all.moved.as_mut_slice());
-        all.loose(tilt)
+        let whole = |parcels: Parcels<f64>| {
+            let mut all = Self { grams: BTreeMap::new(), ..self.clone() };
+            parcels.values().for_each(|parcel| all.add(parcel));
+            all
+        };
+        let mine = Parcels::from([(0, self.to_numbers())]);
+        let all = whole(exchange(comm, &mine)).to_numbers();
+        let ranks = if comm.rank() == 0 { 0..comm.size() as usize } else { 0..0 };
+        let to_all: Parcels<f64> = ranks.map(|rank| (rank, all.clone())).collect();
+        whole(exchange(comm, &to_all)).loose(tilt)
+    }
+
+    /// The Gram matrices as numbers, to be sent to another rank.
+    fn to_numbers(&self) -> Vec<f64> {
+        let of_one = |([i, j], grams): (&[usize; 2], &Grams)| {
+            let Grams { firm, held, moved } = grams;
+            let entries = [firm, held, moved].into_iter().flatten().copied();
+            [*i as f64, *j as f64].into_iter().chain(entries).collect::<Vec<_>>()
+        };
+        self.grams.iter().flat_map(of_one).collect()
+    }
+
+    /// Adds those of [`Self::to_numbers`].
+    fn add(&mut self, numbers: &[f64]) {
+        const ENTRIES: usize = 36;
+        for one in numbers.chunks_exact(2 + 3 * ENTRIES) {
+            let grams = self.grams.entry([one[0] as usize, one[1] as usize]).or_default();
+            for (gram, entries) in
+                [&mut grams.firm, &mut grams.held, &mut grams.moved].into_iter().zip(one[2..].chunks_exact(ENTRIES))
+            {
+                *gram += Matrix6::from_column_slice(entries);
+            }
+        }
     }
 
     fn loose(&self, tilt: f64) -> Vec<Free> {
-        let tools = OF_BODY * self.bodies.len();
-        let exists = |k: usize| {
-            let of_tool = |k: usize| {
-                let (free, axle) = self.tools[k / OF_TOOL].1;
-                free.get(k % OF_TOOL).copied().unwrap_or(axle.is_some())
-            };
-            k < tools || of_tool(k - tools)
+        // What no row joins moves by itself.
+        let rows: Vec<[u32; 2]> = self.grams.keys().map(|units| units.map(|unit| unit as u32)).collect();
+        let units = self.components.len() + self.tools.len();
+        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for (unit, lowest) in lowest_joined(units, rows.iter().map(|row| &row[..])).into_iter().enumerate() {
+            groups.entry(lowest).or_default().push(unit);
+        }
+        let mut free: Vec<(usize, Free)> = groups.values().flat_map(|units| self.loose_of(units, tilt)).collect();
+        free.sort_by_key(|(unit, _)| *unit);
+        free.into_iter().map(|(_, free)| free).collect()
+    }
+
+    /// What is free of components and tools that no row joins to others, with their numbers.
+    fn loose_of(&self, units: &[usize], tilt: f64) -> Vec<(usize, Free)> {
+        let exists = |unit: usize, k: usize| match unit.checked_sub(self.components.len()) {
+            None => true,
+            Some(t) => {
+                let (free, axle) = self.tools[t].1;
+                k < OF_TOOL && free.get(k).copied().unwrap_or(axle.is_some())
+            }
         };
-        let columns: Vec<usize> = (0..self.held.nrows()).filter(|&k| exists(k)).collect();
-        let pick =
-            |m: &DMatrix<f64>| DMatrix::from_fn(columns.len(), columns.len(), |i, j| m[(columns[i], columns[j])]);
-        let (held, moved) = (pick(&self.held), pick(&self.moved));
+        let all = (0..units.len()).flat_map(|at| (0..OF_COMPONENT).map(move |k| (at, k)));
+        let columns: Vec<(usize, usize)> = all.filter(|(at, k)| exists(units[*at], *k)).collect();
+        if columns.is_empty() {
+            return Vec::new();
+        }
+        let gram = |choose: fn(&Grams) -> &Matrix6<f64>| {
+            DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
+                let [(a, k), (b, l)] = [columns[i], columns[j]];
+                let grams = self.grams.get(&[units[a], units[b]]);
+                grams.map_or(0.0, |grams| choose(grams)[(k, l)] + FIRM * grams.firm[(k, l)])
+            })
+        };
+        let (held, moved) = (gram(|grams| &grams.held), gram(|grams| &grams.moved));
         let scale: Vec<f64> = moved.diagonal().iter().map(|d| if *d > 0.0 { d.sqrt().recip() } else { 1.0 }).collect();
         let scaled = |m: &DMatrix<f64>| DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| m[(i, j)] * scale[i] * scale[j]);
         let mut mass = scaled(&moved);
@@ -190,62 +276,43 @@ impl RigidMotions {
         for (k, value) in eigen.eigenvalues.iter().enumerate() {
             if *value < tilt * tilt {
                 let motion = inverse.tr_mul(&eigen.eigenvectors.column(k));
-                let mut all = DVector::zeros(self.held.nrows());
-                columns.iter().enumerate().for_each(|(i, &c)| all[c] = motion[i] * scale[i]);
+                let mut all = DVector::zeros(OF_COMPONENT * units.len());
+                columns.iter().enumerate().for_each(|(i, (at, k))| all[OF_COMPONENT * at + k] = motion[i] * scale[i]);
                 motions.push(all.normalize());
             }
         }
-        self.named(&motions)
+        units.iter().enumerate().filter_map(|(at, &unit)| Some((unit, self.named(unit, at, &motions)?))).collect()
     }
 
-    /// The motions in words of bodies and tools.
-    fn named(&self, motions: &[DVector<f64>]) -> Vec<Free> {
-        let mut free = Vec::new();
-        for (index, (name, center, size)) in self.bodies.iter().enumerate() {
-            let own = basis(motions, OF_BODY * index, OF_BODY);
+    /// The motions of a component or a tool, whose velocities stand at a place in them.
+    fn named(&self, unit: usize, at: usize, motions: &[DVector<f64>]) -> Option<Free> {
+        let own = basis(motions, OF_COMPONENT * at, OF_COMPONENT);
+        let Some(index) = unit.checked_sub(self.components.len()) else {
+            let Rigid { who, body, is_whole, center, size } = &self.components[unit];
             let (along, about) = translations_and_rotations(&own, center, *size);
-            if !own.is_empty() {
-                free.push(Free { who: format!("body `{name}`"), is_tool: false, index, along, about });
-            }
-        }
-        for (index, (name, (_, axle))) in self.tools.iter().enumerate() {
-            let own = basis(motions, OF_BODY * self.bodies.len() + OF_TOOL * index, OF_TOOL);
-            let along = axes_of(&own.iter().map(|m| Vec3::new(m[0], m[1], m[2])).collect::<Vec<_>>());
-            let turns = own.iter().any(|m| m[3].abs() > SLIGHT);
-            let about: Vec<_> = axle.iter().filter(|_| turns).map(|axle| (axle.axis, axle.point)).collect();
-            if !along.is_empty() || !about.is_empty() {
-                free.push(Free { who: format!("tool `{name}`"), is_tool: true, index, along, about });
-            }
-        }
-        free
+            let free = Free { who: who.clone(), is_tool: false, is_piece: !is_whole, index: *body, along, about };
+            return (!own.is_empty()).then_some(free);
+        };
+        let (name, (_, axle)) = &self.tools[index];
+        let along = axes_of(&own.iter().map(|m| Vec3::new(m[0], m[1], m[2])).collect::<Vec<_>>());
+        let turns = own.iter().any(|m| m[3].abs() > SLIGHT);
+        let about: Vec<_> = axle.iter().filter(|_| turns).map(|axle| (axle.axis, axle.point)).collect();
+        let free = Free { who: format!("tool `{name}`"), is_tool: true, is_piece: false, index, along, about };
+        (!free.along.is_empty() || !free.about.is_empty()).then_some(free)
     }
 }
 
 /// The other side of a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    Body(usize),
+    Component(usize),
     Tool(usize),
 }
 
-/// The body of the slave nodes and the other side of each pair of a model.
-pub fn sides(model: &Model, scene: &crate::scene::Scene) -> Vec<(usize, Side)> {
-    let body = |set: &str| {
-        let name = crate::scene::body_of(set);
-        model.bodies.iter().position(|b| b.name == name).unwrap_or_default()
-    };
-    let side = |(pair, contact): (&Pair, &crate::scene::Contact)| {
-        let on_body = || Side::Body(body(&contact.master.value));
-        (body(&contact.slave.value), pair.master.tool().map_or_else(on_body, Side::Tool))
-    };
-    model.pairs.iter().zip(&scene.passes()).map(side).collect()
-}
-
-fn add_square(matrix: &mut DMatrix<f64>, row: &[(usize, f64)]) {
-    for (i, a) in row {
-        for (j, b) in row {
-            matrix[(*i, *j)] += a * b;
-        }
+impl Side {
+    /// That of a pair, which meets this component if it meets a body.
+    pub fn of(pair: &Pair, component: Option<usize>) -> Option<Self> {
+        pair.master.tool().map(Self::Tool).or(component.map(Self::Component))
     }
 }
 
@@ -355,7 +422,14 @@ mod tests {
 
     fn motions(tools: &[[bool; 3]]) -> RigidMotions {
         let tools = tools.iter().map(|free| ("t".to_string(), (*free, None))).collect();
-        RigidMotions::of(vec![("a".into(), Vec3::new(1.0, 1.0, 1.0), 3f64.sqrt())], tools)
+        let cube = Rigid {
+            who: "body `a`".into(),
+            body: 0,
+            is_whole: true,
+            center: Vec3::new(1.0, 1.0, 1.0),
+            size: 3f64.sqrt(),
+        };
+        RigidMotions::of(vec![cube], tools)
     }
 
     /// The corners of a face of the cube from 0 to 2.

@@ -30,6 +30,8 @@ pub struct Standing {
     /// Normal of the master where it is nearest, ends included, of the face there that is the most along the node's own;
     /// and the distance. `None` where both are on one body.
     pub nearest: Option<(Vec3, f64)>,
+    /// The component of the mesh that the master is of there; a tool has none.
+    pub component: Option<usize>,
 }
 
 impl Standing {
@@ -58,6 +60,7 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
             let ground = masters.of(pair.master);
             for (s, sight) in sights.iter_mut().enumerate() {
                 sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), (None, false));
+                sight.component = sight.contact.and_then(|at| ground.component(&at));
             }
         } else {
             widen(comm, pair, place, &mut sights, |points, outward, reach| {
@@ -94,7 +97,9 @@ fn widen(
         let mut rest = Vec::new();
         for (&s, found) in open.iter().zip(found) {
             match found {
-                Some(Prospect { contact, nearest }) => sights[s] = Standing { contact, nearest, ..sights[s] },
+                Some(Prospect { contact, nearest, component }) => {
+                    sights[s] = Standing { contact, nearest, component, ..sights[s] };
+                }
                 None => rest.push(s),
             }
         }

@@ -1,4 +1,5 @@
-//! What holds every body and every force-driven tool, in each step: supports, and contacts.
+//! What holds every body, or every part of one that shares no nodes with the rest, and every force-driven tool, in each step:
+//! supports, and contacts.
 //!
 //! A motion that neither the supports of a step nor any of its contacts could hold, even if all slave nodes touched, has no
 //! equilibrium that is the only one: it is refused, with or without a load along it. There is no exception for motions
@@ -13,7 +14,7 @@
 //! where it meets something.
 
 use super::super::conditions::{Conditions, Ramp};
-use super::rigid::{Free, RigidMotions, Side, sides};
+use super::rigid::{Free, RigidMotions, Side, Touch};
 use super::sight::Standing;
 use crate::Vec3;
 use crate::contact::Tool;
@@ -30,16 +31,24 @@ pub fn check(
     model: &mut Model,
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
-    let sides = sides(model, scene);
+    let component = &model.part.component;
     let mut warnings = Vec::new();
     for (k, (step, conditions)) in scene.steps.iter().zip(steps).enumerate() {
         let still = |n: usize| model.part.points[n];
         let mut held = supported(comm, model, conditions, true, still);
         for (p, pair) in model.pairs.iter().enumerate() {
+            let place = |s: usize| model.part.points[pair.slaves[s].node as usize];
             let state = |s: usize| {
-                Some((model.part.points[pair.slaves[s].node as usize], sights[p][s].normal()?, pair.friction > 0.0))
+                let (sight, sticks) = (&sights[p][s], pair.friction > 0.0);
+                Some(Touch { at: place(s), normal: sight.normal()?, sticks, side: Side::of(pair, sight.component)? })
             };
-            held.touch_pair(pair, sides[p], state);
+            held.touch_pair(pair, component, state);
+            // What sees nothing of its own body yet may come to meet any other part of it.
+            for s in (0..pair.slaves.len()).filter(|&s| pair.within_body && sights[p][s].contact.is_none()) {
+                let own = component[pair.slaves[s].node as usize] as usize;
+                let others = model.part.components.iter().enumerate().filter(|(_, c)| c.body as usize == pair.body);
+                others.for_each(|(k, _)| held.touch(own, Side::Component(k), &place(s), &Vec3::x(), true));
+            }
         }
         let free = held.free(comm);
         if !free.is_empty() {
@@ -52,28 +61,29 @@ pub fn check(
         let drifts = drifts(comm, model, conditions, first);
         let mut touched = supported(comm, model, conditions, false, still);
         for (p, pair) in model.pairs.iter().enumerate() {
-            let (body, side) = sides[p];
             let state = |s: usize| {
-                let x = model.part.points[pair.slaves[s].node as usize];
-                let at = sights[p][s].contact?;
+                let n = pair.slaves[s].node as usize;
+                let (x, sight) = (model.part.points[n], &sights[p][s]);
+                let (at, side) = (sight.contact?, Side::of(pair, sight.component)?);
                 let master = match side {
-                    Side::Body(other) => drifts[other],
+                    Side::Component(other) => drifts[other],
                     Side::Tool(t) => {
                         conditions.pose(t, &model.masters.tools[t].committed, first).outward(&at.point) - at.point
                     }
                 };
-                let comes = at.normal.dot(&(drifts[body] - master)).min(0.0);
-                (at.gap + comes <= pair.controls.touching_gap * pair.facet_size).then_some((
-                    x,
-                    at.normal,
-                    pair.friction > 0.0,
-                ))
+                let comes = at.normal.dot(&(drifts[component[n] as usize] - master)).min(0.0);
+                (at.gap + comes <= pair.controls.touching_gap * pair.facet_size).then_some(Touch {
+                    at: x,
+                    normal: at.normal,
+                    sticks: pair.friction > 0.0,
+                    side,
+                })
             };
-            touched.touch_pair(pair, sides[p], state);
+            touched.touch_pair(pair, component, state);
         }
         let free = touched.free(comm);
         if free.iter().any(|free| !free.along.is_empty()) {
-            return Err(apart(comm, (scene, model), (step, conditions), sights, &free));
+            return Err(apart(comm, model, (step, conditions), sights, &free));
         }
         warnings.extend(free.iter().map(|free| {
             format!(
@@ -102,39 +112,38 @@ pub fn supported(
         false => ([false; 3], None),
     };
     let driven = model.masters.tools.iter().enumerate().map(of_tool).collect();
-    let mut motions = RigidMotions::new(comm, model, driven);
+    let component = |n: usize| model.part.component[n] as usize;
+    let mut motions = RigidMotions::new(model, driven);
     for n in 0..model.part.owned {
         for along in (0..3).filter_map(|d| conditions.held_along(n, d)) {
-            motions.hold(model.part.body[n] as usize, &place(n), &along);
+            motions.hold(component(n), &place(n), &along);
         }
     }
     // Where rings get wider they resist: only along the axis they move freely.
     if model.is_axisymmetric() {
-        (0..model.part.owned).for_each(|n| motions.hold(model.part.body[n] as usize, &place(n), &Vec3::x()));
+        (0..model.part.owned).for_each(|n| motions.hold(component(n), &place(n), &Vec3::x()));
     }
     for (&n, footing) in &conditions.springs {
         for d in (0..3).filter(|&d| footing.resists()[d]) {
-            motions.hold(model.part.body[n as usize] as usize, &place(n as usize), &Vec3::ith(d, 1.0));
+            motions.hold(component(n as usize), &place(n as usize), &Vec3::ith(d, 1.0));
         }
     }
     // What is tied moves as one, but for slave nodes that are held themselves.
-    for joint in model.joints.iter().filter(|joint| joint.bodies[0] != joint.bodies[1]) {
-        for n in joint.slaves.iter().map(|slave| slave.node as usize) {
-            for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_none()) {
-                let [body, master] = joint.bodies;
-                motions.touch(body, Side::Body(master), &place(n), &Vec3::ith(d, 1.0), false);
-            }
+    for (n, [slave, master]) in model.tied_components(comm) {
+        let n = n as usize;
+        for d in (0..3).filter(|d| conditions.prescribed[3 * n + d].is_none()) {
+            motions.touch(slave, Side::Component(master), &place(n), &Vec3::ith(d, 1.0), false);
         }
     }
     motions
 }
 
-/// How far the supports of a step have moved each body at fraction `s`: along each direction the farthest that they move a
-/// node. Collective.
+/// How far the supports of a step have moved each component of a body at fraction `s`: along each direction the farthest
+/// that they move a node. Collective.
 fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, s: f64) -> Vec<Vec3> {
-    let mut ends = vec![0.0f64; 6 * model.bodies.len()];
+    let mut ends = vec![0.0f64; 6 * model.part.components.len()];
     for n in 0..model.part.owned {
-        let own = &mut ends[6 * model.part.body[n] as usize..];
+        let own = &mut ends[6 * model.part.component[n] as usize..];
         let along = conditions.moved(n, s).map(|by| if by.is_nan() { 0.0 } else { by });
         let by = conditions.axes.outward(n, &along);
         for d in 0..3 {
@@ -145,6 +154,10 @@ fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, s: 
     let farther = |up: f64, down: f64| if up >= down { up } else { -down };
     ends.chunks_exact(6).map(|e| Vec3::new(farther(e[0], e[3]), farther(e[1], e[4]), farther(e[2], e[5]))).collect()
 }
+
+/// What else a part of a body may want.
+const MERGE: &str = "merge the nodes where it should be one with the rest (Gmsh: Coherence Mesh, with a tolerance), or `tie` it to \
+                     it; else ";
 
 /// What is free even if all contacts touch.
 fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> Error {
@@ -170,25 +183,28 @@ fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> 
     }
     let smooth = model.pairs.iter().any(|p| p.friction == 0.0);
     let friction = if smooth { ", or give its contact friction" } else { "" };
+    let merge = if free.iter().any(|f| f.is_piece) { MERGE } else { "" };
     let turns = free.iter().all(|f| f.along.is_empty());
     let turned = if turns { "; one node held off the axis keeps a body from turning" } else { "" };
-    Error::input(&step.name.at, what, format!("`fix` it in these directions{friction}{turned}{forgotten}"))
+    Error::input(&step.name.at, what, format!("{merge}`fix` it in these directions{friction}{turned}{forgotten}"))
 }
 
 /// What is free as long as nothing more touches than at the start. Collective.
 fn apart(
     comm: &SimpleCommunicator,
-    (scene, model): (&Scene, &Model),
+    model: &Model,
     (step, conditions): (&Step, &Conditions),
     sights: &[Vec<Standing>],
     free: &[Free],
 ) -> Error {
-    let sides = sides(model, scene);
     let mut nearest = Vec::new();
     for (p, pair) in model.pairs.iter().enumerate() {
         let mut least = [sights[p].iter().filter_map(Standing::gap).map(|gap| -gap).fold(f64::NEG_INFINITY, f64::max)];
         max(comm, &mut least);
-        let concerned = |f: &Free| f.index == sides[p].0 || sides[p].1 == Side::Body(f.index);
+        let concerned = |f: &Free| match f.is_tool {
+            true => pair.master.tool() == Some(f.index),
+            false => pair.body == f.index || pair.master_body == Some(f.index),
+        };
         if free.iter().any(concerned) && -least[0] > pair.controls.touching_gap * pair.facet_size {
             nearest.push(format!("`{}` begins with a gap of {:.3e}", pair.name, -least[0]));
         }
@@ -200,7 +216,10 @@ fn apart(
         step.name.value,
         told(free)
     );
-    let help = "let the meshes touch, or `fix` or `move` it in these directions in a first step that closes the gap";
+    let merge = if free.iter().any(|f| f.is_piece) { MERGE } else { "" };
+    let help = format!(
+        "{merge}let the meshes touch, or `fix` or `move` it in these directions in a first step that closes the gap"
+    );
     Error::input(&step.name.at, what, help)
 }
 

@@ -21,7 +21,7 @@ pub use chain::Chain;
 pub use cone::Cone;
 pub use corners::Misfit;
 pub use plane::Plane;
-pub use profile::{Profile, Sweep};
+pub use profile::{Profile, ROUNDED, Sweep};
 pub use round::{Cylinder, Sphere};
 pub use torus::Torus;
 

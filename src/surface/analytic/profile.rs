@@ -23,8 +23,18 @@ pub enum Sweep {
     Revolved(Axis),
 }
 
+impl Sweep {
+    /// The places of the section's origin at both ends, where it ends.
+    pub fn ends(&self) -> Option<[Vec3; 2]> {
+        match self {
+            Self::Extruded { origin, x, y, length: Some(length) } => Some([*origin, origin + x.cross(y) * *length]),
+            _ => None,
+        }
+    }
+}
+
 /// Part of its length by which an extruded profile goes on beyond its ends, against round-off.
-const ROUNDED: f64 = 1e-9;
+pub const ROUNDED: f64 = 1e-9;
 
 impl Profile {
     /// Closest point of the profile to `x`; `kept` is the piece of the last projection, which stays in a tie. `None` beyond

@@ -45,6 +45,7 @@ pub fn patches(
             nodes: stencil.nodes.iter().map(|n| numbers[*n]).collect(),
             edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
             on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
+            component: 0,
             normals: stencil.rules,
             corners,
             bulge: 1.0,

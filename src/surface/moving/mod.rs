@@ -45,6 +45,8 @@ pub struct MovingPatch {
     pub edges: [Edge; 4],
     /// Own nodes where the surface ends, though perhaps in an edge of another patch.
     pub on_boundary: [bool; 4],
+    /// Index of the component of the mesh that it is on.
+    pub component: u32,
     /// Nodal normals, each by those before it; empty for a facet.
     pub normals: Vec<NormalRule>,
     /// Which of `normals` the own nodes have.

@@ -7,7 +7,13 @@ use crate::surface::numbers::{Numbers, flags, from_flags};
 impl MovingPatch {
     /// The patch as numbers.
     pub fn to_numbers(&self) -> Vec<f64> {
-        let mut to = vec![self.id as f64, self.count as f64, flags(&self.edges, &self.on_boundary), self.bulge];
+        let mut to = vec![
+            self.id as f64,
+            self.count as f64,
+            f64::from(self.component),
+            flags(&self.edges, &self.on_boundary),
+            self.bulge,
+        ];
         to.push(f64::from(u8::from(self.is_quadratic)));
         to.extend(self.corners.map(f64::from));
         to.push(self.nodes.len() as f64);
@@ -42,6 +48,7 @@ impl MovingPatch {
 impl Numbers<'_> {
     fn patch(&mut self) -> Option<MovingPatch> {
         let (id, count) = (self.number()? as u32, self.number()? as u8);
+        let component = self.number()? as u32;
         let (edges, on_boundary) = from_flags(self.number()?);
         let (bulge, is_quadratic) = (self.number()?, self.number()? != 0.0);
         let corners = [self.number()?, self.number()?, self.number()?, self.number()?].map(|x| x as u32);
@@ -49,7 +56,7 @@ impl Numbers<'_> {
         let nodes = self.take(nodes)?.iter().map(|n| *n as u64).collect();
         let normals = self.count()?;
         let normals = (0..normals).map(|_| self.rule()).collect::<Option<_>>()?;
-        Some(MovingPatch { id, count, nodes, edges, on_boundary, normals, corners, bulge, is_quadratic })
+        Some(MovingPatch { id, count, nodes, edges, on_boundary, component, normals, corners, bulge, is_quadratic })
     }
 
     fn rule(&mut self) -> Option<NormalRule> {

@@ -149,6 +149,7 @@ fn rare_ends_have_their_derivatives() {
             nodes: (0..6).collect(),
             edges: [Edge::Smooth; 4],
             on_boundary: [false; 4],
+            component: 5,
             normals: vec![mean(1), mean(2), NormalRule::End { node: 0, neighbours: end.collect(), directions }],
             corners: [2, 0, 1, 0],
             bulge: 0.7,
