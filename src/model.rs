@@ -24,12 +24,13 @@ use crate::controls::Controls;
 use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
 use crate::output::phases::{Phase, Phases};
-use crate::parallel::{agree, first_word, max, number, sum};
+use crate::parallel::{agree, first_word, max, number, serve, sum};
 use crate::partition::{Component, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Reduction, Scene};
 use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::solid::history::History;
 pub use assemble::{assemble_bodies, set_names};
+use masters::bulges;
 pub use masters::{MasterPatches, master_patches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -113,6 +114,8 @@ impl Model {
         let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
         let joined = first_word(comm, tied.map(|tied| tied.lines.join("\n"))).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
+        let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
+        let bulges: Vec<Vec<f64>> = bulges.into_iter().map(|of_pass| serve(comm, |_| of_pass.clone())).collect();
         drop(global);
         let sections = sections::read(comm, scene, &part)?;
         let body = |body: &scene::Body| Body {
@@ -149,7 +152,7 @@ impl Model {
         let avoided = model.deal_surfaces(comm, scene, &patches);
         model.measure(comm)?;
         model.stiffen_joints(scene);
-        model.pair_up(comm, scene, &avoided)?;
+        model.pair_up(comm, scene, &avoided, &bulges)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         model.warnings.extend(model.wrong_way_round(comm, scene)?.iter().map(ToString::to_string));
         Ok(model)

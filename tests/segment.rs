@@ -215,3 +215,56 @@ fn a_quarter_bears_a_quarter_of_the_force() {
         assert_small(smoothing, 4.0 * quarter / whole - 1.0, 1e-5);
     }
 }
+
+/// Rings in one another, without a gap, under pressure in the bore, and with an interference, against Lamé: the facets of
+/// neither, the inner one's bulge and the outer one's are hollow, stand in for the round they are of.
+#[test]
+fn round_fits_bear_what_they_bear() {
+    const FACETS: usize = 24;
+    let rings = |slave: &str, master: &str, outer: f64, pressure: f64| {
+        format!(
+            r#"
+            [body.i]
+            material = "m"
+            plane_strain = true
+            symmetry = ["amin", "amax"]
+            block = {{ sector = {{ radii = [1.0, {outer:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [8, {FACETS}, 1] }}
+            [body.o]
+            material = "m"
+            plane_strain = true
+            symmetry = ["amin", "amax"]
+            block = {{ sector = {{ radii = [2.0, 3.0], angles = [0.0, 90.0], length = 0.1 }}, elements = [8, {FACETS}, 1] }}
+            [material.m]
+            model = "hooke"
+            young = 1e5
+            poisson = 0.3
+            [contact.c]
+            slave = "{slave}"
+            master = "{master}"
+            discretization = "segment"
+            friction = 0.2
+            [[step]]
+            increments = 2
+            pressure = [{{ set = "i.rmin", value = {pressure:?} }}]
+            "#
+        )
+    };
+    // Lamé: b = 2 between a = 1 and c = 3, which alike pressures p a²(c² - b²) / (b²(c² - a²)) and, in plane strain, an interference
+    // δ of E' δ (b² - a²)(c² - b²) / (2 b³ (c² - a²)) press.
+    let of_bore = |p: f64| p * 5.0 / 32.0;
+    let of_fit = |d: f64| 1e5 / (1.0 - 0.09) * d * 15.0 / (16.0 * 8.0);
+    for [slave, master] in [["i.rmax", "o.rmin"], ["o.rmin", "i.rmax"]] {
+        for (outer, pressure, exact) in [
+            (2.0, 0.0, 0.0),
+            (2.0, 20.0, of_bore(20.0)),
+            (2.001, 0.0, of_fit(1e-3)),
+            (2.001, 20.0, of_fit(1e-3) + of_bore(20.0)),
+        ] {
+            let ranks = 1 + usize::from(pressure > 0.0);
+            let run = Bench::new(&rings(slave, master, outer, pressure)).solve(ranks, &[]);
+            let force = run.history().last("c.fx").abs() / 0.2;
+            println!("{slave}, {outer}, {pressure}: {force:.5}, {exact:.5}");
+            assert_small("pressure", (force - exact).abs() / exact.max(1.0), 3e-3);
+        }
+    }
+}

@@ -1,12 +1,13 @@
-//! The surfaces of bodies that are masters, as they are made on rank 0.
+//! The surfaces of bodies that are masters, as they are made on rank 0, and how far the faces of slaves are from being such.
 
 use super::symmetry::{self, SymmetryPlane};
 use crate::Vec3;
 use crate::contact::{Avoided, self_contact};
 use crate::error::Result;
 use crate::mesh::{Facet, Mesh};
+use crate::mortar::Corners;
 use crate::partition::GlobalMesh;
-use crate::scene::{self, Discretization, Located, Scene};
+use crate::scene::{self, Description, Discretization, FEATURE_ANGLE, Located, Scene};
 use crate::surface::{MovingPatch, Smoothing};
 use std::collections::BTreeMap;
 
@@ -40,32 +41,12 @@ fn of_master(
     numbers: &[u64],
 ) -> Result<MasterPatches> {
     let master = &contact.master;
-    let (Some(mesh), Some(set)) = (mesh, names.iter().position(|n| n.value == master.value)) else {
-        return Ok(Default::default());
-    };
+    let (Some(mesh), Some(set)) = (mesh, set_of(names, master)) else { return Ok(Default::default()) };
     let facets = &mesh.sets[set].facets;
-    let mut nodes: Vec<u32> = facets.iter().flat_map(|f| &f.nodes[..f.count as usize]).copied().collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let place = |n: u32| nodes.binary_search(&n).map_or(0, |k| k as u32);
-    let surface = Mesh {
-        source: master.value.clone(),
-        points: nodes.iter().map(|&n| mesh.points[n as usize].into()).collect(),
-        point_ids: nodes.iter().map(|&n| mesh.id[n as usize]).collect(),
-        facets: facets.iter().map(|f| Facet { count: f.count, nodes: f.nodes.map(place), id: f.id }).collect(),
-        ..Mesh::default()
-    };
+    let (surface, nodes) = surface(mesh, set, &master.value);
     let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-    let is_quadratic = facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some());
-    let smoothing = if is_quadratic { Smoothing::Facet } else { given.smoothing };
-    let mut planes = symmetry::planes_of(planes, &master.value, &surface.points);
-    let is_axis = (Vec3::zeros(), Vec3::x());
-    if scene.is_axisymmetric()
-        && surface.points.iter().any(|x| x[0] == 0.0)
-        && planes.iter().all(|(_, normal)| normal.x == 0.0)
-    {
-        planes.push(is_axis);
-    }
+    let smoothing = if is_quadratic(mesh, set) { Smoothing::Facet } else { given.smoothing };
+    let planes = mirrors(scene, planes, &master.value, &surface);
     let mut patches =
         MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
     for (patch, facet) in patches.iter_mut().zip(facets) {
@@ -85,4 +66,89 @@ fn of_master(
         BTreeMap::new()
     };
     Ok((patches, avoided))
+}
+
+/// How far the faces of slaves bulge where their points count, on rank 0: of each pass the coefficients of each facet, see
+/// [`Face`](crate::contact::Face); none where faces are flat as they are meshed.
+///
+/// # Errors
+/// Faces that make no surface.
+pub fn bulges(
+    scene: &Scene,
+    names: &[Located<String>],
+    planes: &[SymmetryPlane],
+    mesh: Option<&GlobalMesh>,
+) -> Result<Vec<Vec<f64>>> {
+    scene.passes().iter().map(|contact| bulges_of(scene, names, contact, planes, mesh)).collect()
+}
+
+/// Those of one contact: from segment to segment, unless the master has facets, too.
+fn bulges_of(
+    scene: &Scene,
+    names: &[Located<String>],
+    contact: &scene::Contact,
+    planes: &[SymmetryPlane],
+    mesh: Option<&GlobalMesh>,
+) -> Result<Vec<f64>> {
+    let slave = &contact.slave;
+    let tool = scene.tools.iter().find(|tool| tool.name.value == contact.master.value);
+    let faceted = match (contact.surface, tool) {
+        (Some(given), _) => given.smoothing == Smoothing::Facet,
+        (None, tool) => tool.is_none_or(|tool| tool.smoothing.value == Description::Mesh(Smoothing::Facet)),
+    };
+    let (Some(mesh), Some(set)) = (mesh, set_of(names, slave)) else { return Ok(Vec::new()) };
+    if faceted || contact.discretization != Discretization::Segment || is_quadratic(mesh, set) {
+        return Ok(Vec::new());
+    }
+    let (surface, _) = surface(mesh, set, &slave.value);
+    let angle = contact.surface.map_or(FEATURE_ANGLE, |given| given.feature_angle);
+    let planes = mirrors(scene, planes, &slave.value, &surface);
+    let places: Vec<u64> = (0..surface.points.len() as u64).collect();
+    let patches = MovingPatch::all(&surface, &places, Smoothing::Nagata, angle, &planes, &scene.controls)?;
+    let of_patch = |patch: &MovingPatch| {
+        let places: Vec<Vec3> = patch.nodes.iter().map(|&n| Vec3::from(surface.points[n as usize])).collect();
+        let shape = patch.shape(&places);
+        let outward = Corners::new(&shape.nodes[..shape.count as usize]).area_vector().normalize();
+        shape.coefficients.map(|c| -c.dot(&outward))
+    };
+    Ok(patches.iter().flat_map(of_patch).collect())
+}
+
+fn set_of(names: &[Located<String>], set: &Located<String>) -> Option<usize> {
+    names.iter().position(|name| name.value == set.value)
+}
+
+/// Its facets are sides of quadratic elements.
+fn is_quadratic(mesh: &GlobalMesh, set: usize) -> bool {
+    mesh.sets[set].facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some())
+}
+
+/// The facets of a set, with the nodes of the mesh that its points are.
+fn surface(mesh: &GlobalMesh, set: usize, name: &str) -> (Mesh, Vec<u32>) {
+    let facets = &mesh.sets[set].facets;
+    let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes()).copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let place = |n: u32| nodes.binary_search(&n).map_or(0, |k| k as u32);
+    let surface = Mesh {
+        source: name.to_string(),
+        points: nodes.iter().map(|&n| mesh.points[n as usize].into()).collect(),
+        point_ids: nodes.iter().map(|&n| mesh.id[n as usize]).collect(),
+        facets: facets.iter().map(|f| Facet { count: f.count, nodes: f.nodes.map(place), id: f.id }).collect(),
+        ..Mesh::default()
+    };
+    (surface, nodes)
+}
+
+/// The planes in which a surface goes on as its mirror image: those of symmetry that it ends in, and around the axis.
+fn mirrors(scene: &Scene, planes: &[SymmetryPlane], set: &str, surface: &Mesh) -> Vec<(Vec3, Vec3)> {
+    let mut planes = symmetry::planes_of(planes, set, &surface.points);
+    let is_axis = (Vec3::zeros(), Vec3::x());
+    if scene.is_axisymmetric()
+        && surface.points.iter().any(|x| x[0] == 0.0)
+        && planes.iter().all(|(_, normal)| normal.x == 0.0)
+    {
+        planes.push(is_axis);
+    }
+    planes
 }

@@ -11,7 +11,8 @@ use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
 impl Model {
-    /// Makes the pairs of the contacts, of which those within a body have nodes that they shun. Collective.
+    /// Makes the pairs of the contacts, of which those within a body have nodes that they shun, and some faces that bulge.
+    /// Collective.
     ///
     /// # Errors
     /// Nodes that ties hold, too, or that have no mate where they need one.
@@ -20,10 +21,11 @@ impl Model {
         comm: &SimpleCommunicator,
         scene: &Scene,
         avoided: &[BTreeMap<u32, Avoided>],
+        bulges: &[Vec<f64>],
     ) -> Result<()> {
         let passes = scene.passes();
-        for contact in &passes {
-            let pair = self.pair(comm, scene, contact, avoided);
+        for (contact, bulges) in passes.iter().zip(bulges) {
+            let pair = self.pair(comm, scene, contact, (avoided, bulges));
             self.pairs.push(pair);
         }
         self.join_passes(&passes);
@@ -38,7 +40,7 @@ impl Model {
         comm: &SimpleCommunicator,
         scene: &Scene,
         contact: &scene::Contact,
-        avoided: &[BTreeMap<u32, Avoided>],
+        (avoided, bulges): (&[BTreeMap<u32, Avoided>], &[f64]),
     ) -> Pair {
         let set = self.set(&contact.slave.value);
         let index = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
@@ -62,7 +64,7 @@ impl Model {
         };
         let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
         let by_faces = contact.discretization == Discretization::Segment;
-        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric()));
+        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric(), bulges));
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);

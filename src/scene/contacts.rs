@@ -24,6 +24,9 @@ const KEYS: [&str; 10] = [
 /// Keys that say how the faces of a body act as a master.
 const OF_SURFACE: [&str; 3] = ["smoothing", "feature_angle", "transfer"];
 
+/// Degrees from which on an edge between facets is sharp, where the scene does not say.
+pub const FEATURE_ANGLE: f64 = 40.0;
+
 /// Reads all pairs; none may occur twice, and one that has forces in the history shares no name with another that has.
 pub(super) fn read(items: Vec<(Located<String>, Item)>, names: &Names) -> Result<Vec<Contact>> {
     let contacts = Faults::all(items.into_iter().map(|(name, item)| contact(name, &item, names)))?;
@@ -182,7 +185,7 @@ fn surface(table: &Table, is_tool: bool, discretization: Discretization) -> Resu
     let transfer = if by_node { Transfer::Bilinear } else { Transfer::default() };
     Ok(Some(MasterSurface {
         smoothing: table.optional("smoothing", |item| item.choice(&smoothings))?.unwrap_or(Smoothing::Nagata),
-        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(40.0),
+        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(FEATURE_ANGLE),
         transfer: table.optional("transfer", |item| item.choice(&transfers))?.unwrap_or(transfer),
     }))
 }

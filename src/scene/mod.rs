@@ -32,6 +32,7 @@ mod trade;
 mod tree;
 
 pub use amplitude::Amplitude;
+pub use contacts::FEATURE_ANGLE;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};

@@ -31,7 +31,7 @@ pub(super) fn read(name: Located<String>, item: &Item, directory: &Path) -> Resu
         bezier: table.optional("bezier", |file| cad_file(&table, file, directory))?,
         shapes: given.map(|(key, item)| shape(key, &item)).collect::<Result<_>>()?,
         smoothing: Located { value: Description::Mesh(Smoothing::Nagata), at: table.at().clone() },
-        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(40.0),
+        feature_angle: table.optional("feature_angle", Item::feature_angle)?.unwrap_or(super::FEATURE_ANGLE),
         flip: table.optional("flip", Item::boolean)?.unwrap_or(false),
     };
     check_use(&table, &tool)?;

@@ -31,6 +31,17 @@
 //! were then: no point has a history. Points that nothing of the master is opposite to do not count; where less than
 //! [`LEAST`] of what belongs to a node is left, the node is in the gap.
 //!
+//! Where the master is smooth, the slave is, too: its flat faces would stand out of a hollow round one, and be pressed back with
+//! nothing to press, and lack what a bulging one has. The gap of a point is that of the Nagata patch over its face, of which
+//! c_k is the coefficient of edge k and n the face's normal,
+//!
+//! ```text
+//!     g_q = (x_q - x̄_q)·n̄_q - h(ξ_q)      h = -Σ_k c_k·n φ_k(ξ)                                          (3)
+//!     φ = (ηʹζʹη, ηζζʹ, ηηʹζ, ηʹζζʹ) with ηʹ = 1 - η, ζʹ = 1 - ζ;      of a triangle (b₀b₁, b₁b₂, b₂b₀)
+//! ```
+//!
+//! as it is in the initial mesh, so that it stands still in the tangent. Under a master of facets it is left out.
+//!
 //! The functions of the multipliers are the N_i themselves, which are positive, as is each w_iq. Dual functions, which are
 //! not, leave the chatter of the ironing with a rigid indenter as it is, and with an elastic one the iteration goes to and fro.
 //! So do more Gauss points than 3 by 3 on a tool leave it.
@@ -75,6 +86,8 @@ pub struct Face {
     spots: Vec<Spot>,
     /// The integrals of the shape functions.
     whole: [f64; 4],
+    /// How far it bulges in the initial mesh, a length: what its edges' coefficients in (3) are along its normal.
+    bulge: [f64; 4],
 }
 
 /// The faces around the owned nodes of a slave surface.
@@ -86,7 +99,7 @@ pub struct Faces {
 }
 
 impl Face {
-    fn new(part: &Part, facet: &PartFacet, is_ring: bool) -> Self {
+    fn new(part: &Part, facet: &PartFacet, is_ring: bool, bulge: [f64; 4]) -> Self {
         let corners = Corners::new(&facet.nodes[..facet.count as usize]);
         let places = corners.map(|n| part.points[n as usize]);
         let measure = places.x.map(|x| if is_ring { x.x } else { 1.0 });
@@ -97,7 +110,19 @@ impl Face {
             whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
         }
         let area = places.area_vector().norm();
-        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, measure, spots, whole }
+        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, measure, spots, whole, bulge }
+    }
+
+    /// How far the smooth face bulges over the flat one, (3) of the [module](self).
+    fn height(&self, shapes: &[f64; 4]) -> f64 {
+        let &[b0, b1, b2, b3] = shapes;
+        let [h0, h1, h2, h3] = self.bulge;
+        if self.corners.count == 3 {
+            return h0 * b0 * b1 + h1 * b1 * b2 + h2 * b2 * b0;
+        }
+        let (e, z) = (b1 + b2, b2 + b3);
+        let (f, y) = (1.0 - e, 1.0 - z);
+        (h0 * y + h2 * z) * e * f + (h3 * f + h1 * e) * z * y
     }
 
     /// The sum of some values at the corners that move as a node.
@@ -108,11 +133,12 @@ impl Face {
 
 impl Faces {
     /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
-    /// rings.
-    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave], is_ring: bool) -> Self {
+    /// rings. `bulges` has four coefficients of each facet of the set, or none.
+    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave], is_ring: bool, bulges: &[f64]) -> Self {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
-            let face = Face::new(part, facet, is_ring);
+            let bulge = bulges.as_chunks::<4>().0.get(facet.number as usize).copied().unwrap_or_default();
+            let face = Face::new(part, facet, is_ring, bulge);
             let mut touched: Vec<usize> = face.nodes[..face.corners.count]
                 .iter()
                 .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
@@ -162,4 +188,42 @@ fn spots(x: &Corners<Vec3>) -> Vec<Spot> {
         }
     }
     spots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Edge, Patch};
+
+    /// The height over the flat face is that of the patch, along its normal.
+    #[test]
+    fn a_face_bulges_as_its_patch() {
+        let nodes = [[0.0, 0.0, 0.0], [2.0, 0.1, 0.0], [2.2, 1.3, 0.0], [-0.1, 1.0, 0.0]].map(Vec3::from);
+        let coefficients = [[0.0, 0.1, -0.4], [0.2, 0.0, -0.1], [0.0, 0.0, 0.3], [0.1, 0.0, -0.2]].map(Vec3::from);
+        for count in [3, 4] {
+            let straight = [Vec3::zeros(); 4];
+            let flat = Patch {
+                id: 0,
+                count: count as u8,
+                nodes,
+                coefficients: straight,
+                edges: [Edge::Boundary; 4],
+                on_boundary: [true; 4],
+                deviation: 0.0,
+            };
+            let mut patch = flat;
+            patch.coefficients[..count].copy_from_slice(&coefficients[..count]);
+            let part = Part { points: nodes.to_vec(), tie: vec![0, 1, 2, 3], ..Part::default() };
+            let facet = PartFacet { count: count as u8, nodes: [0, 1, 2, 3], number: 0, mine: true };
+            let face = Face::new(&part, &facet, false, coefficients.map(|c| -c.z));
+            for [e, z] in [[0.3, 0.2], [0.7, 0.4], [0.9, 0.9], [0.0, 0.0], [1.0, 0.5]] {
+                let shapes = match count {
+                    3 => [1.0 - e, e - z, z, 0.0],
+                    _ => bilinear(&Vec2::new(e, z))[0],
+                };
+                let height = (patch.point([e, z]) - flat.point([e, z])).z;
+                assert!((face.height(&shapes) - height).abs() < 1e-14, "{count} {e} {z}");
+            }
+        }
+    }
 }

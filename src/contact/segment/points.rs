@@ -80,7 +80,8 @@ impl Segments {
                 (Ground::Surface(surface, _), None) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
             };
             let point = |(spot, start): Start| {
-                let at = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
+                let flat = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
+                let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
                 let origin = match &before {
                     Some(before) => ground.origin_of(pair, &before.at(&spot.shapes), &at),
                     None => SlipOrigin::Fixed(at.point),
