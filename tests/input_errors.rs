@@ -341,6 +341,19 @@ fn plane_strain_that_meets_other_layers() {
     scene(&layer("0.0", "0.5"), "a.ymax", "b.ymin").solve(2, &[]);
 }
 
+/// Two hexahedra that share no nodes, one half as thick as the other, with surfaces.
+fn two_layers() -> String {
+    let mut deck = String::from("*NODE\n");
+    for (k, (x, thick)) in [(0.0, 0.5), (3.0, 0.25)].into_iter().enumerate() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        for (n, (z, [s, t])) in [0.0, thick].into_iter().flat_map(|z| corners.map(|c| (z, c))).enumerate() {
+            deck += &format!("{}, {}, {t}, {z}\n", 8 * k + n + 1, x + s);
+        }
+    }
+    deck + "*ELEMENT, TYPE=C3D8, ELSET=all\n1, 1, 2, 3, 4, 5, 6, 7, 8\n2, 9, 10, 11, 12, 13, 14, 15, 16\n\
+            *SURFACE, NAME=ymax\n1, S5\n2, S5\n*NSET, NSET=ymin\n1, 2, 5, 6, 9, 10, 13, 14\n*NSET, NSET=xmin\n1, 4, 5, 8\n"
+}
+
 /// A tool is drawn out along z over all of the layer; beyond, it may be anything.
 #[test]
 fn plane_strain_with_tools_that_end_or_change_along_z() {
@@ -385,12 +398,6 @@ fn plane_strain_with_tools_that_end_or_change_along_z() {
         refuses(&mesh(kind, smoothing, &along(-1.0, 3.0), &|z| 0.01 * z), &[], "scene.toml:4:", &[missing]);
         refuses(&mesh(kind, smoothing, &along(-1.0, 3.0), &|z| 0.05 * z * z), &[], "scene.toml:4:", &[missing]);
     }
-    // Closed by a face across the layer's own plane.
-    let folded = |t: f64| (0.75 * t).min(0.5);
-    let bench = scene("mesh = \"t.msh\"", "plane_strain");
-    let closed = |s: f64, t: f64| [4.0 * s - 1.0, 1.0 + (6.0 * t - 4.0).max(0.0), folded(t)];
-    bench.write("t.msh", &common::msh::surface(6, closed));
-    refuses(&bench, &[], "scene.toml:4:", &["it has a face across z at "]);
     // As deep as the layer, deeper, in other rows, and with another shape beyond.
     let force = |bench: Bench| bench.solve(2, &[]).history().last("t.fy");
     for kind in kinds {
@@ -402,7 +409,30 @@ fn plane_strain_with_tools_that_end_or_change_along_z() {
         }
         let beyond = |z: f64| if z > 1.0 { -0.3 * (z - 1.0) } else { 0.0 };
         common::assert_close("force", force(mesh(kind, "facet", &along(-1.0, 3.0), &beyond)), own, 1e-10);
+        // Closed by faces across z: in the layer's own planes, and so near to them that nodes are nearer to these than to the die.
+        for beyond in [0.0, 1e-6, 1e-3] {
+            let bench = scene("mesh = \"t.msh\", smoothing = \"facet\"", kind);
+            let (low, high) = (-beyond, 0.5 + beyond);
+            let folded = |t: f64| [low, low, low, high, high, high, high][(6.0 * t).round() as usize];
+            let up = |t: f64| [2.0, 1.0, 0.0, 0.0, 0.5, 1.0, 2.0][(6.0 * t).round() as usize];
+            let closed = |s: f64, t: f64| [4.0 * s - 1.0, 1.0 + 0.1 * (4.0 * s - 2.0).powi(2) + up(t), folded(t)];
+            bench.write("t.msh", &common::msh::surface(6, closed));
+            common::assert_close("force", force(bench), own, 1e-10);
+        }
     }
+    // A face across the layer.
+    let bench = scene("mesh = \"t.msh\"", "plane_strain");
+    let folded = |t: f64| (0.375 * t).min(0.25);
+    let closed = |s: f64, t: f64| [4.0 * s - 1.0, 1.0 + (6.0 * t - 4.0).max(0.0), folded(t)];
+    bench.write("t.msh", &common::msh::surface(6, closed));
+    refuses(&bench, &[], "scene.toml:4:", &["it has a face across z at "]);
+    // Parts of a body between unlike planes.
+    let bench = scene("plane = { point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.0] }", "plane_strain");
+    let text = fs::read_to_string(bench.path("scene.toml")).unwrap();
+    let (_, rest) = text.split_once("} }").unwrap();
+    bench.write("b.inp", &two_layers());
+    bench.write("scene.toml", &format!("body.b = {{ material = \"m\", plane_strain = true, mesh = \"b.inp\" }}{rest}"));
+    refuses(&bench, &[], "scene.toml:1:", &["but its part with node 9 between 0.0 and 0.25: they are one layer"]);
     // Profiles that end, and CAD.
     let profile = |low: f64, length: f64| {
         let extrude = format!(

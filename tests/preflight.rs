@@ -436,7 +436,7 @@ fn a_full_turn_at_once() {
         bench.solve(1, &[])
     };
     let (once, often) = (turn(1), turn(24));
-    assert!(once.log().contains("warning: step `turn`: a tool turns by more than 30 degrees an increment"));
+    assert!(once.log().contains("warning: step `turn`: a tool or set turns by more than 30 degrees an increment"));
     assert_eq!((once.history().len(), often.history().len()), (14, 26));
     let [once, often] = [once, often].map(|run| run.history().last("plate.fx"));
     assert_close("force along the turn", once, often, 1e-6);

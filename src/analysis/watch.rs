@@ -281,7 +281,9 @@ impl Simulation<'_> {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
             }
-            if pair.method == Enforcement::Penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
+            // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
+            let is_of_penalty = pair.method == Enforcement::Penalty && pair.faces.is_none();
+            if is_of_penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
                 warnings.push(format!(
                     "contact `{name}`: its penalty let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
                      what it would take to push them out: raise `penalty`, or take another method",

@@ -5,11 +5,15 @@
 use super::Model;
 use super::assemble::set_of;
 use crate::error::{Error, Faults, Result};
+use crate::mortar::Corners;
 use crate::parallel::max;
-use crate::partition::GlobalMesh;
-use crate::scene::{Contact, Located, Reduction, Scene, body_of};
+use crate::partition::{Component, GlobalMesh};
+use crate::scene::{Located, Reduction, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
 
+/// How far a tool may be from the same all along z, over the longest edge of the layer's side, across z or along: a tenth of what
+/// the watch takes for a penetration.
+const LIKE: f64 = 1e-3;
 /// Planes z that are closer than this part of a thickness are one.
 const ALIKE: f64 = 1e-6;
 
@@ -23,8 +27,9 @@ fn is_layer(scene: &Scene, set: &str) -> bool {
 }
 
 /// # Errors
-/// Bodies in contact of which one is no layer, or that lie between other planes.
+/// Bodies in contact of which one is no layer, or that lie between other planes; parts of one that do.
 pub(super) fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<()> {
+    check_parts(scene, global)?;
     let planes = |name: &str| {
         let z =
             set_of(names, global, name).into_iter().flat_map(|set| &set.nodes).map(|&n| global.points[n as usize].z);
@@ -60,17 +65,47 @@ pub(super) fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMes
     .map(|_: Vec<()>| ())
 }
 
-/// Refuses tools that are not drawn out along z over the layers that they meet. Collective.
+/// # Errors
+/// A body of one layer with parts that share no nodes, and of which one lies between other planes than the rest.
+fn check_parts(scene: &Scene, global: &GlobalMesh) -> Result<()> {
+    let layers = scene.bodies.iter().enumerate().filter(|(_, body)| body.reduction.is_some());
+    Faults::all(layers.map(|(b, body)| {
+        let [low, high] = global.z_range(b);
+        let is_unlike = |part: &&Component| {
+            let (from, to) = part.bounds;
+            part.body as usize == b && (from.z - low).max(high - to.z) > ALIKE * (high - low)
+        };
+        let Some(part) = global.components.iter().find(is_unlike) else { return Ok(()) };
+        let (from, to) = part.bounds;
+        let what = format!(
+            "body `{}` lies between z = {low:?} and {high:?}, but its part with node {} between {:?} and {:?}: they are \
+             one layer of elements",
+            body.name.value, part.node, from.z, to.z
+        );
+        Err(Error::input(&body.name.at, what, "mesh all parts between the same two z-planes, or make them bodies of their own"))
+    }))
+    .map(|_: Vec<()>| ())
+}
+
+/// Leaves out what tools that meet nothing but layers have beyond these, and refuses those that are not drawn out along z over
+/// them. Collective.
 pub(super) fn check_tools(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<()> {
     let mut faults = Faults::default();
     for (t, tool) in scene.tools.iter().enumerate() {
-        let meets =
-            |contact: &&Contact| contact.master.value == tool.name.value && is_layer(scene, &contact.slave.value);
-        for contact in scene.contacts.iter().filter(meets) {
-            let slave = &contact.slave.value;
-            let planes = planes(comm, model, slave);
-            let Some(unlike) = model.masters.tools[t].surface.unlike_along_z(comm, planes) else { continue };
+        let of_tool = || scene.contacts.iter().filter(|contact| contact.master.value == tool.name.value);
+        let slaves: Vec<&str> =
+            of_tool().map(|contact| contact.slave.value.as_str()).filter(|slave| is_layer(scene, slave)).collect();
+        let layers: Vec<Layer> = slaves.iter().map(|slave| Layer::of(comm, model, slave)).collect();
+        let ends = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
+        let planes = layers.iter().map(|layer| layer.planes).reduce(ends);
+        let surface = &mut model.masters.tools[t].surface;
+        if let Some(planes) = planes.filter(|_| slaves.len() == of_tool().count()) {
+            surface.keep_between(planes);
+        }
+        for (slave, Layer { planes, facet }) in slaves.into_iter().zip(layers) {
             let [low, high] = planes;
+            let slack = LIKE * facet.max(high - low);
+            let Some(unlike) = surface.unlike_along_z(comm, planes, slack) else { continue };
             let what = format!(
                 "tool `{}` is not drawn out along z over `{slave}`, from z = {low:?} to {high:?}: {unlike}",
                 tool.name.value
@@ -91,12 +126,27 @@ pub(super) fn check_tools(comm: &SimpleCommunicator, scene: &Scene, model: &mut 
     faults.finish()
 }
 
-/// Between which z the nodes of a set lie, on all ranks. Collective.
-fn planes(comm: &SimpleCommunicator, model: &Model, set: &str) -> [f64; 2] {
-    let mut ends = [f64::NEG_INFINITY; 2];
-    for z in model.set(set).nodes.iter().map(|&n| model.part.points[n as usize].z) {
-        ends = [ends[0].max(-z), ends[1].max(z)];
+/// A side of a layer.
+struct Layer {
+    /// Between which z it lies.
+    planes: [f64; 2],
+    /// Its longest edge across z.
+    facet: f64,
+}
+
+impl Layer {
+    /// Of a set, on all ranks. Collective.
+    fn of(comm: &SimpleCommunicator, model: &Model, set: &str) -> Self {
+        let set = model.set(set);
+        let mut ends = [f64::NEG_INFINITY, f64::NEG_INFINITY, 0.0];
+        for z in set.nodes.iter().map(|&n| model.part.points[n as usize].z) {
+            ends = [ends[0].max(-z), ends[1].max(z), 0.0];
+        }
+        for facet in &set.facets {
+            let places = Corners::new(&facet.nodes[..facet.count as usize]).map(|n| model.part.points[n as usize]);
+            ends[2] = places.edges().map(|edge| edge.xy().norm()).fold(ends[2], f64::max);
+        }
+        max(comm, &mut ends);
+        Self { planes: [-ends[0], ends[1]], facet: ends[2] }
     }
-    max(comm, &mut ends);
-    [-ends[0], ends[1]]
 }

@@ -18,8 +18,6 @@ use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::BTreeMap;
 
-/// How far a surface may be from the same all along z, over the length, in radians: to a thousandth of the layer's thickness.
-const SLOPE: f64 = 1e-3;
 /// Planes z that are closer than this part of the length between two are one.
 const ALIKE: f64 = 1e-6;
 
@@ -158,13 +156,13 @@ impl Surface {
         !any(comm, is_open)
     }
 
-    /// Where the surface is not the same all along z between two planes z, in words; `None` where it is. What lies beyond the
-    /// planes does not count. Collective.
-    pub fn unlike_along_z(&mut self, comm: &SimpleCommunicator, [low, high]: [f64; 2]) -> Option<String> {
+    /// Where the surface is not the same all along z between two planes z, to a distance of `slack`, in words; `None` where it is.
+    /// What lies beyond the planes does not count. Collective.
+    pub fn unlike_along_z(&mut self, comm: &SimpleCommunicator, [low, high]: [f64; 2], slack: f64) -> Option<String> {
         if let Share::Nothing = &self.share {
             return self.near.ends_along_z().and_then(|[from, to]| {
-                let slack = ROUNDED * (to - from);
-                (from > low + slack || to < high - slack).then(|| format!("it goes from z = {from:?} to {to:?}"))
+                let rounded = ROUNDED * (to - from);
+                (from > low + rounded || to < high - rounded).then(|| format!("it goes from z = {from:?} to {to:?}"))
             });
         }
         let (between, across) = self.points_between([low, high]);
@@ -175,10 +173,10 @@ impl Surface {
         if !any(comm, !between.is_empty()) {
             return Some("it has nothing there".into());
         }
-        let (reach, at) = (SLOPE * (high - low), |x: &Vec3, z: f64| Vec3::new(x.x, x.y, z));
+        let at = |x: &Vec3, z: f64| Vec3::new(x.x, x.y, z);
         let places: Vec<Vec3> = between.iter().flat_map(|x| [low, high].map(|z| at(x, z))).collect();
-        self.watch(comm, &places, reach);
-        let is_lost = |k: &usize| self.near.nearest(&places[*k], reach).is_none();
+        self.watch(comm, &places, slack);
+        let is_lost = |k: &usize| self.near.nearest(&places[*k], slack).is_none();
         let lost = (0..places.len()).filter(is_lost).min_by(|a, b| places[*a].x.total_cmp(&places[*b].x));
         self.forget();
         let told = |k: usize| {
@@ -212,6 +210,19 @@ impl Surface {
             }
         }
         (between.into_values().collect(), across)
+    }
+
+    /// Leaves out what lies beyond two planes z, as the caps of a closed surface: a node in one of them could be nearer to that
+    /// than to what it is pressed against. Analytic shapes have nothing there.
+    pub fn keep_between(&mut self, [low, high]: [f64; 2]) {
+        let slack = ALIKE * (high - low);
+        let is_between = |(from, to): (Vec3, Vec3)| from.z < high - slack && to.z > low + slack;
+        match &mut self.share {
+            Share::Patches(share) => share.retain(|patch| is_between(patch.bounds())),
+            Share::Faces(share) => share.retain(|face| is_between(face.bounds)),
+            Share::Nothing => {}
+        }
+        self.forget();
     }
 
     /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.

@@ -71,11 +71,11 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     Ok(lines)
 }
 
-/// Warns of steps in which tools turn too far for the increments that are asked for.
+/// Warns of steps in which tools or sets turn too far for the increments that are asked for.
 fn turns(scene: &Scene, model: &mut Model) {
     for step in scene.steps.iter().filter(|step| step.sizes().max < step.increment.max) {
         model.warnings.push(format!(
-            "step `{}`: a tool turns by more than {} degrees an increment; its increments are at most {:.3e} long",
+            "step `{}`: a tool or set turns by more than {} degrees an increment; the increments are at most {:.3e} long",
             step.name.value,
             Step::TURN,
             step.sizes().max
