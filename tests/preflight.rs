@@ -545,7 +545,8 @@ fn cubes(origins: &[[f64; 3]]) -> String {
         elements += &format!("{}, {}\n", k + 1, own.join(", "));
         faces += &format!("*SURFACE, NAME=base{k}\n{}, S1\n*SURFACE, NAME=lid{k}\n{}, S2\n", k + 1, k + 1);
     }
-    format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8\n{elements}{faces}")
+    let bases: String = (1..=origins.len()).map(|k| format!("{k}, S1\n")).collect();
+    format!("*NODE\n{nodes}*ELEMENT, TYPE=C3D8\n{elements}{faces}*SURFACE, NAME=bases\n{bases}")
 }
 
 /// A body of such cubes.
@@ -617,6 +618,33 @@ fn parts_of_a_body_that_share_no_nodes() {
         "fix = [{{ set = \"b.base0\" }}]\nmove = [{{ target = \"b.lid1\", by = [0.0, 0.0, -0.0725] }}]\n[[step]]\nincrements = 1\n{weight}"
     )).solve(2, &[]);
     assert_close("weight", run.history().last("i.fz").abs(), 1.0, 1e-8);
+}
+
+/// A part of a master that no slave node is near to at the start, but comes to hold in a later step.
+#[test]
+fn parts_of_a_master_that_meet_the_slave_later() {
+    let punches = |friction: f64| {
+        let work = format!(
+            "[body.w]\nmaterial = \"soft\"\nblock = {{ box = {{ origin = [-0.5, -0.5, -1.0], size = [2.0, 2.0, 1.0] }}, elements = [4, 4, 2] }}\n\
+             [contact.c]\nslave = \"w.zmax\"\nmaster = \"b.bases\"\nfriction = {friction:?}\n"
+        );
+        let step = |fix: &str, more: &str| format!("fix = [{{ set = \"w.zmin\" }}{fix}]\n{more}\n");
+        let by = |k: usize, by: &str| format!("{{ target = \"b.lid{k}\", by = [{by}] }}");
+        let next = "[[step]]\nincrements = 2\n";
+        let lid = |k: usize| format!(", {{ set = \"b.lid{k}\" }}");
+        let steps = [
+            step(&lid(1), &format!("move = [{}]", by(0, "0.0, 0.0, -0.05"))),
+            step("", &format!("move = [{}, {}]", by(0, "0.0, 0.0, 1.05"), by(1, "-3.0, 0.0, 0.0"))),
+            step(&lid(0), &format!("move = [{}]", by(1, "0.0, 0.0, -0.3"))),
+            step(&lid(0), "force = [{ target = \"b.lid1\", total = [0.0, 0.0, -5.0] }]"),
+        ];
+        parts(&[[0.0; 3], [3.0, 0.0, 0.25]], &work, &steps.join(next))
+    };
+    assert_close("force", punches(0.3).solve(2, &[]).history().last("c.fz").abs(), 5.0, 1e-8);
+    refused(
+        &punches(0.0),
+        &["step `step 4`: the part of body `b` with node 9", "can move along x and y, and turn about z"],
+    );
 }
 
 #[test]

@@ -26,52 +26,56 @@ pub fn check(
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let united = model.united(comm);
-    let component = &model.part.component;
     for (step, conditions) in scene.steps.iter().zip(steps) {
         let times: Vec<f64> = [0.0, 1.0].into_iter().chain(step.corners()).collect();
         let supports = supports(comm, model, &united, conditions, &times);
-        for (b, Support { free, loads, pressed }) in supports.into_iter().enumerate() {
-            if united[b] != b || pressed || free == Vec3::zeros() {
-                continue;
+        // Of each component the sum of the normals, then the direction in which nothing else holds it.
+        let mut sums = vec![0.0f64; 3 * supports.len()];
+        pushes(model, sights, &united, |b, normal, _| (0..3).for_each(|d| sums[3 * b + d] += normal[d]));
+        sum(comm, &mut sums);
+        let mut directions: Vec<Vec3> = sums.chunks_exact(3).map(Vec3::from_column_slice).collect();
+        for ((b, support), direction) in supports.iter().enumerate().zip(&mut directions) {
+            let Support { free, loads, pressed } = support;
+            *direction = direction.component_mul(free).try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+            if united[b] != b || *pressed || loads.iter().any(|load| load.dot(direction) < 0.0) {
+                *direction = Vec3::zeros();
             }
-            // The normals of all contacts, as pushes on the body, with the sine of the angle of friction of each.
-            let pushes = || {
-                model.pairs.iter().zip(sights).flat_map(|(pair, sights)| {
-                    let sine = pair.friction / pair.friction.hypot(1.0);
-                    let united = &united;
-                    pair.slaves.iter().zip(sights).filter_map(move |(slave, sight)| {
-                        let is_own = united[component[slave.node as usize] as usize] == b;
-                        let is_other = sight.component.is_some_and(|other| united[other] == b);
-                        let normal = sight.normal().filter(|_| is_own != is_other)?;
-                        Some((if is_own { normal } else { -normal }, sine))
-                    })
-                })
-            };
-            let mut total = pushes().map(|(n, _)| n).sum::<Vec3>();
-            sum(comm, total.as_mut_slice());
-            let direction = total.component_mul(&free).try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-            if loads.iter().any(|load| load.dot(&direction) < 0.0) {
-                continue;
-            }
-            let mut least = [f64::NEG_INFINITY];
-            pushes().for_each(|(n, sine)| least[0] = least[0].max(sine - n.dot(&direction)));
-            max(comm, &mut least);
-            if least[0] < 0.0 && least[0].is_finite() {
-                let what = format!(
-                    "step `{}`: nothing presses {} against what touches it: all contacts push it one way, and no support \
-                     or load holds against that",
-                    step.name.value,
-                    model.component_name(b)
-                );
-                return Err(Error::input(
-                    &step.name.at,
-                    what,
-                    "`fix` it on the other side, or let a load act; without `keep` a step holds only what it lists",
-                ));
-            }
+        }
+        let mut least = vec![f64::NEG_INFINITY; supports.len()];
+        pushes(model, sights, &united, |b, normal, sine| least[b] = least[b].max(sine - normal.dot(&directions[b])));
+        max(comm, &mut least);
+        let is_shoved = |b: &usize| directions[*b] != Vec3::zeros() && least[*b] < 0.0 && least[*b].is_finite();
+        if let Some(b) = (0..supports.len()).find(is_shoved) {
+            let what = format!(
+                "step `{}`: nothing presses {} against what touches it: all contacts push it one way, and no support \
+                 or load holds against that",
+                step.name.value,
+                model.component_name(b)
+            );
+            return Err(Error::input(
+                &step.name.at,
+                what,
+                "`fix` it on the other side, or let a load act; without `keep` a step holds only what it lists",
+            ));
         }
     }
     Ok(())
+}
+
+/// Gives the normals of all contacts of this rank, as pushes on components and those `united` with them, with the sine of the
+/// angle of friction of each.
+fn pushes(model: &Model, sights: &[Vec<Standing>], united: &[usize], mut push: impl FnMut(usize, Vec3, f64)) {
+    for (pair, sights) in model.pairs.iter().zip(sights) {
+        let sine = pair.friction / pair.friction.hypot(1.0);
+        for (slave, sight) in pair.slaves.iter().zip(sights) {
+            let own = united[model.part.component[slave.node as usize] as usize];
+            let other = sight.component.map(|other| united[other]);
+            if let Some(normal) = sight.normal().filter(|_| other != Some(own)) {
+                push(own, normal, sine);
+                other.into_iter().for_each(|other| push(other, -normal, sine));
+            }
+        }
+    }
 }
 
 /// What acts on a component of a body besides contacts, on all ranks.
@@ -114,12 +118,14 @@ fn supports(
     max(comm, &mut set);
     sum(comm, &mut loads);
     let body = |k: usize| model.bodies[model.part.components[k].body as usize].name.as_str();
-    let of_one = |b: usize| (0..count).filter(move |&k| united[k] == b);
-    let pressed = |b: usize| conditions.pressures.keys().any(|set| of_one(b).any(|k| body(k) == body_of(set)));
+    let mut pressed = vec![false; count];
+    for k in (0..count).filter(|&k| conditions.pressures.keys().any(|set| body(k) == body_of(set))) {
+        pressed[united[k]] = true;
+    }
     let one = |b: usize| Support {
         free: Vec3::from_column_slice(&set[3 * b..3 * b + 3]).map(|set| 1.0 - set),
         loads: loads[width * b..width * (b + 1)].chunks_exact(3).map(Vec3::from_column_slice).collect(),
-        pressed: pressed(b),
+        pressed: pressed[b],
     };
     (0..count).map(one).collect()
 }

@@ -9,6 +9,9 @@
 //! contacts that goes along the normals. With the Gram matrix K of the rows, and M of all relative velocities at the same
 //! points, motions are free where x·K x < TILT² x·M x. M has a little of the unit matrix besides, for what moves no point;
 //! rotations are scaled by the half diagonal of the body.
+//!
+//! What is held by supports, or by contacts with what is held, moves nothing else: it is found one by one first, and taken
+//! out of the problem of what hangs together.
 
 use crate::contact::{Axle, Pair};
 use crate::model::Model;
@@ -18,7 +21,8 @@ use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nalgebra::{DMatrix, DVector, Matrix6, SymmetricEigen, Vector6};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::AddAssign;
 
 /// Share of a velocity that may be normal to a contact and count as none: 1e-3 radians, the accuracy of the normals of
 /// coarse smoothed meshes.
@@ -64,13 +68,37 @@ struct Grams {
     moved: Matrix6<f64>,
 }
 
+impl AddAssign<&Grams> for Grams {
+    fn add_assign(&mut self, other: &Self) {
+        self.firm += other.firm;
+        self.held += other.held;
+        self.moved += other.moved;
+    }
+}
+
+impl Grams {
+    /// Of rows whose entries are those of these by matrices.
+    fn of_entries(&self, left: &Matrix6<f64>, right: &Matrix6<f64>) -> Self {
+        let of = |gram: &Matrix6<f64>| left * gram * right.transpose();
+        Self { firm: of(&self.firm), held: of(&self.held), moved: of(&self.moved) }
+    }
+}
+
+/// Gram matrices of two components or tools, and which of their rows: those that the first has with the third. Rows of one
+/// alone have it three times.
+type AllGrams = BTreeMap<[usize; 3], Grams>;
+
 /// The rigid motions of a model, and what holds them on this rank.
 #[derive(Clone, Debug)]
 pub struct RigidMotions {
     components: Vec<Rigid>,
     /// Tools with the free directions of each, and the axis about which it turns freely.
     tools: Vec<(String, Driven)>,
-    grams: BTreeMap<[usize; 2], Grams>,
+    grams: AllGrams,
+    /// The components of masters in their order, each of which may come to touch any slave node; the same on all ranks.
+    masters: Vec<Vec<usize>>,
+    /// Of the slave nodes that may come to touch these masters: the index of the masters, and twice the component.
+    coming: AllGrams,
 }
 
 /// What one component of a body or tool does in the motions that nothing holds.
@@ -116,7 +144,24 @@ impl RigidMotions {
     }
 
     fn of(components: Vec<Rigid>, tools: Vec<(String, Driven)>) -> Self {
-        Self { components, tools, grams: BTreeMap::new() }
+        Self { components, tools, grams: AllGrams::new(), masters: Vec::new(), coming: AllGrams::new() }
+    }
+
+    /// Slave nodes, each of a component, that may come to touch any of some components of a master: where, along which normal, and
+    /// whether friction sticks then. On all ranks with the same masters.
+    pub fn expect(&mut self, masters: Vec<usize>, slaves: impl Iterator<Item = (usize, Vec3, Vec3, bool)>) {
+        let index = self.masters.len();
+        self.masters.push(masters);
+        for (component, x, normal, sticks) in slaves {
+            let square = |along: &Vec3| {
+                let (_, row) = self.velocity(component, &x, along);
+                row * row.transpose()
+            };
+            let moved = (0..3).map(|d| square(&Vec3::ith(d, 1.0))).sum::<Matrix6<f64>>();
+            let held = if sticks { moved } else { square(&normal) };
+            *self.coming.entry([index, component, component]).or_default() +=
+                &Grams { held, moved, ..Grams::default() };
+        }
     }
 
     /// The point `x` of a component has no velocity along a unit vector.
@@ -171,9 +216,10 @@ impl RigidMotions {
 
     fn add_square(&mut self, row: &[Entry], choose: impl Fn(&mut Grams) -> [Option<&mut Matrix6<f64>>; 3]) {
         for (i, a) in row {
+            let with = row.iter().map(|(j, _)| *j).find(|j| j != i).unwrap_or(*i);
             for (j, b) in row {
                 let square = a * b.transpose();
-                let grams = self.grams.entry([*i, *j]).or_default();
+                let grams = self.grams.entry([*i, *j, with]).or_default();
                 choose(grams).into_iter().flatten().for_each(|gram| *gram += square);
             }
         }
@@ -195,7 +241,7 @@ impl RigidMotions {
     /// and what moves a support does not, however many contacts there are. Collective.
     pub fn free_along(&self, comm: &SimpleCommunicator, tilt: f64) -> Vec<Free> {
         let whole = |parcels: Parcels<f64>| {
-            let mut all = Self { grams: BTreeMap::new(), ..self.clone() };
+            let mut all = Self { grams: AllGrams::new(), coming: AllGrams::new(), ..self.clone() };
             parcels.values().for_each(|parcel| all.add(parcel));
             all
         };
@@ -208,42 +254,129 @@ impl RigidMotions {
 
     /// The Gram matrices as numbers, to be sent to another rank.
     fn to_numbers(&self) -> Vec<f64> {
-        let of_one = |([i, j], grams): (&[usize; 2], &Grams)| {
+        let of_one = |is_coming: bool, (key, grams): (&[usize; 3], &Grams)| {
             let Grams { firm, held, moved } = grams;
             let entries = [firm, held, moved].into_iter().flatten().copied();
-            [*i as f64, *j as f64].into_iter().chain(entries).collect::<Vec<_>>()
+            let key = key.map(|k| k as f64).into_iter();
+            [f64::from(u8::from(is_coming))].into_iter().chain(key).chain(entries).collect::<Vec<_>>()
         };
-        self.grams.iter().flat_map(of_one).collect()
+        let coming = self.coming.iter().flat_map(|one| of_one(true, one));
+        self.grams.iter().flat_map(|one| of_one(false, one)).chain(coming).collect()
     }
 
     /// Adds those of [`Self::to_numbers`].
     fn add(&mut self, numbers: &[f64]) {
         const ENTRIES: usize = 36;
-        for one in numbers.chunks_exact(2 + 3 * ENTRIES) {
-            let grams = self.grams.entry([one[0] as usize, one[1] as usize]).or_default();
-            for (gram, entries) in
-                [&mut grams.firm, &mut grams.held, &mut grams.moved].into_iter().zip(one[2..].chunks_exact(ENTRIES))
-            {
-                *gram += Matrix6::from_column_slice(entries);
-            }
+        for one in numbers.chunks_exact(4 + 3 * ENTRIES) {
+            let all = if one[0] == 0.0 { &mut self.grams } else { &mut self.coming };
+            let gram = |k: usize| Matrix6::from_column_slice(&one[4 + k * ENTRIES..4 + (k + 1) * ENTRIES]);
+            let grams = Grams { firm: gram(0), held: gram(1), moved: gram(2) };
+            *all.entry([1, 2, 3].map(|k| one[k] as usize)).or_default() += &grams;
         }
     }
 
     fn loose(&self, tilt: f64) -> Vec<Free> {
-        // What no row joins moves by itself.
-        let rows: Vec<[u32; 2]> = self.grams.keys().map(|units| units.map(|unit| unit as u32)).collect();
         let units = self.components.len() + self.tools.len();
-        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (unit, lowest) in lowest_joined(units, rows.iter().map(|row| &row[..])).into_iter().enumerate() {
-            groups.entry(lowest).or_default().push(unit);
+        let (is_held, grounds) = self.held_one_by_one(tilt);
+        let rest: Vec<usize> = (0..units).filter(|&unit| !is_held[unit]).collect();
+        let mut grams: BTreeMap<[usize; 2], Grams> =
+            rest.iter().map(|&unit| ([unit; 2], self.on_held(unit, &is_held, &grounds))).collect();
+        for ([i, j, with], square) in self.grams.iter().filter(|([i, _, with], _)| !is_held[*i] && !is_held[*with]) {
+            if i != with {
+                *grams.entry([*i, *j]).or_default() += square;
+            }
         }
-        let mut free: Vec<(usize, Free)> = groups.values().flat_map(|units| self.loose_of(units, tilt)).collect();
+        self.add_coming(&is_held, &mut grams);
+        // What no row joins moves by itself.
+        let rows: Vec<[u32; 2]> = grams.keys().map(|units| units.map(|unit| unit as u32)).collect();
+        let lowest = lowest_joined(units, rows.iter().map(|row| &row[..]));
+        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        rest.iter().for_each(|&unit| groups.entry(lowest[unit]).or_default().push(unit));
+        let mut free: Vec<(usize, Free)> =
+            groups.values().flat_map(|units| self.loose_of(units, &grams, tilt)).collect();
         free.sort_by_key(|(unit, _)| *unit);
         free.into_iter().map(|(_, free)| free).collect()
     }
 
-    /// What is free of components and tools that no row joins to others, with their numbers.
-    fn loose_of(&self, units: &[usize], tilt: f64) -> Vec<(usize, Free)> {
+    /// What supports hold, then what is held by that, and so on; and what of the coming contacts is held then. Whatever becomes
+    /// held has those looked at again that may be held by it.
+    fn held_one_by_one(&self, tilt: f64) -> (Vec<bool>, Vec<Ground>) {
+        let units = self.components.len() + self.tools.len();
+        let mut is_held = vec![false; units];
+        let mut grounds = vec![Ground::default(); self.masters.len()];
+        let mut open: BTreeSet<usize> = (0..units).collect();
+        while !open.is_empty() {
+            let mut next = BTreeSet::new();
+            for unit in open {
+                let own = BTreeMap::from([([unit; 2], self.on_held(unit, &is_held, &grounds))]);
+                if is_held[unit] || !self.loose_of(&[unit], &own, tilt).is_empty() {
+                    continue;
+                }
+                is_held[unit] = true;
+                next.extend(self.grams.range([unit, unit, 0]..[unit, unit + 1, 0]).map(|([_, _, with], _)| *with));
+                for (p, ground) in grounds.iter_mut().enumerate() {
+                    let masters = &self.masters[p];
+                    if let (Some(&first), Some(square)) = (masters.first(), self.coming.get(&[p, unit, unit])) {
+                        let shift = self.shift(unit, first);
+                        ground.slaves += &square.of_entries(&shift, &shift);
+                        next.extend(masters);
+                    }
+                    if !ground.has_master && masters.binary_search(&unit).is_ok() {
+                        ground.has_master = true;
+                        next.extend(self.coming.range([p, 0, 0]..[p + 1, 0, 0]).map(|([_, slave, _], _)| *slave));
+                    }
+                }
+            }
+            open = next.into_iter().filter(|&unit| !is_held[unit]).collect();
+        }
+        (is_held, grounds)
+    }
+
+    /// Of the rows of a component or tool that is not held those that it has alone, or with what is held.
+    fn on_held(&self, unit: usize, is_held: &[bool], grounds: &[Ground]) -> Grams {
+        let mut sum = Grams::default();
+        for ([_, _, with], square) in self.grams.range([unit, unit, 0]..[unit, unit + 1, 0]) {
+            if *with == unit || is_held[*with] {
+                sum += square;
+            }
+        }
+        for (p, ground) in grounds.iter().enumerate() {
+            if let (true, Some(square)) = (ground.has_master, self.coming.get(&[p, unit, unit])) {
+                sum += square;
+            }
+            if let (Some(&first), true) = (self.masters[p].first(), self.masters[p].binary_search(&unit).is_ok()) {
+                let shift = self.shift(first, unit);
+                sum += &ground.slaves.of_entries(&shift, &shift);
+            }
+        }
+        sum
+    }
+
+    /// Adds the coming contacts between components that are not held.
+    fn add_coming(&self, is_held: &[bool], grams: &mut BTreeMap<[usize; 2], Grams>) {
+        for ([p, slave, _], square) in self.coming.iter().filter(|([_, slave, _], _)| !is_held[*slave]) {
+            for &master in self.masters[*p].iter().filter(|&master| master != slave && !is_held[*master]) {
+                let sides = [(*slave, Matrix6::identity()), (master, -self.shift(*slave, master))];
+                for (i, a) in &sides {
+                    for (j, b) in &sides {
+                        *grams.entry([*i, *j]).or_default() += &square.of_entries(a, b);
+                    }
+                }
+            }
+        }
+    }
+
+    /// What makes of the entries of a component those of another for the same point.
+    fn shift(&self, from: usize, to: usize) -> Matrix6<f64> {
+        let [from, to] = [from, to].map(|component| &self.components[component]);
+        let mut shift = Matrix6::identity();
+        shift.fixed_view_mut::<3, 3>(3, 0).copy_from(&((from.center - to.center).cross_matrix() / to.size));
+        shift.fixed_view_mut::<3, 3>(3, 3).fill_diagonal(from.size / to.size);
+        shift
+    }
+
+    /// What is free of components and tools that none of these rows joins to others, with their numbers.
+    fn loose_of(&self, units: &[usize], grams: &BTreeMap<[usize; 2], Grams>, tilt: f64) -> Vec<(usize, Free)> {
         let exists = |unit: usize, k: usize| match unit.checked_sub(self.components.len()) {
             None => true,
             Some(t) => {
@@ -259,7 +392,7 @@ impl RigidMotions {
         let gram = |choose: fn(&Grams) -> &Matrix6<f64>| {
             DMatrix::from_fn(columns.len(), columns.len(), |i, j| {
                 let [(a, k), (b, l)] = [columns[i], columns[j]];
-                let grams = self.grams.get(&[units[a], units[b]]);
+                let grams = grams.get(&[units[a], units[b]]);
                 grams.map_or(0.0, |grams| choose(grams)[(k, l)] + FIRM * grams.firm[(k, l)])
             })
         };
@@ -300,6 +433,15 @@ impl RigidMotions {
         let free = Free { who: format!("tool `{name}`"), is_tool: true, is_piece: false, index, along, about };
         (!free.along.is_empty() || !free.about.is_empty()).then_some(free)
     }
+}
+
+/// What is held of the contacts that may come with a master.
+#[derive(Clone, Copy, Debug, Default)]
+struct Ground {
+    /// Some component of the master is.
+    has_master: bool,
+    /// The slaves that are, with the entries of the first component of the master.
+    slaves: Grams,
 }
 
 /// The other side of a contact.

@@ -10,6 +10,9 @@
 //! what is free to turn is warned about, since a curved body that touches at a point may settle. Contacts hold both ways
 //! here: whether a body is pressed on or pulled off is not asked.
 //!
+//! Later any slave node may touch any part of its master, wherever that is at the start: along the normal that it sees now, or
+//! its own where it sees none.
+//!
 //! With friction a contact that touches sticks. A force-driven tool counts as held then: the solver takes it over a gap to
 //! where it meets something.
 
@@ -32,6 +35,7 @@ pub fn check(
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let component = &model.part.component;
+    let masters = master_components(comm, scene, model);
     let mut warnings = Vec::new();
     for (k, (step, conditions)) in scene.steps.iter().zip(steps).enumerate() {
         let still = |n: usize| model.part.points[n];
@@ -43,12 +47,15 @@ pub fn check(
                 Some(Touch { at: place(s), normal: sight.normal()?, sticks, side: Side::of(pair, sight.component)? })
             };
             held.touch_pair(pair, component, state);
-            // What sees nothing of its own body yet may come to meet any other part of it.
-            for s in (0..pair.slaves.len()).filter(|&s| pair.within_body && sights[p][s].contact.is_none()) {
+            // Parts of the master that are not what a node sees now. What sees nothing of its own body may meet it any way.
+            let coming = sights[p].iter().enumerate().filter_map(|(s, sight)| {
+                let blind = pair.within_body && sight.contact.is_none();
+                let settled = pair.is_by_nodes() || sight.component.is_some_and(|seen| masters[p] == [seen]);
                 let own = component[pair.slaves[s].node as usize] as usize;
-                let others = model.part.components.iter().enumerate().filter(|(_, c)| c.body as usize == pair.body);
-                others.for_each(|(k, _)| held.touch(own, Side::Component(k), &place(s), &Vec3::x(), true));
-            }
+                let normal = sight.normal().unwrap_or(sight.outward);
+                (blind || !settled).then(|| (own, place(s), normal, blind || pair.friction > 0.0))
+            });
+            held.expect(masters[p].clone(), coming.filter(|_| !masters[p].is_empty()));
         }
         let free = held.free(comm);
         if !free.is_empty() {
@@ -96,6 +103,21 @@ pub fn check(
     }
     model.warnings.extend(warnings);
     Ok(())
+}
+
+/// For each pair the components of the master surface, the same on all ranks; none of tools. Collective.
+fn master_components(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Vec<Vec<usize>> {
+    let count = model.part.components.len();
+    let contacts = scene.passes();
+    let mut is_master = vec![0.0f64; count * contacts.len()];
+    for (p, contact) in contacts.iter().enumerate().filter(|(p, _)| model.pairs[*p].master_body.is_some()) {
+        for facet in &model.set(&contact.master.value).facets {
+            is_master[count * p + model.part.component[facet.nodes[0] as usize] as usize] = 1.0;
+        }
+    }
+    max(comm, &mut is_master);
+    let of_pair = |p: usize| (0..count).filter(|k| is_master[count * p + k] > 0.0).collect();
+    (0..contacts.len()).map(of_pair).collect()
 }
 
 /// The supports and ties of a step, with tools as its forces and torques `drive` them, or still, and nodes where `place` has
