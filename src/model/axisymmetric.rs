@@ -5,6 +5,7 @@
 //! is not taken for its section: the layer lies beside the plane z = 0, or on both sides of it.
 
 use super::assemble::set_of;
+use super::layers::alike;
 use super::{Model, SymmetryPlane};
 use crate::error::{Error, Faults, Location, Result};
 use crate::mesh::Mesh;
@@ -121,11 +122,11 @@ pub(super) fn is_drawn_out(tool: &Tool) -> bool {
 
 /// Layers between unlike planes would not meet.
 fn between_planes(scene: &Scene, global: &GlobalMesh) -> Result<()> {
-    const ALIKE: f64 = 1e-6;
-    let [low, high] = global.z_range(0);
+    let first = global.z_range(0);
     for (b, body) in scene.bodies.iter().enumerate().skip(1) {
-        let [from, to] = global.z_range(b);
-        if (from - low).abs().max((to - high).abs()) > ALIKE * (high - low) {
+        let own = global.z_range(b);
+        if !alike(first, own) {
+            let [[low, high], [from, to]] = [first, own];
             let what = format!(
                 "bodies `{}` and `{}` are axisymmetric, but lie between unlike z-planes: {low:?} and {high:?}, {from:?} and {to:?}",
                 scene.bodies[0].name.value, body.name.value

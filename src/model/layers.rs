@@ -7,17 +7,20 @@ use super::assemble::set_of;
 use crate::error::{Error, Faults, Result};
 use crate::mortar::Corners;
 use crate::parallel::max;
-use crate::partition::{Component, GlobalMesh};
+use crate::partition::{ALIKE, Component, GlobalMesh};
 use crate::scene::{Located, Reduction, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
 
 /// How far a tool may be from the same all along z, over the longest edge of the layer's side, across z or along: a tenth of what
 /// the watch takes for a penetration.
 const LIKE: f64 = 1e-3;
-/// Planes z that are closer than this part of a thickness are one.
-const ALIKE: f64 = 1e-6;
+/// Whether two layers lie between the same planes z.
+pub(super) fn alike([low, high]: [f64; 2], [from, to]: [f64; 2]) -> bool {
+    (from - low).abs().max((to - high).abs()) <= ALIKE * (high - low)
+}
 
-fn reduction(scene: &Scene, set: &str) -> Option<Reduction> {
+/// What the body of a set stands for, if that is a layer.
+pub(super) fn reduction(scene: &Scene, set: &str) -> Option<Reduction> {
     let body = scene.bodies.iter().find(|body| body.name.value == body_of(set))?;
     body.reduction.as_ref().map(|asked| asked.value)
 }
@@ -51,8 +54,9 @@ pub(super) fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMes
                 return refuse(what, help);
             }
         }
-        let [[low, high], [from, to]] = sides.map(|side| planes(side));
-        if (from - low).abs().max((to - high).abs()) > ALIKE * (high - low) {
+        let [slave, master] = sides.map(|side| planes(side));
+        if !alike(slave, master) {
+            let [[low, high], [from, to]] = [slave, master];
             let what = format!(
                 "`{}` lies between z = {low:?} and {high:?}, `{}` between {from:?} and {to:?}, but their bodies are one layer of \
                  elements each",
@@ -70,17 +74,15 @@ pub(super) fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMes
 fn check_parts(scene: &Scene, global: &GlobalMesh) -> Result<()> {
     let layers = scene.bodies.iter().enumerate().filter(|(_, body)| body.reduction.is_some());
     Faults::all(layers.map(|(b, body)| {
-        let [low, high] = global.z_range(b);
-        let is_unlike = |part: &&Component| {
-            let (from, to) = part.bounds;
-            part.body as usize == b && (from.z - low).max(high - to.z) > ALIKE * (high - low)
-        };
+        let planes = global.z_range(b);
+        let of_part = |part: &Component| [part.bounds.0.z, part.bounds.1.z];
+        let is_unlike = |part: &&Component| part.body as usize == b && !alike(planes, of_part(part));
         let Some(part) = global.components.iter().find(is_unlike) else { return Ok(()) };
-        let (from, to) = part.bounds;
+        let ([low, high], [from, to]) = (planes, of_part(part));
         let what = format!(
-            "body `{}` lies between z = {low:?} and {high:?}, but its part with node {} between {:?} and {:?}: they are \
+            "body `{}` lies between z = {low:?} and {high:?}, but its part with node {} between {from:?} and {to:?}: they are \
              one layer of elements",
-            body.name.value, part.node, from.z, to.z
+            body.name.value, part.node
         );
         Err(Error::input(&body.name.at, what, "mesh all parts between the same two z-planes, or make them bodies of their own"))
     }))

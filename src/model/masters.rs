@@ -1,12 +1,13 @@
 //! The surfaces of bodies that are masters, as they are made on rank 0, and how far the faces of slaves are from being such.
 
+use super::assemble::set_of;
 use super::symmetry::{self, SymmetryPlane};
 use crate::Vec3;
 use crate::contact::{Avoided, self_contact};
 use crate::error::Result;
 use crate::mesh::{Facet, Mesh};
 use crate::mortar::Corners;
-use crate::partition::GlobalMesh;
+use crate::partition::{GlobalFacet, GlobalMesh};
 use crate::scene::{self, Description, Discretization, FEATURE_ANGLE, Located, Scene};
 use crate::surface::{MovingPatch, Smoothing};
 use std::collections::BTreeMap;
@@ -41,11 +42,13 @@ fn of_master(
     numbers: &[u64],
 ) -> Result<MasterPatches> {
     let master = &contact.master;
-    let (Some(mesh), Some(set)) = (mesh, set_of(names, master)) else { return Ok(Default::default()) };
-    let facets = &mesh.sets[set].facets;
-    let (surface, nodes) = surface(mesh, set, &master.value);
+    let (Some(mesh), Some(set)) = (mesh, mesh.and_then(|mesh| set_of(names, mesh, &master.value))) else {
+        return Ok(Default::default());
+    };
+    let facets = &set.facets;
+    let (surface, nodes) = surface(mesh, facets, &master.value);
     let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-    let smoothing = if is_quadratic(mesh, set) { Smoothing::Facet } else { given.smoothing };
+    let smoothing = if is_quadratic(mesh, facets) { Smoothing::Facet } else { given.smoothing };
     let planes = mirrors(scene, planes, &master.value, &surface);
     let mut patches =
         MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
@@ -96,11 +99,13 @@ fn bulges_of(
         (Some(given), _) => given.smoothing == Smoothing::Facet,
         (None, tool) => tool.is_none_or(|tool| tool.smoothing.value == Description::Mesh(Smoothing::Facet)),
     };
-    let (Some(mesh), Some(set)) = (mesh, set_of(names, slave)) else { return Ok(Vec::new()) };
-    if faceted || contact.discretization != Discretization::Segment || is_quadratic(mesh, set) {
+    let (Some(mesh), Some(set)) = (mesh, mesh.and_then(|mesh| set_of(names, mesh, &slave.value))) else {
+        return Ok(Vec::new());
+    };
+    if faceted || contact.discretization != Discretization::Segment || is_quadratic(mesh, &set.facets) {
         return Ok(Vec::new());
     }
-    let (surface, _) = surface(mesh, set, &slave.value);
+    let (surface, _) = surface(mesh, &set.facets, &slave.value);
     let angle = contact.surface.map_or(FEATURE_ANGLE, |given| given.feature_angle);
     let planes = mirrors(scene, planes, &slave.value, &surface);
     let places: Vec<u64> = (0..surface.points.len() as u64).collect();
@@ -114,18 +119,13 @@ fn bulges_of(
     Ok(patches.iter().flat_map(of_patch).collect())
 }
 
-fn set_of(names: &[Located<String>], set: &Located<String>) -> Option<usize> {
-    names.iter().position(|name| name.value == set.value)
+/// Some of these facets are sides of quadratic elements.
+fn is_quadratic(mesh: &GlobalMesh, facets: &[GlobalFacet]) -> bool {
+    facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some())
 }
 
-/// Its facets are sides of quadratic elements.
-fn is_quadratic(mesh: &GlobalMesh, set: usize) -> bool {
-    mesh.sets[set].facets.iter().any(|facet| mesh.middles.of(facet.nodes()).is_some())
-}
-
-/// The facets of a set, with the nodes of the mesh that its points are.
-fn surface(mesh: &GlobalMesh, set: usize, name: &str) -> (Mesh, Vec<u32>) {
-    let facets = &mesh.sets[set].facets;
+/// The surface of some facets, with the nodes of the mesh that its points are.
+fn surface(mesh: &GlobalMesh, facets: &[GlobalFacet], name: &str) -> (Mesh, Vec<u32>) {
     let mut nodes: Vec<u32> = facets.iter().flat_map(|f| f.nodes()).copied().collect();
     nodes.sort_unstable();
     nodes.dedup();

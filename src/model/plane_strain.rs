@@ -3,22 +3,19 @@
 
 use super::Model;
 use super::axisymmetric::is_drawn_out;
+use super::layers::reduction;
 use crate::contact::Pair;
 use crate::error::{Error, Faults, Result};
-use crate::scene::{Body, Reduction, Scene, Step, body_of};
+use crate::scene::{Reduction, Scene, Step};
 use crate::{Vec2, Vec3};
 
 const TOOLS: &str = "a body in plane strain goes on alike along z, and so must the tools that it meets; else leave out \
                      `plane_strain`, and mesh it in space";
 
-fn is_layer(body: &Body) -> bool {
-    body.reduction.as_ref().is_some_and(|reduction| reduction.value == Reduction::PlaneStrain)
-}
-
 /// Whether a tool meets bodies in plane strain.
 fn meets_layers(scene: &Scene, tool: &str) -> bool {
-    let is_met = |name: &str| scene.bodies.iter().any(|body| body.name.value == name && is_layer(body));
-    scene.contacts.iter().any(|contact| contact.master.value == tool && is_met(body_of(&contact.slave.value)))
+    let is_met = |set: &str| reduction(scene, set) == Some(Reduction::PlaneStrain);
+    scene.contacts.iter().any(|contact| contact.master.value == tool && is_met(&contact.slave.value))
 }
 
 /// # Errors

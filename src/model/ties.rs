@@ -10,6 +10,7 @@
 //!
 //! In a layer both nodes of an upright edge are one, with the sum of what the interpolation has for both.
 
+use super::layers::alike;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::mesh::check::spoiled;
@@ -119,20 +120,17 @@ fn order(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Resul
 
 /// Refuses ties of a layer to anything but another layer of the same thickness.
 fn one_layer(tie: &Tie, scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<()> {
-    const ALIKE: f64 = 1e-6;
     let ends = [&tie.slave, &tie.master].map(|set| {
         let own = nodes(&faces(names, global, &set.value));
         let heights = || own.iter().map(|n| global.points[*n as usize].z);
         let body = own.first().map(|n| &scene.bodies[global.body[*n as usize] as usize]);
         (
             body.and_then(|body| body.reduction.as_ref()).map(|asked| asked.value),
-            heights().fold(f64::INFINITY, f64::min),
-            heights().fold(f64::NEG_INFINITY, f64::max),
+            [heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max)],
         )
     });
-    let [(reduction, low, high), (other, from, to)] = ends;
-    let near = ALIKE * (high - low);
-    if reduction == other && (reduction.is_none() || (low - from).abs().max((high - to).abs()) <= near) {
+    let [(reduction, slave), (other, master)] = ends;
+    if reduction == other && (reduction.is_none() || alike(slave, master)) {
         return Ok(());
     }
     let layer = reduction.or(other).unwrap_or(Reduction::PlaneStrain);

@@ -17,6 +17,9 @@ mod lists;
 mod order;
 pub mod parcels;
 
+/// Planes z that are closer than this part of the thickness between two are one.
+pub const ALIKE: f64 = 1e-6;
+
 pub use components::{Component, lowest_joined};
 pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
 pub use gather::{Gather, owner};

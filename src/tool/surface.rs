@@ -10,16 +10,13 @@ use crate::controls::Controls;
 use crate::error::Result;
 use crate::parallel::{agree, any, first_word, max, word_of_largest};
 use crate::partition::parcels::{self, bounds, collect, hull, strayed};
-use crate::partition::{Bounds, Parcel};
+use crate::partition::{ALIKE, Bounds, Parcel};
 use crate::scene::{self, Description, Smoothing};
 use crate::surface::analytic::ROUNDED;
 use crate::surface::{Edge, FaceSet, Parametric, Patch, PatchSet, Projection, SewnFace, Tessellation};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::collections::BTreeMap;
-
-/// Planes z that are closer than this part of the length between two are one.
-const ALIKE: f64 = 1e-6;
 
 /// The surface of a tool, in its own frame.
 pub struct Surface {

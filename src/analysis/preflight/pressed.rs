@@ -2,9 +2,9 @@
 //!
 //! Contacts push, and friction pulls along them by no more than mu times that. Where all the forces that the contacts of a
 //! body could have lie on one side, and neither a support nor a load acts against them, there is no equilibrium, or only one
-//! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of no support, that is so if
-//! n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are tied count as one,
-//! parts of a body that share no nodes as several.
+//! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of
+//! no support, that is so if n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are
+//! tied count as one, parts of a body that share no nodes as several.
 
 use super::super::conditions::Conditions;
 use super::sight::Standing;

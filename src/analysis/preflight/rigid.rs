@@ -1,8 +1,9 @@
 //! Which rigid motions of the bodies and tools nothing holds.
 //!
-//! A body, or each of its components that share no nodes, moves with the velocity v + ω x (x - c), c the middle of its box; a tool that a force drives translates along its
-//! free directions, and one that a torque drives turns about its axis. Every support is a row: no velocity along a direction at a point. Every contact is one, too: no
-//! velocity of the two sides relative to each other along the normal, with friction that sticks along no direction.
+//! A body, or each of its components that share no nodes, moves with the velocity v + ω x (x - c), c the middle of its
+//! box; a tool that a force drives translates along its free directions, and one that a torque drives turns about its
+//! axis. Every support is a row: no velocity along a direction at a point. Every contact is one, too: no velocity of the
+//! two sides relative to each other along the normal, with friction that sticks along no direction.
 //!
 //! A motion is free when it moves no support and opens or closes no contact. Normals of meshed surfaces are not exact, so
 //! that a motion along a smooth surface is not quite without an opening: what counts is the share of the velocity at the
@@ -232,7 +233,7 @@ impl RigidMotions {
         (component, Vector6::from_fn(|k, _| if k < 3 { along[k] } else { turn[k - 3] }))
     }
 
-    /// What can move: by body, then by tool; empty when everything is held. The same on all ranks. Collective.
+    /// What can move: by component, then by tool; empty when everything is held. The same on all ranks. Collective.
     pub fn free(&self, comm: &SimpleCommunicator) -> Vec<Free> {
         self.free_along(comm, TILT)
     }

@@ -178,8 +178,8 @@ fn drifts(comm: &SimpleCommunicator, model: &Model, conditions: &Conditions, s: 
 }
 
 /// What else a part of a body may want.
-const MERGE: &str = "merge the nodes where it should be one with the rest (Gmsh: Coherence Mesh, with a tolerance), or `tie` it to \
-                     it; else ";
+const MERGE: &str = "merge the nodes where it should be one with the rest (Gmsh: Coherence Mesh, with a tolerance), or `tie` them; \
+                     else ";
 
 /// What is free even if all contacts touch.
 fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> Error {

@@ -201,12 +201,11 @@ mod tests {
         let nodes = [[0.0, 0.0, 0.0], [2.0, 0.1, 0.0], [2.2, 1.3, 0.0], [-0.1, 1.0, 0.0]].map(Vec3::from);
         let coefficients = [[0.0, 0.1, -0.4], [0.2, 0.0, -0.1], [0.0, 0.0, 0.3], [0.1, 0.0, -0.2]].map(Vec3::from);
         for count in [3, 4] {
-            let straight = [Vec3::zeros(); 4];
             let flat = Patch {
                 id: 0,
                 count: count as u8,
                 nodes,
-                coefficients: straight,
+                coefficients: [Vec3::zeros(); 4],
                 edges: [Edge::Boundary; 4],
                 on_boundary: [true; 4],
                 deviation: 0.0,
