@@ -19,7 +19,7 @@ pub mod ties;
 pub mod tractions;
 
 use crate::Vec3;
-use crate::contact::{Avoided, BodySurface, Masters, Pair, Slave, Tool, guidance, self_contact};
+use crate::contact::{Avoided, BodySurface, Masters, Pair, Tool, guidance, self_contact};
 use crate::controls::Controls;
 use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
@@ -246,18 +246,9 @@ impl Model {
     /// Turns the slave nodes of pairs within a body to where their faces look with nodes displaced by `u`.
     pub fn turn_slaves(&mut self, u: &[Vec3]) {
         for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
-            let mut outward = vec![Vec3::zeros(); self.part.points.len()];
-            for facet in self.part.pieces(&self.part.sets[pair.set].facets).iter() {
-                let nodes = &facet.nodes[..facet.count as usize];
-                let at = |k: usize| {
-                    let n = nodes[k % nodes.len()] as usize;
-                    self.part.points[n] + u[n]
-                };
-                let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
-                nodes.iter().for_each(|&n| outward[self.part.tie[n as usize] as usize] += area);
-            }
-            let unit = |s: &Slave| outward[s.node as usize].try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
-            pair.outward = pair.slaves.iter().map(unit).collect();
+            let part = &self.part;
+            let outward = outward_of(part, pair.set, |n| part.points[n as usize] + u[n as usize]);
+            pair.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
         }
     }
 
@@ -375,4 +366,17 @@ impl Model {
     pub fn slave_counts(&self, comm: &SimpleCommunicator) -> Vec<u64> {
         self.pairs.iter().map(|p| number(comm, p.slaves.len() as u64).1).collect()
     }
+}
+
+/// Unit normals of a set at its owned nodes, by the areas of the facets around, with nodes at `place`; zero elsewhere.
+pub fn outward_of(part: &Part, set: usize, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+    let mut outward = vec![Vec3::zeros(); part.points.len()];
+    for facet in part.pieces(&part.sets[set].facets).iter() {
+        let nodes = &facet.nodes[..facet.count as usize];
+        let at = |k: usize| place(nodes[k % nodes.len()]);
+        let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
+        nodes.iter().for_each(|&n| outward[part.tie[n as usize] as usize] += area);
+    }
+    outward.iter_mut().for_each(|sum| *sum = sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default());
+    outward
 }

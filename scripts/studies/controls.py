@@ -187,6 +187,30 @@ every = 100
 history = ["low.xmin", "high.xmin"]
 """
 
+# A block between platens as wide as itself.
+PLATEN = """
+[body.block]
+block = { box = { size = [1.0, 1.0, 1.0] }, elements = [4, 4, 4] }
+material = "soft"
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.platen]
+profile = { points = [[0.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]], closed = true, extrude = { length = 1.0 } }
+[contact.top]
+slave = "block.ymax"
+master = "platen"
+friction = 0.5
+[[step]]
+increments = 4
+fix = [{ set = "block.ymin" }]
+move = [{ target = "platen", by = [0.0, -0.2, 0.0] }]
+[output]
+every = 100
+history = ["block.ymin"]
+"""
+
 IRONING = ["body.slab.block.elements=[40, 8, 1]", "step.press.increments=4", "step.slide.increments=5",
            "step.slide.move.0.by=[12.0, 0.0, 0.0]"]
 # Name: scene of inputs/ or text, settings, what occurs in it.
@@ -208,6 +232,7 @@ SCENES = {
                                           "angle = 40.0 }"], "turning"),
     "edge": (EDGE, [], "failing jumping sharp"),
     "segments": (SEGMENTS, [], "segments"),
+    "platen": (PLATEN, [], "rim"),
     "punch": (PUNCH, [], "between sharp"),
     "sheet": (SHEET, [], "central failing"),
     "leaves": (LEAVES, [], "lagrange failing"),
@@ -242,7 +267,8 @@ USED = [
     ("loose_*", "lagrange failing driven"), ("outer_rounds", "lagrange uzawa self failing"), ("uzawa_*", "uzawa"),
     ("singular_*", "failing"), ("short_increment", "failing"), ("remedy_period", "failing"), ("jump_*", "jumping"),
     ("penalty_method", "penalty"), ("two_pass_*", "two-pass"), ("repeat_*", "two-pass"), ("slack", "self failing"),
-    ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_beside", "sharp"), ("self_*", "self"),
+    ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_aside", "rim sharp faceted plain"),
+    ("edge_beside", "sharp"), ("self_*", "self"),
     ("friction_steep", "driven"), ("watch_around_self", "self"),
     ("watch_turn", "turning"), ("watch_segment", "segments"), ("watch_unfelt", "segments"),
     ("watch_between*", "between"), ("watch_*", "at-once sharp turning"), ("central_*", "central"),

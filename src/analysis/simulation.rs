@@ -7,7 +7,7 @@ use super::step::Running;
 use super::{Event, Observer, Rounded, State, preflight};
 use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
-use crate::model::Model;
+use crate::model::{Model, outward_of};
 use crate::output::phases::Phases;
 use crate::output::summary::{self, Carried, Summary};
 use crate::parallel::{any, sum};
@@ -302,9 +302,13 @@ impl<'a> Simulation<'a> {
         for pair in pairs {
             let ground = masters.of(pair.master);
             let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
+            let outward = outward_of(part, pair.set, place);
             for s in 0..pair.slaves.len() {
-                let position = place(pair.slaves[s].node);
+                let node = pair.slaves[s].node;
+                let position = place(node);
                 let projection = ground.project(pair, s, &position, (None, false));
+                let facing = |p| ground.facing(pair, &position, &p, &outward[node as usize]).unwrap_or(p);
+                let projection = projection.map(facing);
                 let projection = match &segments {
                     None => projection,
                     Some(segments) => {

@@ -12,7 +12,7 @@ use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{MovingPatch, Parametric, PatchSet, Polygon, Projection, Smoothing, Transfer};
+use crate::surface::{MovingPatch, Parametric, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -371,6 +371,39 @@ impl<'a> Ground<'a> {
         let found = on_faces(shapes, pair, warm, &outlook)?;
         let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
         Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+    }
+
+    /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last
+    /// converged increment, if that is another one: see [`Way`].
+    pub fn entrance(&self, pair: &Pair, s: usize, x: &Vec3, found: &Projection) -> Option<Projection> {
+        let (slave, sides) = (&pair.slaves[s], pair.sides());
+        let place = slave.committed.place?;
+        let normal = slave.accepted.projection.map(|p| p.normal);
+        match self {
+            Self::Tool(tool) => tool.entrance(x, found, (&place, normal), sides),
+            Self::Surface(surface, Meets::Faces) if !pair.within_body => {
+                let from = |at: &Projection| {
+                    let before = surface.shape_before(at.patch)?;
+                    Some(at.point + (place - before.point(at.xi)))
+                };
+                let way = Way { place: &from, normal, sides };
+                way.entrance(x, found, |most| surface.shapes().perpendiculars(x, most, sides.aside))
+            }
+            Self::Surface(..) => None,
+        }
+    }
+
+    /// Of the sides of the master that a slave node at `x` touches, `found` there, the one that looks at it the most, if that is
+    /// another one; it looks `outward`.
+    pub fn facing(&self, pair: &Pair, x: &Vec3, found: &Projection, outward: &Vec3) -> Option<Projection> {
+        let sides = pair.sides();
+        sides.facing(found, outward, |most| match self {
+            Self::Tool(tool) => tool.perpendiculars(x, most, sides.aside),
+            Self::Surface(surface, Meets::Faces) if !pair.within_body => {
+                surface.shapes().perpendiculars(x, most, sides.aside)
+            }
+            Self::Surface(..) => Vec::new(),
+        })
     }
 
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search

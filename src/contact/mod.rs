@@ -54,7 +54,7 @@ pub use watch::Sight;
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::partition::Gather;
-use crate::surface::Patch;
+use crate::surface::{Patch, Sides};
 use std::collections::BTreeMap;
 
 /// A contact pair on this rank: the owned nodes of a slave surface against a master.
@@ -122,6 +122,11 @@ impl Pair {
     /// Distance from the slave nodes within which the master must be known: points of the faces around them are farther away.
     pub fn sight_reach(&self) -> f64 {
         self.reach + self.faces.as_ref().map_or(0.0, |_| self.facet_size)
+    }
+
+    /// What counts as on one side of the master.
+    pub fn sides(&self) -> Sides {
+        Sides { aside: self.controls.edge_aside * self.facet_size, turn: self.controls.kink_turn }
     }
 
     /// The slave at an owned node, if there is one.

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
 use crate::scene;
-use crate::surface::Projection;
+use crate::surface::{Projection, Sides, Way};
 use crate::tool::Surface;
 use mpi::topology::SimpleCommunicator;
 
@@ -55,13 +55,40 @@ impl Tool {
         reach: f64,
         (warm, keeps): (Option<(u32, [f64; 2])>, bool),
     ) -> Option<Projection> {
+        self.surface.project(&self.trial.inward(point), reach, (warm, keeps)).map(|p| self.in_space(&p))
+    }
+
+    /// Perpendiculars from a point in space to all pieces of the tool at its trial pose, no longer than `most`; they may miss a piece
+    /// by a distance of `aside`.
+    pub fn perpendiculars(&self, point: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
+        let feet = self.surface.near().perpendiculars(&self.trial.inward(point), most, aside);
+        feet.iter().map(|p| self.in_space(p)).collect()
+    }
+
+    /// The side that a point in space, `found` behind the tool at its trial pose, has come through, if that is another one; at the
+    /// last converged increment it was at a `place` in the tool's frame, and had a `normal` in space.
+    pub fn entrance(
+        &self,
+        point: &Vec3,
+        found: &Projection,
+        (place, normal): (&Vec3, Option<Vec3>),
+        sides: Sides,
+    ) -> Option<Projection> {
+        let turn = self.trial.rotation * self.committed.rotation.transpose();
+        let place = self.trial.outward(place);
+        let way = Way { place: &|_| Some(place), normal: normal.map(|normal| turn * normal), sides };
+        way.entrance(point, found, |most| self.perpendiculars(point, most, sides.aside))
+    }
+
+    /// A projection in the tool's frame, in space at the trial pose.
+    fn in_space(&self, p: &Projection) -> Projection {
         let r = self.trial.rotation;
-        self.surface.project(&self.trial.inward(point), reach, (warm, keeps)).map(|p| Projection {
+        Projection {
             point: self.trial.outward(&p.point),
             normal: r * p.normal,
             normal_gradient: r * p.normal_gradient * r.transpose(),
-            ..p
-        })
+            ..*p
+        }
     }
 
     /// Fetches what is within `reach` of all the slave nodes of its pairs, which `place` puts in space, at its trial pose. Says

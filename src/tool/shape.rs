@@ -41,6 +41,17 @@ impl Shape {
         Some(stays.unwrap_or(found))
     }
 
+    /// Perpendiculars from `x` to all its pieces, no longer than `most`; they may miss a piece by a distance of `aside`. None
+    /// of shapes without edges.
+    pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
+        match self {
+            Self::Patches(patches) => patches.perpendiculars(x, most, aside),
+            Self::Faces(faces) => faces.perpendiculars(x, most, aside),
+            Self::Analytic(Analytic::Profile(profile)) => profile.perpendiculars(x, most, aside),
+            Self::Analytic(_) => Vec::new(),
+        }
+    }
+
     /// The point nearest to `x` within the distance `reach`, ends of the surface included: beside an end, an edge or a
     /// corner the normal points along the line between `x` and the point.
     pub fn nearest(&self, x: &Vec3, reach: f64) -> Option<Projection> {

@@ -4,7 +4,16 @@ use crate::case::Case;
 use crate::oracle::{balance, near, same, value};
 use crate::scenes::{BAR, METHODS, SLAB, plate};
 
-family!(to_and_fro, node_on_two_tools, node_on_three_tools, into_a_corner, coincident_tools, trench, across_an_edge);
+family!(
+    to_and_fro,
+    node_on_two_tools,
+    node_on_three_tools,
+    into_a_corner,
+    coincident_tools,
+    trench,
+    across_an_edge,
+    closed_platens
+);
 
 /// A slab is drawn over a grid of facets by whole facets and back: its nodes begin, turn and end on vertices.
 fn to_and_fro() -> Vec<Case> {
@@ -290,6 +299,53 @@ fn across_an_edge() -> Vec<Case> {
                 let reference = case.clone().set(format!("contact.c.method={other}"));
                 let tolerance = if method == "penalty" { 5e-2 } else { 1e-3 };
                 cases.push(case.oracle(same("t.fz", reference, tolerance, &format!("method={other}"))).slow());
+            }
+        }
+    }
+    cases
+}
+
+/// A cube is pressed by closed platens that are hardly wider, by more than its nodes are from their sides; also a quarter of it
+/// by a platen cut in the planes of symmetry. Each presses as an endless plane does.
+fn closed_platens() -> Vec<Case> {
+    let scene = |tool: &str, supports: &str, friction: f64, increments: usize| {
+        format!(
+            "[body.b]\nmaterial = \"m\"\nblock = {{ box = {{ size = [1.0, 1.0, 1.0] }}, elements = [4, 4, 4] }}\n[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n[tool.t]\n{tool}\n[contact.c]\nslave = \"b.zmax\"\nmaster = \"t\"\nfriction = {friction:?}\n[[step]]\nincrements = {increments}\nfix = [{{ set = \"b.zmin\" }}{supports}]\nmove = [{{ target = \"t\", by = [0.0, 0.0, -0.2] }}]\n[output]\nevery = 1000\nhistory = [\"b.zmin\"]\n"
+        )
+    };
+    let plane = "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }";
+    let cut = ", { set = \"b.xmin\", directions = \"x\" }, { set = \"b.ymin\", directions = \"y\" }";
+    let mut cases = Vec::new();
+    for (supports, shape) in [("", "whole"), (cut, "quarter")] {
+        for over in [0.0, 1e-6, 1e-3, 0.05, 0.15] {
+            // Without friction the cube gets wider by 0.08.
+            for friction in [0.0, 0.5].into_iter().filter(|friction| *friction > 0.0 || over > 0.1) {
+                for thick in [0.05, 1.0] {
+                    let side = |t: f64| t * (1.0 + 2.0 * over) - over;
+                    let half = |t: f64| t * (1.0 + 2.0 * 0.15) - over.min(0.15);
+                    let mesh = crate::common::msh::block([1, 1, 1], false, |[x, y, z]| match supports {
+                        "" => [side(x), side(y), 1.0 + thick * z],
+                        _ => [half(x), half(y), 1.0 + thick * z],
+                    });
+                    // Under a penalty friction lets the rim slide off by a thousandth.
+                    let methods = METHODS.into_iter().filter(|method| *method != "penalty" || over > 0.01);
+                    for (method, increments) in methods.flat_map(|m| [(m, 1), (m, 4)]) {
+                        let name = format!(
+                            "{shape}, over by {over:e}, {thick} thick, mu = {friction}, {method}, {increments}"
+                        );
+                        let with = |tool: &str| {
+                            Case::text(name.as_str(), scene(tool, supports, friction, increments))
+                                .set(format!("contact.c.method={method}"))
+                        };
+                        let case = with("mesh = \"t.msh\"").file("t.msh", mesh.as_str()).oracle(same(
+                            "t.fz",
+                            with(plane),
+                            1e-6,
+                            "a plane",
+                        ));
+                        cases.push(case.quick_if(over == 0.05 && method == METHODS[0] && increments == 1));
+                    }
+                }
             }
         }
     }

@@ -7,7 +7,7 @@
 use crate::Vec3;
 use crate::contact::Pair;
 use crate::contact::master::Prospect;
-use crate::model::Model;
+use crate::model::{Model, outward_of};
 use crate::parallel::any;
 use crate::partition::Part;
 use crate::surface::Projection;
@@ -110,22 +110,15 @@ fn widen(
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
 fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
-    let mut sums = vec![Vec3::zeros(); part.points.len()];
-    for facet in part.pieces(&part.sets[pair.set].facets).iter() {
-        let nodes = &facet.nodes[..facet.count as usize];
-        let at = |k: usize| part.points[nodes[k % nodes.len()] as usize];
-        let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
-        nodes.iter().for_each(|&n| sums[part.tie[n as usize] as usize] += area);
-    }
-    sums.iter_mut().for_each(|sum| *sum = sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default());
+    let outward = outward_of(part, pair.set, |n| part.points[n as usize]);
     let mut depths = vec![f64::INFINITY; part.points.len()];
     for solid in &part.solids {
         for &n in solid.nodes() {
             let n = part.tie[n as usize] as usize;
-            let below = |m: &u32| (part.points[n] - part.points[*m as usize]).dot(&sums[n]);
+            let below = |m: &u32| (part.points[n] - part.points[*m as usize]).dot(&outward[n]);
             depths[n] = depths[n].min(solid.nodes().iter().map(below).fold(0.0, f64::max));
         }
     }
-    let sight = |n: usize| Standing { outward: sums[n], depth: depths[n], ..Standing::default() };
+    let sight = |n: usize| Standing { outward: outward[n], depth: depths[n], ..Standing::default() };
     pair.slaves.iter().map(|s| sight(s.node as usize)).collect()
 }

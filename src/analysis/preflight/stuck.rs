@@ -61,6 +61,10 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             let motion = &conditions.motions[t];
             let tool = &mut model.masters.tools[t];
             let mut deep: Vec<(u32, f64)> = Vec::new();
+            let began = |k: usize| {
+                let n = pair.slaves[k].node as usize;
+                conditions.axes.outward(n, &before[n].map(|u| if u.is_nan() { 0.0 } else { u }))
+            };
             // The farthest between two looks, as they are at most 1/LOOKS apart.
             let farthest = |by: f64, course: u32| by.abs() * conditions.course(course).map_or(1.0, Amplitude::steepest);
             for &s in &looks {
@@ -84,11 +88,13 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 let aside = ASIDE * pair.facet_size;
                 for &k in &watched {
                     let (x, u) = place(k);
+                    let began = start.inward(&(model.part.points[pair.slaves[k].node as usize] + began(k)));
                     let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
                     let node = pair.slaves[k].node as usize;
                     // How deep it is, if it is held there.
                     let depth = |x: &Vec3| {
                         let p = tool.project(x, reach, (None, false))?;
+                        let p = tool.entrance(x, &p, (&began, None), pair.sides()).unwrap_or(p);
                         let normal = conditions.axes.inward(node, &p.normal);
                         let held = (0..3).all(|d| normal[d].abs() <= ACROSS || known(d));
                         (held && p.gap < -DEPTH * pair.facet_size).then_some(-p.gap)

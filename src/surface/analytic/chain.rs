@@ -182,6 +182,13 @@ impl Chain {
         best
     }
 
+    /// Perpendiculars from `x` to all pieces, with the number of each; they may miss a piece by a distance of `aside`.
+    pub fn perpendiculars(&self, x: &Vec2, aside: f64) -> impl Iterator<Item = (Planar, u32)> {
+        let meets = move |piece: &Piece| (-aside..=piece.length() + aside).contains(&piece.foot(x));
+        let pieces = self.pieces.iter().enumerate().filter(move |(_, piece)| meets(piece));
+        pieces.map(|(k, piece)| (piece.project(x), k as u32))
+    }
+
     /// The way along a piece to its point next to `x`, and which end of it that is.
     fn foot(&self, piece: usize, x: &Vec2) -> (f64, Limit) {
         let slack = |joint: Joint| if joint == Joint::Open { ROUNDED * self.size } else { 0.0 };

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::chain::Chain;
+use super::section::Planar;
 use crate::surface::{Closest, Local, Parametric, Projection};
 use crate::{Vec2, Vec3};
 use nalgebra::Matrix3x2;
@@ -40,28 +41,46 @@ impl Profile {
     /// Closest point of the profile to `x`; `kept` is the piece of the last projection, which stays in a tie. `None` beyond
     /// the ends.
     pub fn project(&self, x: &Vec3, kept: Option<u32>) -> Option<Projection> {
+        let (at, _) = self.in_section(x)?;
+        self.chain.project(&at, kept).map(|found| self.in_space(x, found))
+    }
+
+    /// Perpendiculars from `x` to all pieces of the chain, no longer than `most`; they may miss a piece by a distance of `aside`.
+    pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
+        let Some((at, _)) = self.in_section(x) else { return Vec::new() };
+        let near = self.chain.perpendiculars(&at, aside).filter(|(planar, _)| planar.gap.abs() <= most);
+        near.map(|found| self.in_space(x, found)).collect()
+    }
+
+    /// Where `x` is in its section, and e_r of a revolved one; `None` beyond the ends.
+    fn in_section(&self, x: &Vec3) -> Option<(Vec2, Vec3)> {
         match &self.sweep {
             Sweep::Extruded { origin, x: right, y: up, length } => {
                 let (at, along) = split(x, origin, right, up);
-                if length.is_some_and(|length| along < -ROUNDED * length || along > length * (1.0 + ROUNDED)) {
-                    return None;
-                }
-                let (planar, piece) = self.chain.project(&at, kept)?;
+                let is_beyond = |length: f64| along < -ROUNDED * length || along > length * (1.0 + ROUNDED);
+                (!length.is_some_and(is_beyond)).then_some((at, Vec3::zeros()))
+            }
+            Sweep::Revolved(axis) => Some(axis.split(x)),
+        }
+    }
+
+    fn in_space(&self, x: &Vec3, (planar, piece): (Planar, u32)) -> Projection {
+        match &self.sweep {
+            Sweep::Extruded { x: right, y: up, .. } => {
                 let plane = Matrix3x2::from_columns(&[*right, *up]);
                 let normal = plane * planar.normal;
-                Some(Projection {
+                Projection {
                     gap: planar.gap,
                     point: x - normal * planar.gap,
                     normal,
                     normal_gradient: plane * planar.gradient * plane.transpose(),
                     patch: piece,
                     xi: [0.0; 2],
-                })
+                }
             }
             Sweep::Revolved(axis) => {
                 let (at, e_r) = axis.split(x);
-                let (planar, piece) = self.chain.project(&at, kept)?;
-                Some(Projection { patch: piece, ..axis.lift(x, at, e_r, &planar) })
+                Projection { patch: piece, ..axis.lift(x, at, e_r, &planar) }
             }
         }
     }

@@ -41,7 +41,7 @@ pub(crate) mod tree;
 pub use search::{Admission, settle};
 
 use super::patch::Patch;
-use super::piece::Piece;
+use super::piece::{EXTENSION, Piece};
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
@@ -257,6 +257,22 @@ impl<P: Piece> PieceSet<P> {
             })
         };
         around.filter_map(extended).max_by(|a, b| a.gap.total_cmp(&b.gap).then(b.patch.cmp(&a.patch)))
+    }
+
+    /// Perpendiculars from `x` to all pieces, no longer than `most`; they may miss a piece by a distance of `aside`.
+    pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
+        let around = Vec3::repeat(most);
+        let perpendicular =
+            |k: u32| {
+                let (piece, extent) = (&self.pieces[k as usize], &self.extents[k as usize]);
+                let core = piece.core(extent, x, None);
+                let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
+                let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
+                let point = foot.local.point;
+                (foot.limits == 0 && gap.abs() <= most && (point - core.local.point).norm() <= aside)
+                    .then(|| Projection { gap, point, normal, normal_gradient, patch: piece.id(), xi: foot.xi })
+            };
+        self.within(&(x - around), &(x + around)).into_iter().filter_map(perpendicular).collect()
     }
 
     /// The normal projection alone: piece, parameters and gap of the foot of a perpendicular with the least |gap| up to
