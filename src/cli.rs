@@ -421,6 +421,9 @@ fn warn_of_unused(options: &[String]) {
 pub fn run() -> i32 {
     // Who looks at the results while the run goes on must not keep it from writing.
     petsc::environment::set_default("HDF5_USE_FILE_LOCKING", "FALSE");
+    // A rank alone starts no others, and needs no daemon of Open MPI for it: when the two take leave of each other, Open MPI's
+    // thread now and then calls what is unloaded already, and the process ends by a signal after all is done.
+    petsc::environment::set_default("OMPI_MCA_ess_singleton_isolated", "1");
     petsc::environment::leave_hdf5_at_exit();
     petsc::environment::return_freed_memory();
     if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {

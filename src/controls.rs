@@ -245,9 +245,9 @@ controls! {
         penalty_method: f64 = 100.0, [1.0, 1e6], "the same stiffness",
             "Automatic penalty of the penalty method: penetrations of some hundredths of what the nodes around give way. It is part of the model that the user chooses with this method, and the result depends on it: twice and half change the forces of a cap on a block by 3e-3 and 5e-3.";
         touching_gap: f64 = 1e-4, [1e-12, 0.01], "longest edge of the slave facets",
-            "A gap below is but rounding of a mesh file, and closed in the first iteration of a step: a body that only a force drives would have no support otherwise. Further iterations see the gap as it is.";
+            "A gap below is but rounding of a mesh file, and closed in the first iteration of a step, and an active set begins with it: a body that only a force drives would have no support otherwise. Further iterations see the gap as it is.";
         no_gap: f64 = 1e-9, [1e-15, 1e-6], "longest edge of the slave facets",
-            "A gap below is none: an active set begins with what touches, and a node so deep behind a master may be beside it.";
+            "A gap below is none: a node no deeper behind a master is not behind it.";
         slack: f64 = 1e-3, [1e-6, 0.1], "compliance over that of the automatic penalty",
             "Of constraints that give way: always in self-contact, where slave nodes that meet each other make the same condition twice. What is left of it when it is tightened there is an error: in the forces of the strip in inputs/ 2e-7 while it closes, up to 5e-4 where its legs are drawn along each other, and as much more as there is more of it. Half of it, or a third, costs the 54 strips of `wide_slack` 2.7 or 3.5 times the iterations, and 25 or 29 cuts instead of 6. With 3e-4 facets without friction slide off each other, tip from tip, long before they do with this; with 2e-3 nodes of the strip that meet each other are balanced on a point, and rounding decides to which side they slide.";
         wide_slack: f64 = 3e-2, [1e-6, 1.0], "compliance over that of the automatic penalty",

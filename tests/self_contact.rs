@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, Run, assert_small, nagata};
+use common::{Bench, History, Run, assert_small, msh, nagata};
 
 /// Length of the facets of the legs.
 const FACET: f64 = 0.8;
@@ -289,4 +289,45 @@ fn what_stands_tip_on_tip_gets_on() {
         assert!(cuts <= most, "{friction}: {cuts} cuts");
         check_balance(&run.history());
     }
+}
+
+/// Two cubes of one mesh, all of whose faces may meet each other, come to touch exactly as an increment ends, and press each
+/// other as two passes between the two sides have it.
+#[test]
+fn cubes_of_one_surface_press_each_other() {
+    let lower = msh::block([4, 4, 4], false, |p| p);
+    let upper = msh::block([4, 4, 4], false, |[x, y, z]| [x + 0.1, y + 0.1, z + 1.05]);
+    let run = |slave: &str, master: &str, more: &str, ranks: usize| {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.cubes]
+            mesh = "cubes.msh"
+            material = "soft"
+            [material.soft]
+            model = "neo-hookean"
+            young = 100.0
+            poisson = 0.3
+            [contact.joint]
+            slave = "cubes.{slave}"
+            master = "cubes.{master}"
+            friction = 0.3
+            {more}
+            [[step]]
+            increments = 8
+            fix = [{{ set = "cubes.zmin0" }}]
+            move = [{{ target = "cubes.zmax1", by = [0.0, 0.0, -0.4] }}]
+            [output]
+            history = ["cubes.zmin0", "cubes.zmax1"]
+            "#
+        ));
+        bench.write("cubes.msh", &msh::together(&[&lower, &upper]));
+        bench.solve(ranks, &[]).history()
+    };
+    let all = run("all", "all", "", 1);
+    let force = all.last("cubes.zmin0.fz");
+    let other = run("all", "all", "", 2).last("cubes.zmin0.fz");
+    assert_small("ranks", force / other - 1.0, 1e-6);
+    assert_small("balance", (force + all.last("cubes.zmax1.fz")) / force, 1e-9);
+    let passes = run("zmin1", "zmax0", "discretization = \"two-pass\"", 1).last("cubes.zmin0.fz");
+    assert_small("two passes", force / passes - 1.0, 1e-2);
 }

@@ -318,7 +318,7 @@ impl<'a> Simulation<'a> {
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection;
                 // An active set begins with what touches; nothing else may hold a body.
-                let touches = projection.is_some_and(|p| p.gap <= pair.controls.no_gap * pair.facet_size);
+                let touches = projection.is_some_and(|p| p.gap <= pair.controls.touching_gap * pair.facet_size);
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }

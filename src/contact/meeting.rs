@@ -61,7 +61,9 @@ impl Meeting {
         let projection = ground.project(pair, s, position, (warm, may_keep));
         let other = || ground.project(pair, s, position, (warm, false));
         let keeps = may_keep && projection.map(|p| p.patch) != other().map(|p| p.patch);
-        let projection = projection.map(|p| ground.entrance(pair, s, position, &p).unwrap_or(p));
+        // One that goes to and fro between sides is on the nearest.
+        let entrance = |p: &Projection| if may_keep { None } else { ground.entrance(pair, s, position, p) };
+        let projection = projection.map(|p| entrance(&p).unwrap_or(p));
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };

@@ -261,7 +261,8 @@ fn judge_self(view: &View, last: &Sight, to: &Vec3, may: &Allowance) -> (Sight, 
     let depth = if seen.is_behind() {
         Some(seen.depth)
     } else {
-        last.normal.and_then(|_| view.ground.depth_behind(last.patch, to)).filter(|depth| *depth > seen.allowed)
+        let allowed = seen.nearest.map_or(0.0, |p| allowed(view, &p, may));
+        last.normal.and_then(|_| view.ground.depth_behind(last.patch, to)).filter(|depth| *depth > allowed)
     };
     (seen.sight(Side::Front), depth.map(Finding::Behind))
 }

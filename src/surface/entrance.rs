@@ -5,9 +5,9 @@
 //! platen's edge would be sent out sideways, and the face would not feel it.
 //!
 //! The closest side stands if the point was in front of it where it began, or off it along its normal. Else another counts, if
-//! both are sides of one convex part, each closest point behind the other side: the one along whose normal the point was, or
-//! else, of those that it was not behind, the one into which it has gone deepest. In a concave corner the nearer wall stays
-//! what it is.
+//! both are sides of one convex part, each closest point behind the other side, and if the point has gone into it and not
+//! along it: the one along whose normal the point was, or else, of those that it was not behind, the one into which it has gone
+//! deepest. In a concave corner the nearer wall stays what it is.
 
 use super::Projection;
 use crate::Vec3;
@@ -61,6 +61,15 @@ impl Way<'_> {
         (self.place)(at).map_or(f64::NAN, |place| (place - at.point).dot(&at.normal))
     }
 
+    /// Whether it has gone into the side of `at`, and not along it towards the side of `found`: by less than into it, and by
+    /// less than half of what was left. What slides over an edge is behind the other side from then on.
+    fn goes_in(&self, x: &Vec3, at: &Projection, found: &Projection) -> bool {
+        let Some(way) = (self.place)(at).map(|place| x - place) else { return false };
+        let along = way.dot(&(found.normal - at.normal * found.normal.dot(&at.normal)));
+        let most = f64::min(-way.dot(&at.normal), -0.5 * self.ahead(found));
+        along <= most.max(self.sides.aside)
+    }
+
     fn is_along(&self, at: &Projection) -> bool {
         self.normal.is_some_and(|normal| normal.dot(&at.normal) >= 1.0 - self.sides.turn)
     }
@@ -79,7 +88,8 @@ impl Way<'_> {
         }
         // No deeper than the way is long.
         let most = ((self.place)(found)? - x).norm() + aside;
-        let sides = feet(most).into_iter().filter(|at| self.sides.are_convex(at, found));
+        let is_way_in = |at: &Projection| self.sides.are_convex(at, found) && self.goes_in(x, at, found);
+        let sides = feet(most).into_iter().filter(is_way_in);
         let sides: Vec<(Projection, f64)> = sides.map(|at| (at, self.ahead(&at))).collect();
         let along = sides.iter().filter(|(at, _)| self.is_along(at));
         let nearest = along.min_by(|(a, _), (b, _)| a.gap.abs().total_cmp(&b.gap.abs()).then(a.patch.cmp(&b.patch)));
@@ -162,6 +172,9 @@ mod tests {
         check(met([2.1, 0.1], [1.9, 0.05], None), beside, -0.1);
         check(met([2.0, 0.5], [1.6, 0.3], Some(beside)), beside, -0.4);
         check(met([0.0, -0.1], [0.0, 0.2], None), below, -0.2);
+        // Along the face over the edge.
+        check(met([1.9, 0.0], [1.99, 0.05], Some(below)), beside, -0.01);
+        check(met([1.9, 0.0], [1.99, 0.2], Some(below)), beside, -0.01);
         // From in front of both the nearer one.
         check(met([2.1, -0.1], [1.9, 0.05], None), below, -0.05);
         // In front of the plate nothing is to be said.

@@ -124,6 +124,31 @@ pub fn surface(n: usize, place: impl Fn(f64, f64) -> [f64; 3]) -> String {
     render(&[(2, "surface")], &points, &elements)
 }
 
+/// Meshes of [`block`] as one, with their sides as the groups `xmin0` ... `zmax0`, `xmin1` ..., and all of them as `all`.
+pub fn together(blocks: &[&str]) -> String {
+    let (mut names, mut points, mut elements) =
+        (vec![(3, "solid".to_string()), (2, "all".to_string())], vec![], vec![]);
+    for (b, mesh) in blocks.iter().enumerate() {
+        let (first, groups) = (points.len(), names.len());
+        names.extend(["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"].map(|name| (2, format!("{name}{b}"))));
+        let (nodes, rest) = mesh.split_once("$Nodes\n").unwrap().1.split_once("$EndNodes\n$Elements\n").unwrap();
+        for line in nodes.lines().skip(1) {
+            let place: Vec<f64> = line.split(' ').skip(1).map(|x| x.parse().unwrap()).collect();
+            points.push([place[0], place[1], place[2]]);
+        }
+        for line in rest.lines().filter(|line| line.contains(' ')) {
+            let words: Vec<usize> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+            let nodes: Vec<usize> = words[5..].iter().map(|n| n + first).collect();
+            match words[3] {
+                7 => elements.push((words[1], 1, nodes)),
+                side => elements.extend([(words[1], 2, nodes.clone()), (words[1], groups + side, nodes)]),
+            }
+        }
+    }
+    let names: Vec<(usize, &str)> = names.iter().map(|(dimension, name)| (*dimension, &name[..])).collect();
+    render(&names, &points, &elements)
+}
+
 /// The same mesh with its nodes numbered and listed otherwise.
 pub fn renumbered(mesh: &str) -> String {
     let (head, rest) = mesh.split_once("$Nodes\n").unwrap();

@@ -210,7 +210,7 @@ impl Newton<'_> {
     pub fn begin_with_what_touches(&mut self, pairs: &[usize]) {
         for &p in pairs {
             let pair = &mut self.system.model.pairs[p];
-            let near = pair.controls.no_gap * pair.facet_size;
+            let near = pair.controls.touching_gap * pair.facet_size;
             let touching = pair.slaves.iter_mut().filter(|s| s.accepted.projection.is_some_and(|at| at.gap <= near));
             touching.for_each(|slave| slave.trial.status = Status::Stick);
         }

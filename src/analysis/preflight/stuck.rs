@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{any, max};
 use crate::scene::{Amplitude, Scene, Step};
+use crate::surface::Projection;
 use crate::system::Axes;
 use mpi::topology::SimpleCommunicator;
 
@@ -91,13 +92,16 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                     let began = start.inward(&(model.part.points[pair.slaves[k].node as usize] + began(k)));
                     let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
                     let node = pair.slaves[k].node as usize;
-                    // How deep it is, if it is held there.
+                    // How deep it is, if it is held there, and on the side that it came through, too.
+                    let is_held = |p: &Projection| {
+                        let normal = conditions.axes.inward(node, &p.normal);
+                        (0..3).all(|d| normal[d].abs() <= ACROSS || known(d))
+                    };
                     let depth = |x: &Vec3| {
                         let p = tool.project(x, reach, (None, false))?;
-                        let p = tool.entrance(x, &p, (&began, None), pair.sides()).unwrap_or(p);
-                        let normal = conditions.axes.inward(node, &p.normal);
-                        let held = (0..3).all(|d| normal[d].abs() <= ACROSS || known(d));
-                        (held && p.gap < -DEPTH * pair.facet_size).then_some(-p.gap)
+                        let came = tool.entrance(x, &p, (&began, None), pair.sides());
+                        let held = p.gap < -DEPTH * pair.facet_size && is_held(&p) && came.is_none_or(|p| is_held(&p));
+                        held.then_some(-p.gap)
                     };
                     let steps = (0..3).filter(|d| !known(*d)).flat_map(|d| [Vec3::ith(d, aside), Vec3::ith(d, -aside)]);
                     let mut around = steps.map(|step| x + conditions.axes.outward(node, &step));

@@ -152,6 +152,11 @@ impl<'a> Growth<'a> {
                 let help = "move the plane to where the mesh ends, or mesh one side of it only";
                 return Err(("the mesh lies on both sides of a symmetry plane", help));
             }
+            let lies_in = |f: usize| (0..facets.count(f)).all(|k| height(facets.point(f, k)).abs() <= TOUCH * size);
+            if extent[1] - extent[0] > TOUCH * size && (0..facets.nodes.len()).any(lies_in) {
+                let help = "leave them out: the surface goes on across the plane";
+                return Err(("some of its faces lie in a symmetry plane", help));
+            }
             let touching = (0..ends.len()).filter(|&v| ends[v] && height(&facets.points[v]).abs() <= TOUCH * size);
             let touching: Vec<usize> = touching.collect();
             if touching.len() < 2 || extent[1] - extent[0] <= TOUCH * size {
@@ -451,6 +456,11 @@ mod tests {
         assert!(text(&half, &[(Vec3::zeros(), Vec3::zeros())]).contains("a symmetry plane has no direction"));
         let flat = grid(2, 2, false, |s, t| [s, t, 0.0]);
         assert!(text(&flat, &planes(&[2], [0.0; 3])).contains("does not end in a symmetry plane"));
+        let wedge = mesh_of(
+            vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0]],
+            &[&[0, 3, 2, 1], &[0, 4, 5, 3], &[1, 2, 5, 4]],
+        );
+        assert!(text(&wedge, &planes(&[2], [0.0; 3])).contains("some of its faces lie in a symmetry plane"));
         for angle in [0.9, 1.234, 2.4] {
             let (mesh, symmetry) = slice(angle);
             let text = text(&mesh, &symmetry);

@@ -85,6 +85,8 @@ pub struct Search<'a, P> {
     /// The first `count` are as close as the best was when they were found.
     hits: [Hit; HITS],
     count: usize,
+    /// Some piece was not admitted.
+    hides: bool,
 }
 
 impl<'a, P: Piece> Search<'a, P> {
@@ -97,7 +99,7 @@ impl<'a, P: Piece> Search<'a, P> {
         admission: &'a dyn Admission<P>,
     ) -> Self {
         let hits = [Hit::default(); HITS];
-        Self { set, x, kept, question, admission, best: reach, lost: f64::INFINITY, hits, count: 0 }
+        Self { set, x, kept, question, admission, best: reach, lost: f64::INFINITY, hits, count: 0, hides: false }
     }
 
     /// Considers all pieces whose boxes are as close as the best piece: from the box around x when a last projection
@@ -139,6 +141,7 @@ impl<'a, P: Piece> Search<'a, P> {
         let (piece, extent) = (&self.set.pieces[index], &self.set.extents[index]);
         if !self.admission.may_admit(piece, extent) {
             // It may be this close: then the neighbours are asked.
+            self.hides = true;
             self.lost = self.lost.min((self.x - extent.center).norm() - extent.radius);
             return;
         }
@@ -146,8 +149,10 @@ impl<'a, P: Piece> Search<'a, P> {
         if core.distance > self.best + self.slack(index) + self.set.seam {
             return;
         }
+        let is_admitted = self.admission.admits(piece, &core);
+        self.hides |= !is_admitted;
         let settled = match self.question {
-            _ if !self.admission.admits(piece, &core) => None,
+            _ if !is_admitted => None,
             Question::Nearest => Some((core, 0.0)),
             _ => piece.settle(self.x, core),
         };
@@ -271,17 +276,25 @@ impl<'a, P: Piece> Search<'a, P> {
         along.cross(&normal).norm() <= tolerance * along.norm()
     }
 
-    /// Sum of the normals around the core point of `chosen`, weighted by angle.
+    /// Sum of the normals around the core point of `chosen`, weighted by angle; for the nearest point also of pieces that do not
+    /// count: they bound the same solid.
     fn mean_normal(&self, chosen: &Hit) -> Vec3 {
         let pieces = &self.set.pieces;
         let point = pieces[chosen.index].point(chosen.core.xi);
         let touch = KEEP * self.set.extents[chosen.index].radius;
-        let normal = |hit: &Hit| {
-            let (piece, Landing { xi, limits }) = (&pieces[hit.index], hit.core);
-            let foot = Foot { xi, limits, local: piece.local(xi), distance: 0.0 };
-            ((foot.local.point - point).norm() <= touch).then(|| piece.angle_normal(&foot))
+        let normal =
+            |piece: &P, foot: &Foot| ((foot.local.point - point).norm() <= touch).then(|| piece.angle_normal(foot));
+        if self.hides && self.question == Question::Nearest {
+            let around = Vec3::repeat(touch);
+            let near = self.set.tree.meeting(&(point - around), &(point + around));
+            return near.filter_map(|(k, _)| normal(&pieces[k], &self.core(k, &point, None))).sum();
+        }
+        let of_hit = |hit: &Hit| {
+            let Landing { xi, limits } = hit.core;
+            let piece = &pieces[hit.index];
+            normal(piece, &Foot { xi, limits, local: piece.local(xi), distance: 0.0 })
         };
-        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(normal).sum()
+        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(of_hit).sum()
     }
 }
 
