@@ -125,17 +125,10 @@ move = [{ target = "ball", by = [0.0, 0.0, -6.0] }]
     assert_close("force", force(1), force(4), 1e-6);
 }
 
-/// Plates moved by more than their thickness in one increment: as in 16. One thinner than the smallest increment is refused.
+/// Plates moved by more than their thickness in one increment: as in 16.
 #[test]
 fn a_closed_tool_does_not_pass_through_whatever_its_thickness() {
-    let run = block(&plate(1e-4), PRESS).run(1, &[]);
-    assert_eq!(run.code, 1, "{}", run.stdout);
-    assert!(
-        run.stderr.contains("went through the tool `t` (contact `c`) with the smallest increment"),
-        "{}",
-        run.stderr
-    );
-    for thickness in [0.3, 0.03] {
+    for thickness in [0.3, 0.03, 1e-4] {
         let bench = block(&plate(thickness), PRESS);
         let [one, many] =
             ["1", "16"].map(|n| bench.solve(1, &["--set", &format!("step.press.increments={n}")]).history());

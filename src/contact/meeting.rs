@@ -62,8 +62,10 @@ impl Meeting {
         let other = || ground.project(pair, s, position, (warm, false));
         let keeps = may_keep && projection.map(|p| p.patch) != other().map(|p| p.patch);
         // One that goes to and fro between sides is on the nearest.
-        let entrance = |p: &Projection| if may_keep { None } else { ground.entrance(pair, s, position, p) };
-        let projection = projection.map(|p| entrance(&p).unwrap_or(p));
+        let may_enter = slave.trial.entrances < 2 * slave.trial.patience;
+        let entrance = projection.filter(|_| may_enter).and_then(|p| ground.entrance(pair, s, position, &p));
+        let enters = entrance.is_some();
+        let projection = entrance.or(projection);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
@@ -77,6 +79,7 @@ impl Meeting {
         let slave = &mut pair.slaves[s];
         slave.trial.stand(projection, warm.map(|(patch, _)| patch));
         slave.trial.keeps = keeps;
+        slave.trial.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));

@@ -24,6 +24,8 @@ pub struct Trial {
     pub patience: u32,
     /// It does, where its closest point is on the other side.
     pub keeps: bool,
+    /// How often it has begun, or ceased, to meet the side that it came through in the place of the nearest.
+    pub entrances: u32,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -51,6 +53,7 @@ crate::words!(Trial {
     returns,
     patience,
     keeps,
+    entrances,
     slip,
     changed,
     flips,
@@ -91,6 +94,11 @@ impl Trial {
             self.returns += u32::from(self.left == Some(here));
             self.left = Some(last);
         }
+    }
+
+    /// Notes whether it meets the side that it came through in the place of the nearest.
+    pub fn note_entrance(&mut self, enters: bool) {
+        self.entrances += u32::from(enters != (self.entrances % 2 == 1));
     }
 
     /// The force along the surface.

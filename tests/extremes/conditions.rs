@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Outcome, nagata};
 use crate::oracle::{balance, near, same, value};
-use crate::scenes::{BAR, SLAB, bar_force, bar_stretch, sphere};
+use crate::scenes::{BAR, METHODS, SLAB, bar_force, bar_stretch, sphere};
 use std::path::Path;
 
 family!(
@@ -354,11 +354,14 @@ history = ["b"]
     let down = "move = [{ target = \"up\", by = [0.0, 0.0, -0.2] }]";
     let mut cases = Vec::new();
     for gap in [0.0, 1e-9, 1e-6, 1e-3, 0.1] {
-        cases.push(
-            Case::text(format!("pressed by 2, gap {gap:e}"), block(press, 0.3, gap))
+        for method in METHODS {
+            let case = Case::text(format!("pressed by 2, gap {gap:e}, {method}"), block(press, 0.3, gap))
+                .set(format!("contact.lo.method={method}"))
+                .set(format!("contact.up.method={method}"))
                 .oracle(value("lo.fz", 2.0, 1e-6, "the force"))
-                .oracle(balance(&["lo", "up"], 1e-6)),
-        );
+                .oracle(balance(&["lo", "up"], 1e-6));
+            cases.push(if gap < 1e-4 { case.must_run() } else { case });
+        }
         cases.push(
             Case::text(format!("pressed by 0.2, gap {gap:e}"), block(down, 0.3, gap))
                 .oracle(value("lo.fz/up.fz", -1.0, 1e-6, "balance"))
