@@ -374,7 +374,7 @@ impl<'a> Ground<'a> {
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last
-    /// converged increment, if that is another one: see [`Way`].
+    /// converged increment, or that it is still on: see [`Way`].
     pub fn entrance(&self, pair: &Pair, s: usize, x: &Vec3, found: &Projection) -> Option<Projection> {
         let (slave, sides) = (&pair.slaves[s], pair.sides());
         let place = slave.committed.place?;

@@ -65,7 +65,7 @@ impl Tool {
         feet.iter().map(|p| self.in_space(p)).collect()
     }
 
-    /// The side that a point in space, `found` behind the tool at its trial pose, has come through, if that is another one; at the
+    /// The side that a point in space, `found` behind the tool at its trial pose, has come through; at the
     /// last converged increment it was at a `place` in the tool's frame, and had a `normal` in space.
     pub fn entrance(
         &self,

@@ -24,7 +24,7 @@ pub struct Trial {
     pub patience: u32,
     /// It does, where its closest point is on the other side.
     pub keeps: bool,
-    /// How often it has begun, or ceased, to meet the side that it came through in the place of the nearest.
+    /// How often it has come to the side that it was on, or left it.
     pub entrances: u32,
     /// Slip since the last converged increment.
     pub slip: Vec3,
@@ -96,7 +96,7 @@ impl Trial {
         }
     }
 
-    /// Notes whether it meets the side that it came through in the place of the nearest.
+    /// Notes whether it is on the side that it was on, or came through.
     pub fn note_entrance(&mut self, enters: bool) {
         self.entrances += u32::from(enters != (self.entrances % 2 == 1));
     }

@@ -74,8 +74,8 @@ impl Way<'_> {
         self.normal.is_some_and(|normal| normal.dot(&at.normal) >= 1.0 - self.sides.turn)
     }
 
-    /// The side that `x`, whose closest point is `found`, has come through, if that is another one. `feet` gives perpendiculars to
-    /// all sides up to a length.
+    /// The side that `x`, whose closest point is `found`, has come through, or is off along its normal, if it is not simply the
+    /// nearest. `feet` gives perpendiculars to all sides up to a length.
     pub fn entrance(
         &self,
         x: &Vec3,
@@ -83,7 +83,10 @@ impl Way<'_> {
         feet: impl FnOnce(f64) -> Vec<Projection>,
     ) -> Option<Projection> {
         let aside = self.sides.aside;
-        if found.gap >= aside || self.is_along(found) {
+        if self.is_along(found) {
+            return Some(*found);
+        }
+        if found.gap >= aside {
             return None;
         }
         // No deeper than the way is long.
