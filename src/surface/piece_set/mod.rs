@@ -6,7 +6,7 @@
 //! in a thin tool the nearer side. What it means depends on where it is:
 //!
 //! - inside a piece: gap and normal are those of the piece;
-//! - on a smooth edge: both pieces are extended by [`EXTENSION`](super::EXTENSION) and the one that needs less of it is
+//! - on a smooth edge: both pieces are extended by [`EXTENSION`] and the one that needs less of it is
 //!   taken. Beyond that, far from the surface, the edge counts as sharp;
 //! - on a sharp edge or corner: the normal points from the edge to x. Inside or outside is told by the sum of the
 //!   normals of the pieces around, weighted by their angles (Baerentzen and Aanaes 2005, IEEE Trans. Vis. Comput.
@@ -28,8 +28,6 @@
 //!
 //! Nothing depends on the order of the pieces: equal distances go to the least extension, then to the lower id. The
 //! piece of the last projection is kept when it is as close within a millionth of its size.
-//!
-//! [`EXTENSION`]: super::piece::EXTENSION
 //!
 //! [`PieceSet::normal_projection`] has no policy: it knows feet of perpendiculars only, and so has dead zones.
 
