@@ -62,9 +62,10 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
             let motion = &conditions.motions[t];
             let tool = &mut model.masters.tools[t];
             let mut deep: Vec<(u32, f64)> = Vec::new();
-            let began = |k: usize| {
-                let n = pair.slaves[k].node as usize;
-                conditions.axes.outward(n, &before[n].map(|u| if u.is_nan() { 0.0 } else { u }))
+            // Where a node is, as far as that is known.
+            let at = |n: usize, u: &Vec3| {
+                let known = u.map(|u| if u.is_nan() { 0.0 } else { u });
+                model.part.points[n] + conditions.axes.outward(n, &known)
             };
             // The farthest between two looks, as they are at most 1/LOOKS apart.
             let farthest = |by: f64, course: u32| by.abs() * conditions.course(course).map_or(1.0, Amplitude::steepest);
@@ -73,8 +74,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 let place = |k: usize| {
                     let n = pair.slaves[k].node as usize;
                     let u = before[n] + by(n, s);
-                    let known = u.map(|u| if u.is_nan() { 0.0 } else { u });
-                    (model.part.points[n] + conditions.axes.outward(n, &known), u)
+                    (at(n, &u), u)
                 };
                 let points: Vec<Vec3> = watched.iter().map(|&k| tool.trial.inward(&place(k).0)).collect();
                 // As deep as a look may find it for the first time.
@@ -89,9 +89,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 let aside = ASIDE * pair.facet_size;
                 for &k in &watched {
                     let (x, u) = place(k);
-                    let began = start.inward(&(model.part.points[pair.slaves[k].node as usize] + began(k)));
                     let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
                     let node = pair.slaves[k].node as usize;
+                    let began = start.inward(&at(node, &before[node]));
                     // How deep it is, if it is held there, and on the side that it came through, too.
                     let is_held = |p: &Projection| {
                         let normal = conditions.axes.inward(node, &p.normal);

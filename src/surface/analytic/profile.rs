@@ -41,29 +41,30 @@ impl Profile {
     /// Closest point of the profile to `x`; `kept` is the piece of the last projection, which stays in a tie. `None` beyond
     /// the ends.
     pub fn project(&self, x: &Vec3, kept: Option<u32>) -> Option<Projection> {
-        let (at, _) = self.in_section(x)?;
+        let at = self.in_section(x)?;
         self.chain.project(&at, kept).map(|found| self.in_space(x, found))
     }
 
     /// Perpendiculars from `x` to all pieces of the chain, no longer than `most`; they may miss a piece by a distance of `aside`.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
-        let Some((at, _)) = self.in_section(x) else { return Vec::new() };
+        let Some(at) = self.in_section(x) else { return Vec::new() };
         let near = self.chain.perpendiculars(&at, aside).filter(|(planar, _)| planar.gap.abs() <= most);
         near.map(|found| self.in_space(x, found)).collect()
     }
 
-    /// Where `x` is in its section, and e_r of a revolved one; `None` beyond the ends.
-    fn in_section(&self, x: &Vec3) -> Option<(Vec2, Vec3)> {
+    /// Where `x` is in its section; `None` beyond the ends.
+    fn in_section(&self, x: &Vec3) -> Option<Vec2> {
         match &self.sweep {
             Sweep::Extruded { origin, x: right, y: up, length } => {
                 let (at, along) = split(x, origin, right, up);
                 let is_beyond = |length: f64| along < -ROUNDED * length || along > length * (1.0 + ROUNDED);
-                (!length.is_some_and(is_beyond)).then_some((at, Vec3::zeros()))
+                (!length.is_some_and(is_beyond)).then_some(at)
             }
-            Sweep::Revolved(axis) => Some(axis.split(x)),
+            Sweep::Revolved(axis) => Some(axis.split(x).0),
         }
     }
 
+    /// What was found in the section of `x`, in space.
     fn in_space(&self, x: &Vec3, (planar, piece): (Planar, u32)) -> Projection {
         match &self.sweep {
             Sweep::Extruded { x: right, y: up, .. } => {

@@ -202,9 +202,7 @@ impl<P: Piece> PieceSet<P> {
         let k = self.index(id)?;
         let piece = &self.pieces[k];
         let (foot, _) = piece.settle(x, piece.core(&self.extents[k], x, Some(start)))?;
-        let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
-        let projection = Projection { gap, point: foot.local.point, normal, normal_gradient, patch: id, xi: foot.xi };
-        (foot.limits == 0).then_some(projection)
+        (foot.limits == 0).then(|| on_surface(piece, x, &foot))
     }
 
     /// The point of contact on the piece of the last projection `warm` and its extension, where `found` is across a kink: as
@@ -243,16 +241,7 @@ impl<P: Piece> PieceSet<P> {
             let (piece, extent) = (&self.pieces[k], &self.extents[k]);
             let core = piece.core(extent, &at.point, None);
             let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[extension; 4], core.xi))?;
-            let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
-            let xi = foot.xi;
-            (foot.limits == 0).then(|| Projection {
-                gap,
-                point: foot.local.point,
-                normal,
-                normal_gradient,
-                patch: piece.id(),
-                xi,
-            })
+            (foot.limits == 0).then(|| on_surface(piece, x, &foot))
         };
         around.filter_map(extended).max_by(|a, b| a.gap.total_cmp(&b.gap).then(b.patch.cmp(&a.patch)))
     }
@@ -260,16 +249,14 @@ impl<P: Piece> PieceSet<P> {
     /// Perpendiculars from `x` to all pieces, no longer than `most`; they may miss a piece by a distance of `aside`.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
         let around = Vec3::repeat(most);
-        let perpendicular =
-            |k: u32| {
-                let (piece, extent) = (&self.pieces[k as usize], &self.extents[k as usize]);
-                let core = piece.core(extent, x, None);
-                let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
-                let (gap, normal, normal_gradient) = piece.on_surface(x, &foot);
-                let point = foot.local.point;
-                (foot.limits == 0 && gap.abs() <= most && (point - core.local.point).norm() <= aside)
-                    .then(|| Projection { gap, point, normal, normal_gradient, patch: piece.id(), xi: foot.xi })
-            };
+        let perpendicular = |k: u32| {
+            let (piece, extent) = (&self.pieces[k as usize], &self.extents[k as usize]);
+            let core = piece.core(extent, x, None);
+            let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
+            let found = on_surface(piece, x, &foot);
+            let is_near = found.gap.abs() <= most && (found.point - core.local.point).norm() <= aside;
+            (foot.limits == 0 && is_near).then_some(found)
+        };
         self.within(&(x - around), &(x + around)).into_iter().filter_map(perpendicular).collect()
     }
 
@@ -298,6 +285,12 @@ impl<P: Piece> PieceSet<P> {
     fn index(&self, id: u32) -> Option<usize> {
         self.pieces.binary_search_by_key(&id, Piece::id).ok()
     }
+}
+
+/// The projection of `x` onto a piece at a foot that is on no edge.
+fn on_surface<P: Piece>(piece: &P, x: &Vec3, foot: &Foot) -> Projection {
+    let (gap, normal, normal_gradient) = piece.on_surface(x, foot);
+    Projection { gap, point: foot.local.point, normal, normal_gradient, patch: piece.id(), xi: foot.xi }
 }
 
 /// The shortest edge, between corners; edges of no length, at poles, do not count.
