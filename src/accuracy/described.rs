@@ -142,7 +142,7 @@ impl<P: Piece> Described for PieceSet<P> {
             return true;
         }
         let (low, high) = piece.bounds();
-        let foot = piece.core(&Extent::new(piece), &piece.point(xi), Some(xi));
+        let foot = piece.core(&Extent::new(piece), &piece.point(xi), Some(xi), f64::INFINITY);
         foot.distance <= ROUNDED * (high - low).norm()
     }
 

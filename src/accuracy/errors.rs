@@ -425,8 +425,8 @@ mod tests {
             true
         }
 
-        fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
-            let foot = self.0.core(extent, x, start);
+        fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>, most: f64) -> Foot {
+            let foot = self.0.core(extent, x, start, most);
             let xi = [foot.xi[0], foot.xi[1].min(0.5)];
             let local = self.0.local(xi);
             Foot { xi, local, distance: (x - local.point).norm(), ..foot }

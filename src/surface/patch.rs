@@ -158,7 +158,7 @@ impl Parametric for Patch {
     }
 
     fn closest(&self, x: &Vec3) -> Closest {
-        let foot = self.core(&Extent::new(self), x, None);
+        let foot = self.core(&Extent::new(self), x, None, f64::INFINITY);
         Closest { xi: foot.xi, point: foot.local.point, distance: foot.distance }
     }
 }
@@ -211,6 +211,15 @@ impl Polygon for Patch {
             }
             look(low);
         }
+    }
+
+    /// The straight part is between the nodes; |e(1-e)| <= 1/4 and b_i b_j <= 1/4, with weights whose sum is 1, of two
+    /// pairs of edges or of what adds up to 1/3.
+    fn farthest_along(&self, direction: &Vec3) -> f64 {
+        let count = self.count as usize;
+        let highest = self.nodes[..count].iter().map(|x| x.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+        let [c0, c1, c2, c3] = self.coefficients.map(|c| f64::max(-c.dot(direction), 0.0));
+        highest + if count == 3 { c0.max(c1).max(c2) / 3.0 } else { (c0.max(c2) + c1.max(c3)) / 4.0 }
     }
 
     fn bend(&self, y: &Vec3) -> [f64; 4] {

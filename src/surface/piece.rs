@@ -67,6 +67,12 @@ pub trait Polygon: Parametric {
     /// y.P,22.
     fn bend(&self, y: &Vec3) -> [f64; 4];
 
+    /// A bound from above of the component of its points along a `direction`, over the domain; tight where that is close to a
+    /// normal.
+    fn farthest_along(&self, _direction: &Vec3) -> f64 {
+        f64::INFINITY
+    }
+
     /// |tau_a|^2 that is as good as 0, for surfaces with a pole; 0 for those without.
     fn vanishing(&self) -> [f64; 2] {
         [0.0; 2]
@@ -99,9 +105,10 @@ pub trait Piece: Polygon {
         0.0
     }
 
-    /// The point of the piece next to `x`, without extension; the search begins at `start` if given.
-    fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
-        closest_foot(self, extent, x, start)
+    /// The point of the piece next to `x`, without extension; the search begins at `start` if given. Of a piece that is
+    /// farther than `most` any point.
+    fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>, most: f64) -> Foot {
+        closest_foot(self, extent, x, start, most)
     }
 
     /// From the core to the foot with the extension that the edges allow, and how much of it that needs. `None` beyond

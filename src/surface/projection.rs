@@ -156,10 +156,17 @@ pub fn starts<P: Polygon + ?Sized>(piece: &P) -> [[f64; 2]; 5] {
 }
 
 /// The point of `piece`, without extension, next to `x`: the only minimum of the distance, else the least of those that
-/// descent reaches from `start`, from all over the piece, and from any sample that is closer than they are.
-pub fn closest_foot<P: Polygon + ?Sized>(piece: &P, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
+/// descent reaches from `start`, from all over the piece, and from any sample that is closer than they are. Of a piece that is
+/// farther than `most` any minimum.
+pub fn closest_foot<P: Polygon + ?Sized>(
+    piece: &P,
+    extent: &Extent,
+    x: &Vec3,
+    start: Option<[f64; 2]>,
+    most: f64,
+) -> Foot {
     let first = descend(piece, x, &[0.0; 4], start.map_or(piece.center(), |xi| piece.clamp(xi)));
-    if extent.has_one_minimum(piece, x) {
+    if extent.has_one_minimum(piece, x) || is_beyond(piece, x, &first, most) {
         return first;
     }
     let closer = |a: Foot, b: Foot| if b.distance < a.distance { b } else { a };
@@ -178,6 +185,14 @@ pub fn closest_foot<P: Polygon + ?Sized>(piece: &P, extent: &Extent, x: &Vec3, s
         piece.along_edge(edge, x, &mut |t| look(std::array::from_fn(|a| p[a] + t * (q[a] - p[a]))));
     }
     best
+}
+
+/// Whether the plane through a minimum of the distance, across the line to it, shows that all of the piece is farther than
+/// `most`, or than this minimum.
+fn is_beyond<P: Polygon + ?Sized>(piece: &P, x: &Vec3, foot: &Foot, most: f64) -> bool {
+    let Some(back) = (x - foot.local.point).try_normalize(0.0) else { return true };
+    let rounding = 16.0 * f64::EPSILON * (x.amax() + foot.distance);
+    x.dot(&back) - piece.farthest_along(&back) > most.min(foot.distance * (1.0 - 1e-12)) + rounding
 }
 
 /// The parameters at a place of the unit square mapped to the polygon with these corners.

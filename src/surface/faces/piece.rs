@@ -243,7 +243,7 @@ impl Parametric for FacePiece {
     }
 
     fn closest(&self, x: &Vec3) -> Closest {
-        let foot = self.core(&Extent::new(self), x, None);
+        let foot = self.core(&Extent::new(self), x, None, f64::INFINITY);
         Closest { xi: foot.xi, point: foot.local.point, distance: foot.distance }
     }
 }
@@ -285,9 +285,9 @@ impl Piece for FacePiece {
         self.gap
     }
 
-    fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
+    fn core(&self, extent: &Extent, x: &Vec3, start: Option<[f64; 2]>, most: f64) -> Foot {
         if self.stretches.is_empty() {
-            return closest_foot(self, extent, x, start);
+            return closest_foot(self, extent, x, start, most);
         }
         let closer = |a: Option<Foot>, b: Foot| Some(a.filter(|a| a.distance <= b.distance).unwrap_or(b));
         let first = descend(self, x, &[0.0; 4], start.map_or(self.center(), |xi| self.clamp(xi)));

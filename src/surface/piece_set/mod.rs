@@ -201,7 +201,7 @@ impl<P: Piece> PieceSet<P> {
     pub fn on_piece(&self, x: &Vec3, id: u32, start: [f64; 2]) -> Option<Projection> {
         let k = self.index(id)?;
         let piece = &self.pieces[k];
-        let (foot, _) = piece.settle(x, piece.core(&self.extents[k], x, Some(start)))?;
+        let (foot, _) = piece.settle(x, piece.core(&self.extents[k], x, Some(start), f64::INFINITY))?;
         (foot.limits == 0).then(|| on_surface(piece, x, &foot))
     }
 
@@ -239,7 +239,7 @@ impl<P: Piece> PieceSet<P> {
         let around = self.tree.meeting(&(at.point - touch), &(at.point + touch)).map(|(k, _)| k);
         let extended = |k: usize| {
             let (piece, extent) = (&self.pieces[k], &self.extents[k]);
-            let core = piece.core(extent, &at.point, None);
+            let core = piece.core(extent, &at.point, None, touch.x);
             let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[extension; 4], core.xi))?;
             (foot.limits == 0).then(|| on_surface(piece, x, &foot))
         };
@@ -251,7 +251,7 @@ impl<P: Piece> PieceSet<P> {
         let around = Vec3::repeat(most);
         let perpendicular = |k: u32| {
             let (piece, extent) = (&self.pieces[k as usize], &self.extents[k as usize]);
-            let core = piece.core(extent, x, None);
+            let core = piece.core(extent, x, None, most + aside);
             let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
             let found = on_surface(piece, x, &foot);
             let is_near = found.gap.abs() <= most && (found.point - core.local.point).norm() <= aside;

@@ -145,8 +145,9 @@ impl<'a, P: Piece> Search<'a, P> {
             self.lost = self.lost.min((self.x - extent.center).norm() - extent.radius);
             return;
         }
-        let core = self.core(index, self.x, start);
-        if core.distance > self.best + self.slack(index) + self.set.seam {
+        let most = self.best + self.slack(index) + self.set.seam;
+        let core = self.core(index, self.x, start, most);
+        if core.distance > most {
             return;
         }
         let is_admitted = self.admission.admits(piece, &core);
@@ -171,8 +172,8 @@ impl<'a, P: Piece> Search<'a, P> {
         self.push(hit);
     }
 
-    fn core(&self, index: usize, x: &Vec3, start: Option<[f64; 2]>) -> Foot {
-        self.set.pieces[index].core(&self.set.extents[index], x, start)
+    fn core(&self, index: usize, x: &Vec3, start: Option<[f64; 2]>, most: f64) -> Foot {
+        self.set.pieces[index].core(&self.set.extents[index], x, start, most)
     }
 
     fn push(&mut self, hit: Hit) {
@@ -200,9 +201,13 @@ impl<'a, P: Piece> Search<'a, P> {
         let around = Vec3::repeat(touch);
         self.set.tree.meeting(&(point - around), &(point + around)).any(|(index, _)| {
             index != hit.index
-                && self.core(index, point, None).distance < touch
-                && self.core(index, self.x, None).distance < hit.distance - self.slack(index)
+                && self.core(index, point, None, touch).distance < touch
+                && self.is_closer(index, hit.distance - self.slack(index))
         })
+    }
+
+    fn is_closer(&self, index: usize, than: f64) -> bool {
+        self.core(index, self.x, None, than).distance < than
     }
 
     fn rounding(&self) -> f64 {
@@ -287,7 +292,7 @@ impl<'a, P: Piece> Search<'a, P> {
         if self.hides && self.question == Question::Nearest {
             let around = Vec3::repeat(touch);
             let near = self.set.tree.meeting(&(point - around), &(point + around));
-            return near.filter_map(|(k, _)| normal(&pieces[k], &self.core(k, &point, None))).sum();
+            return near.filter_map(|(k, _)| normal(&pieces[k], &self.core(k, &point, None, touch))).sum();
         }
         let of_hit = |hit: &Hit| {
             let Landing { xi, limits } = hit.core;
