@@ -204,7 +204,7 @@ impl Model {
     /// # Errors
     /// A slave that is far too coarse, on all ranks.
     pub fn wrong_way_round(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<Vec<guidance::WrongWayRound>> {
-        guidance::wrong_way_round(comm, scene, &self.part, &self.set_index)
+        guidance::wrong_way_round(comm, scene, &self.part, (&self.set_index, |set| self.is_planar(set)))
     }
 
     /// The set that the scene calls so.
@@ -263,16 +263,11 @@ impl Model {
         }
     }
 
-    /// Longest edge of the facets of a set. Collective.
+    /// Longest edge of the facets of a set; on a layer in its plane, for how thick it is says nothing. Collective.
     fn longest_edge(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
-        let mut longest = [0.0f64];
-        for facet in self.part.pieces(&self.set(set).facets).iter() {
-            let corners = &facet.nodes[..facet.count as usize];
-            let at = |k: usize| self.part.points[corners[k % corners.len()] as usize];
-            for k in 0..corners.len() {
-                longest[0] = longest[0].max((at(k + 1) - at(k)).norm());
-            }
-        }
+        let facets = self.part.pieces(&self.set(set).facets);
+        let longest = facets.iter().map(|facet| guidance::longest_edge(&self.part, facet, self.is_planar(set)));
+        let mut longest = [longest.fold(0.0, f64::max)];
         max(comm, &mut longest);
         longest[0]
     }

@@ -391,6 +391,56 @@ fn the_width_of_a_layer_does_not_matter() {
     assert_close("force over width", force(0.01), force(1.0), 1e-8);
 }
 
+/// A pad that overlaps a slab by less than the watch tells of, and slides over it onto nodes that nothing touched before: the
+/// force stays, whichever of both is the slave and however thick the layer. Deeper it is refused, as thick as the layer is.
+#[test]
+fn an_overlap_stays_where_it_slides_onto_other_nodes() {
+    let scene = |overlap: f64, thickness: f64, [slave, master]: [&str; 2]| {
+        Bench::new(&format!(
+            r#"
+[body.slab]
+material = "m"
+plane_strain = true
+block = {{ box = {{ origin = [0.0, -5.0, 0.0], size = [40.0, 5.0, {thickness}] }}, elements = [40, 5, 1] }}
+[body.pad]
+material = "m"
+plane_strain = true
+block = {{ box = {{ origin = [5.0, -{overlap}, 0.0], size = [10.0, 5.0, {thickness}] }}, elements = [10, 5, 1] }}
+[material.m]
+model = "hooke"
+young = 200000.0
+poisson = 0.3
+[contact.c]
+slave = "{slave}"
+master = "{master}"
+[[step]]
+name = "fit"
+increments = 1
+fix = [{{ set = "slab.ymin" }}, {{ set = "pad.ymax" }}]
+[[step]]
+name = "slide"
+increments = 20
+fix = [{{ set = "slab.ymin" }}]
+move = [{{ target = "pad.ymax", by = [20.0, 0.0, 0.0] }}]
+[output]
+history = ["slab.ymin"]
+"#
+        ))
+    };
+    let (slab, pad) = ("slab.ymax", "pad.ymin");
+    for (thickness, sides) in [(1.0, [slab, pad]), (100.0, [slab, pad]), (1.0, [pad, slab])] {
+        let history = scene(0.008, thickness, sides).solve(1, &[]).history();
+        let forces = history.column("slab.ymin.fy");
+        // At the beginning and the end of the way the pad's nodes are on those of the slab.
+        assert_close("force", forces[20] / forces[0], 1.0, 1e-6);
+        for force in forces {
+            assert_close("force over thickness", *force / thickness, 2075.6, 5e-3);
+        }
+    }
+    let run = scene(0.06, 100.0, [slab, pad]).run(2, &["--set", "step.slide.increments=40"]);
+    assert!(run.code == 1 && run.stderr.contains("is inside body `pad`"), "{}\n{}", run.code, run.stderr);
+}
+
 /// At the end of a run: a contact that never was, one that ended, and one that was ended on purpose.
 #[test]
 fn contacts_that_do_not_act_are_named_at_the_end() {

@@ -10,7 +10,7 @@
 use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::watch::Side;
-use crate::contact::{Ground, Pair, Sight};
+use crate::contact::{Pair, Sight, Slave};
 use crate::model::locate::held;
 use crate::model::{Model, elements};
 use crate::parallel::{any, max};
@@ -48,10 +48,14 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
         suspects.into_iter().zip(&points).filter_map(|(suspect, points)| all(points).then_some(suspect)).collect()
     };
     let inside: Vec<Suspect> = keep(suspects, &|(_, n)| vec![now(n)], &now);
-    let margin = bulge(comm, model, body);
+    let most = bulge(comm, model, body);
     let around = |(p, n): Suspect, place: &dyn Fn(u32) -> Vec3| {
         let pair = &model.pairs[p];
-        around(&place(n), &free_axes(pair, n, conditions), margin + pair.controls.watch_deep * pair.facet_size)
+        // Beside a face that is known.
+        let of_patch = |slave: &Slave| model.masters.of(pair.master).bulge(slave.sighted.patch);
+        let beside = pair.slave_at(n).filter(|slave| slave.sighted.side == Side::Beside);
+        let margin = beside.map_or(most, of_patch) + pair.controls.watch_deep * pair.facet_size;
+        around(&place(n), &free_axes(pair, n, conditions), margin)
     };
     let inside = keep(inside, &|suspect| around(suspect, &now), &now);
     let initial = |n: u32| part.points[n as usize];
@@ -88,13 +92,10 @@ fn is_seen(sight: &Sight) -> bool {
 
 /// How far the smooth surfaces of a body are from its faces, at most, where slave nodes are near. Collective.
 fn bulge(comm: &SimpleCommunicator, model: &Model, body: usize) -> f64 {
-    let of_pair = |pair: &Pair| match model.masters.of(pair.master) {
-        // An edge is c/4 from its chord, and the inside of a patch as much again.
-        Ground::Surface(surface, _) => {
-            let edges = surface.shapes().pieces().iter().flat_map(|patch| &patch.coefficients);
-            edges.map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
-        }
-        Ground::Tool(_) => 0.0,
+    let of_pair = |pair: &Pair| {
+        let ground = model.masters.of(pair.master);
+        let patches = pair.master.surface().map_or(&[][..], |k| model.masters.surfaces[k].shapes().patches());
+        patches.iter().map(|patch| ground.bulge(patch.id)).fold(0.0, f64::max)
     };
     let pairs = model.pairs.iter().filter(|pair| pair.master_body == Some(body));
     let mut most = [pairs.map(of_pair).fold(0.0, f64::max)];

@@ -32,7 +32,7 @@ struct Side {
     name: String,
     /// Young's modulus.
     young: f64,
-    /// Root of the mean area of the facets where the two sides can meet.
+    /// Root of the mean area of the facets where the two sides can meet; on a layer their mean length.
     facet_size: f64,
     /// Mean of (x - mean x)·n over that of |x - mean x|: positive for a surface that bulges, negative for a hollow one.
     bulge: f64,
@@ -104,7 +104,7 @@ pub fn wrong_way_round(
     comm: &SimpleCommunicator,
     scene: &Scene,
     part: &Part,
-    sets: &BTreeMap<String, usize>,
+    (sets, is_planar): (&BTreeMap<String, usize>, impl Fn(&str) -> bool),
 ) -> Result<Vec<WrongWayRound>> {
     let mut wrong = Vec::new();
     let of_section = |(_, material): (usize, &scene::Located<String>)| scene.material(&material.value);
@@ -118,7 +118,7 @@ pub fn wrong_way_round(
         let side = |k: usize| {
             let near = boxes[1 - k].map(|(low, high)| grown((low, high), 0.1 * (high - low).norm()));
             let meets = |x: &Vec3| near.is_none_or(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
-            let (facet_size, bulge) = measure(comm, part, &facets[k], meets);
+            let (facet_size, bulge) = measure(comm, part, (&facets[k], is_planar(names[k])), meets);
             Side { name: names[k].clone(), young: mean(comm, part, &facets[k], &moduli), facet_size, bulge }
         };
         let (slave, master) = (side(0), side(1));
@@ -141,27 +141,43 @@ pub fn wrong_way_round(
     Ok(wrong)
 }
 
-/// Facet size and bulge of the facets whose centres meet the other side; of all, where none does. Collective.
-fn measure(comm: &SimpleCommunicator, part: &Part, facets: &[PartFacet], meets: impl Fn(&Vec3) -> bool) -> (f64, f64) {
-    let mine = || facets.iter().filter(|f| f.mine).map(|f| center_and_area(part, f));
-    let mut some = [mine().filter(|(x, _)| meets(x)).count() as f64];
+/// Facet size and bulge of the facets, on a layer or not, whose centres meet the other side; of all, where none does.
+/// Collective.
+fn measure(
+    comm: &SimpleCommunicator,
+    part: &Part,
+    (facets, is_planar): (&[PartFacet], bool),
+    meets: impl Fn(&Vec3) -> bool,
+) -> (f64, f64) {
+    let mine = || facets.iter().filter(|f| f.mine).map(|f| (f, center_and_area(part, f)));
+    let mut some = [mine().filter(|(_, (x, _))| meets(x)).count() as f64];
     sum(comm, &mut some);
-    let all = || mine().filter(|(x, _)| some[0] == 0.0 || meets(x));
-    let mut sums = [0.0; 5];
-    for (x, area) in all() {
+    let all = || mine().filter(|(_, (x, _))| some[0] == 0.0 || meets(x));
+    let mut sums = [0.0; 6];
+    for (facet, (x, area)) in all() {
         sums[0] += 1.0;
         sums[1] += area.norm();
         (0..3).for_each(|d| sums[2 + d] += x[d] * area.norm());
+        sums[5] += longest_edge(part, facet, is_planar);
     }
     sum(comm, &mut sums);
     let middle = Vec3::new(sums[2], sums[3], sums[4]) / sums[1];
     let mut bulge = [0.0; 2];
-    for (x, area) in all() {
+    for (_, (x, area)) in all() {
         bulge[0] += (x - middle).dot(&area);
         bulge[1] += (x - middle).norm() * area.norm();
     }
     sum(comm, &mut bulge);
-    ((sums[1] / sums[0]).sqrt(), if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 })
+    let size = if is_planar { sums[5] / sums[0] } else { (sums[1] / sums[0]).sqrt() };
+    (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 })
+}
+
+/// Longest edge of a facet; of a layer's in its plane.
+pub fn longest_edge(part: &Part, facet: &PartFacet, is_planar: bool) -> f64 {
+    let count = facet.count as usize;
+    let at = |k: usize| part.points[facet.nodes[k % count] as usize];
+    let length = |along: Vec3| if is_planar { along.xy().norm() } else { along.norm() };
+    (0..count).map(|k| length(at(k + 1) - at(k))).fold(0.0, f64::max)
 }
 
 fn corners<'a>(part: &'a Part, facet: &'a PartFacet) -> impl Iterator<Item = Vec3> + 'a {

@@ -612,6 +612,18 @@ impl<'a> Ground<'a> {
         }
     }
 
+    /// How far a patch that moves with nodes is from the facet of its nodes, at most: an edge is c/4 from its chord, and the
+    /// inside of a patch as much again. A tool is what its patches are.
+    pub fn bulge(&self, patch: u32) -> f64 {
+        match self {
+            Self::Tool(_) => 0.0,
+            Self::Surface(surface, _) => {
+                let coefficients = surface.shapes().get(patch).map(|patch| patch.coefficients).unwrap_or_default();
+                coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// How it has moved since the last converged increment, of which `place` gives where nodes were; a tool in parts of which
     /// it turns by no more than `turn`, radians. Collective.
     pub fn past(&self, comm: &SimpleCommunicator, turn: f64, place: impl Fn(u32) -> Vec3) -> Past {

@@ -133,7 +133,9 @@ impl Meeting {
 fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Projection) -> bool {
     let slave = &pair.slaves[s];
     let gap = |x: &Vec3| ground.project(pair, s, x, (None, false)).map(|p| p.gap);
-    slave.is_beside(|| ground.start(slave, at), position, at, (pair.facet_size, &pair.controls), gap)
+    let controls = &pair.controls;
+    let shallow = controls.watch_deep * pair.facet_size + ground.kink(at, controls) + ground.bulge(at.patch);
+    slave.is_beside(|| ground.start(slave, at), position, at, (pair.facet_size, shallow, controls), gap)
 }
 
 /// In which directions a slave node with a prescribed motion cannot give way on the master: where the nodes that bear the

@@ -130,7 +130,12 @@ impl Pair {
     }
 
     /// The slave at an owned node, if there is one.
-    pub fn slave_at(&mut self, node: u32) -> Option<&mut Slave> {
+    pub fn slave_at(&self, node: u32) -> Option<&Slave> {
+        self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &self.slaves[s])
+    }
+
+    /// The same, to be changed.
+    pub fn slave_at_mut(&mut self, node: u32) -> Option<&mut Slave> {
         self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &mut self.slaves[s])
     }
 

@@ -282,18 +282,19 @@ impl Slave {
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
     /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
     /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
-    /// touched another master, with much the same normal, goes from there on to this one.
+    /// touched another master, with much the same normal, goes from there on to this one; and one no deeper than
+    /// `shallow`, of which nobody tells, goes onto it past its end, as what is pressed into a hole that is a little too narrow.
     pub fn is_beside(
         &self,
         start: impl FnOnce() -> Option<Vec3>,
         position: &Vec3,
         at: &Projection,
-        (facet_size, controls): (f64, &Controls),
+        (facet_size, shallow, controls): (f64, f64, &Controls),
         gap: impl Fn(&Vec3) -> Option<f64>,
     ) -> bool {
         const BEHIND: f64 = 1e-6;
         const MOST: f64 = 32.0;
-        if at.gap >= 0.0 || self.committed.warm.is_some() {
+        if at.gap >= -shallow || self.committed.warm.is_some() {
             return false;
         }
         let goes_over = |borne: Vec3| {

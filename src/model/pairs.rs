@@ -218,7 +218,7 @@ impl Model {
     }
 
     /// Whether a set is on a layer.
-    fn is_planar(&self, set: &str) -> bool {
+    pub(super) fn is_planar(&self, set: &str) -> bool {
         self.bodies.iter().any(|b| b.name == body_of(set) && b.is_layer())
     }
 

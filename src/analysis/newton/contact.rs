@@ -123,7 +123,7 @@ impl Newton<'_> {
                 Receiver::Node(n) => {
                     let node = part.tie[n as usize];
                     forces[node as usize] += force;
-                    if let Some(slave) = receiver.as_mut().and_then(|pair| pair.slave_at(node)) {
+                    if let Some(slave) = receiver.as_mut().and_then(|pair| pair.slave_at_mut(node)) {
                         slave.trial.received += force;
                     }
                 }
