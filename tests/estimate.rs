@@ -191,6 +191,26 @@ fn what_is_not_to_be_trusted_is_said() {
     assert!(body.contains("it flows"), "{body}");
 }
 
+/// A blank that a holder presses onto a die: beside the die's fillet, which the contact ends at, the estimate stays one.
+#[test]
+fn where_the_master_turns_away() {
+    let bench = Bench::new(
+        r#"
+        body.blank = { material = "steel", axisymmetric = true, block = { box = { size = [50.0, 1.0, 1.0] }, elements = [75, 3, 1] } }
+        material.steel = { model = "hooke", young = 206e3, poisson = 0.3 }
+        tool.die = { profile = { points = [[80.0, 0.0], [26.3, 0.0], [26.3, -60.0]], fillets = [0.0, 5.0, 0.0] } }
+        tool.holder = { profile = { points = [[26.5, 20.0], [26.5, 1.0], [80.0, 1.0]] } }
+        contact.d = { slave = "blank.ymin", master = "die", friction = 0.1 }
+        contact.h = { slave = "blank.ymax", master = "holder", friction = 0.1 }
+        [[step]]
+        increments = 2
+        force = [{ target = "holder", total = [0.0, -10000.0, 0.0], directions = "y" }]
+        "#,
+    );
+    let of = estimate(&bench.solve(1, &[]))["contacts"]["d"]["force"].clone();
+    assert!((0.001..0.1).contains(&of.as_f64().unwrap()), "{of}");
+}
+
 /// A tool of facets is as far from its arc as one facet is high; what that does to the force is the difference to the exact
 /// cylinder, at most.
 #[test]

@@ -98,15 +98,18 @@ impl Nodes<'_> {
 
 /// Work of the pressure `field` on what the master is behind the facets that this rank counts. Where normals of the master turn
 /// by dn along an edge d, it bulges by dn.d/8 over the edge; of all edges the mean over a facet is the sum of dn.d/24, for
-/// triangles as for quadrilaterals.
+/// triangles as for quadrilaterals. Across the edge of the contact the slave goes no farther along a master that turns away
+/// than the force of a node indents it.
 fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     let part = &nodes.model.part;
     let mut normals = vec![0.0; 3 * part.points.len()];
-    let mut gaps = vec![0.0; part.points.len()];
+    let (mut gaps, mut indents) = (vec![0.0; part.points.len()], vec![0.0; part.points.len()]);
     for slave in &pair.slaves {
         if let Some(p) = &slave.accepted.projection {
-            normals[3 * slave.node as usize..][..3].copy_from_slice(p.normal.as_slice());
-            gaps[slave.node as usize] = p.gap.max(0.0);
+            let n = slave.node as usize;
+            normals[3 * n..][..3].copy_from_slice(p.normal.as_slice());
+            gaps[n] = p.gap.max(0.0);
+            indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.automatic;
         }
     }
     for n in 0..part.owned {
@@ -115,6 +118,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     }
     part.halo.update(nodes.comm, 3, &mut normals);
     nodes.share(&mut gaps);
+    nodes.share(&mut indents);
     let normal = |n: usize| Vec3::from_column_slice(&normals[3 * n..3 * n + 3]);
     let of_facet = |facet: &PartFacet| {
         let count = facet.count as usize;
@@ -130,7 +134,9 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             return [0.0; 2];
         }
         let gap = (0..count).map(|k| gaps[at(k)]).sum::<f64>() / count as f64;
-        [force * bulges.sum::<f64>() / 24.0, force * gap]
+        let indent = (0..count).map(|k| indents[at(k)]).fold(0.0, f64::max);
+        let most = if gap > 0.0 { indent } else { f64::INFINITY };
+        [force * (bulges.sum::<f64>() / 24.0).clamp(-most, most), force * gap.min(most)]
     };
     let all = nodes.facets.iter().filter(|facet| facet.mine).map(of_facet);
     all.fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]])

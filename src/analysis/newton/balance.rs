@@ -273,10 +273,10 @@ impl Newton<'_> {
         let (pair, far) = (&pairs[p], self.found.balance.groups[first + p].far);
         match pair.asked.1 {
             Some(_) => format!("the `penalty` of its contact `{}` is too large", pair.name),
-            None if pair.method.holds_multipliers() => format!(
+            None if pair.asked.0.holds_multipliers() => format!(
                 "the penalty of its contact `{}` is too large with the method \"{}\": take \"augmented-lagrangian\", or give one",
                 pair.name,
-                pair.method.key()
+                pair.asked.0.key()
             ),
             None => format!(
                 "what it touches in contact `{}` is too stiff for them, or too far, {far:.1e}, from the origin",

@@ -4,7 +4,8 @@
 //! body could have lie on one side, and neither a support nor a load acts against them, there is no equilibrium, or only one
 //! without any: a tool that is moved shoves the body along, a load draws it off. With the normals n, and a direction d of
 //! no support, that is so if n·d > mu / sqrt(1 + mu²), the sine of the angle of friction, for all of them. Bodies that are
-//! tied count as one, parts of a body that share no nodes as several.
+//! tied count as one, parts of a body that share no nodes as several. After the first step a node may touch any part of its
+//! master: it counts along the normal that it sees at the beginning, and against its own.
 
 use super::super::conditions::Conditions;
 use super::sight::Standing;
@@ -26,12 +27,13 @@ pub fn check(
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
 ) -> Result<()> {
     let united = model.united(comm);
-    for (step, conditions) in scene.steps.iter().zip(steps) {
+    for (k, (step, conditions)) in scene.steps.iter().zip(steps).enumerate() {
         let times: Vec<f64> = [0.0, 1.0].into_iter().chain(step.corners()).collect();
         let supports = supports(comm, model, &united, conditions, &times);
         // Of each component the sum of the normals, then the direction in which nothing else holds it.
         let mut sums = vec![0.0f64; 3 * supports.len()];
-        pushes(model, sights, &united, |b, normal, _| (0..3).for_each(|d| sums[3 * b + d] += normal[d]));
+        let pushes = |push: &mut dyn FnMut(usize, Vec3, f64)| pushes(model, (sights, k > 0), &united, push);
+        pushes(&mut |b, normal, _| (0..3).for_each(|d| sums[3 * b + d] += normal[d]));
         sum(comm, &mut sums);
         let mut directions: Vec<Vec3> = sums.chunks_exact(3).map(Vec3::from_column_slice).collect();
         for ((b, support), direction) in supports.iter().enumerate().zip(&mut directions) {
@@ -42,7 +44,7 @@ pub fn check(
             }
         }
         let mut least = vec![f64::NEG_INFINITY; supports.len()];
-        pushes(model, sights, &united, |b, normal, sine| least[b] = least[b].max(sine - normal.dot(&directions[b])));
+        pushes(&mut |b, normal, sine| least[b] = least[b].max(sine - normal.dot(&directions[b])));
         max(comm, &mut least);
         let is_shoved = |b: &usize| directions[*b] != Vec3::zeros() && least[*b] < 0.0 && least[*b].is_finite();
         if let Some(b) = (0..supports.len()).find(is_shoved) {
@@ -62,15 +64,22 @@ pub fn check(
     Ok(())
 }
 
-/// Gives the normals of all contacts of this rank, as pushes on components and those `united` with them, with the sine of the
-/// angle of friction of each.
-fn pushes(model: &Model, sights: &[Vec<Standing>], united: &[usize], mut push: impl FnMut(usize, Vec3, f64)) {
+/// Gives the normals of all contacts of this rank, `later` than in the first step or not, as pushes on components and those
+/// `united` with them, with the sine of the angle of friction of each.
+fn pushes(
+    model: &Model,
+    (sights, later): (&[Vec<Standing>], bool),
+    united: &[usize],
+    push: &mut dyn FnMut(usize, Vec3, f64),
+) {
     for (pair, sights) in model.pairs.iter().zip(sights) {
         let sine = pair.friction / pair.friction.hypot(1.0);
         for (slave, sight) in pair.slaves.iter().zip(sights) {
             let own = united[model.part.component[slave.node as usize] as usize];
             let other = sight.component.map(|other| united[other]);
-            if let Some(normal) = sight.normal().filter(|_| other != Some(own)) {
+            let seen = sight.normal().filter(|_| other != Some(own));
+            let against = seen.filter(|_| later && sight.outward != Vec3::zeros()).map(|_| -sight.outward);
+            for normal in seen.into_iter().chain(against) {
                 push(own, normal, sine);
                 other.into_iter().for_each(|other| push(other, -normal, sine));
             }
