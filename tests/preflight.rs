@@ -530,6 +530,35 @@ fn conditions_that_a_mirror_turns() {
     );
     let turned = format!("{by}, rotate = {{ point = [0.0, 0.0, 1.0], axis = [0.0, 0.0, 1.0], angle = 5.0 }}");
     warned(&block(&[half, (by, &turned)]), &["the mirror image of tool `plate` turns the other way"]);
+    // The lower half of a block between two plates, whose sides may come to touch them.
+    let lower = [
+        ("material = \"soft\"\nblock", "material = \"soft\"\nsymmetry = [\"zmin\"]\nblock"),
+        ("top = \"zmax\"", "top = [\"zmax\", \"xmax\"]"),
+        (FIX, ""),
+    ];
+    let (code, text) = verdict(&block(&lower), 1);
+    assert!(code == 0 && !text.contains("mirror image of"), "{code}\n{text}");
+}
+
+/// A plug that was pushed down a chamfer into a slot may be let go there: nothing but its walls touches it then.
+#[test]
+fn what_the_beginning_does_not_tell_of_later_steps() {
+    let plug = Bench::new(
+        r#"
+body.plug = { material = "rubber", axisymmetric = true, block = { box = { size = [5.2, 6.0, 1.0] }, elements = [8, 10, 1] } }
+material.rubber = { model = "neo-hookean", young = 5.0, poisson = 0.4 }
+tool.slot = { profile = { points = [[15.0, 10.0], [5.0, 0.0], [5.0, -30.0]], fillets = [0.0, 1.0, 0.0] } }
+contact.c = { slave = "plug.xmax", master = "slot", friction = 0.3 }
+[[step]]
+name = "push"
+increments = 20
+move = [{ target = "plug.ymax", by = [0.0, -10.0, 0.0], directions = "y" }]
+[[step]]
+name = "let-go"
+increments = 4
+"#,
+    );
+    warned(&plug, &["start inside"]);
 }
 
 /// Unit cubes of one mesh, each with nodes of its own and the surfaces `base0`, `lid0`, and so on.

@@ -1,10 +1,11 @@
 //! Conditions that would be others in the mirror image of a body: of what a plane of symmetry stands for they are no part.
 //!
 //! A vector has the same mirror image if it lies in the plane, an axis of rotation if it is normal to it. A tool that moves
-//! otherwise has a mirror image that moves the other way, which is right for two tools, not for one that meets the body up to
-//! the plane.
+//! otherwise has a mirror image that moves the other way, which is right for two tools, not for one that the body meets in the
+//! plane.
 
 use super::super::conditions::{Conditions, ToolMotion};
+use super::sight::Standing;
 use crate::Vec3;
 use crate::contact::Pair;
 use crate::model::{Model, SymmetryPlane};
@@ -15,11 +16,18 @@ use std::collections::BTreeSet;
 
 /// Share of a vector that does not count.
 const SLIGHT: f64 = 1e-6;
+/// Cosine between the normals of a tool and of a plane, above which what is in the plane looks past it at one of two tools.
+const PAST: f64 = 0.5;
 
 /// Warns of motions and loads in all steps that have another mirror image. Collective.
-pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
+pub fn check(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    model: &mut Model,
+    (steps, sights): (&[Conditions], &[Vec<Standing>]),
+) {
     let mut warnings = Vec::new();
-    let crossing: Vec<Vec<bool>> = model.symmetry.iter().map(|plane| crossing(comm, model, plane)).collect();
+    let crossing: Vec<Vec<bool>> = model.symmetry.iter().map(|plane| crossing(comm, model, plane, sights)).collect();
     for (step, conditions) in scene.steps.iter().zip(steps) {
         for (plane, crossing) in model.symmetry.iter().zip(&crossing) {
             let mut found = Vec::new();
@@ -70,11 +78,15 @@ fn straddling(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Vec<St
     found
 }
 
-/// Which tools meet faces that end in a plane of symmetry.
-fn crossing(comm: &SimpleCommunicator, model: &Model, plane: &SymmetryPlane) -> Vec<bool> {
+/// Which tools slave nodes in a plane of symmetry look at.
+fn crossing(comm: &SimpleCommunicator, model: &Model, plane: &SymmetryPlane, sights: &[Vec<Standing>]) -> Vec<bool> {
     let nodes: BTreeSet<u32> = model.set(&plane.set.value).nodes.iter().copied().collect();
-    let ends = |pair: &Pair| pair.slaves.iter().any(|slave| nodes.contains(&slave.node));
-    let meets = |t: usize| model.pairs.iter().any(|pair| pair.master.tool() == Some(t) && ends(pair));
+    let looks = |sight: &Standing| sight.normal().is_some_and(|normal| normal.dot(&plane.normal).abs() <= PAST);
+    let ends = |pair: &Pair, sights: &[Standing]| {
+        pair.slaves.iter().zip(sights).any(|(slave, sight)| nodes.contains(&slave.node) && looks(sight))
+    };
+    let pairs = || model.pairs.iter().zip(sights);
+    let meets = |t: usize| pairs().any(|(pair, sights)| pair.master.tool() == Some(t) && ends(pair, sights));
     (0..model.masters.tools.len()).map(|t| any(comm, meets(t))).collect()
 }
 

@@ -63,7 +63,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let mut lines = gaps::check(comm, &contacts, model, &sights)?;
     lines.extend(model.joined.clone());
     units::sizes(comm, scene, model, &sights);
-    mirrored::check(comm, scene, model, &steps);
+    mirrored::check(comm, scene, model, (&steps, &sights));
     stuck::check(comm, scene, model, &steps)?;
     tied::check(comm, scene, model, &steps)?;
     support::check(comm, scene, model, (&steps, &sights))?;
