@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
 
-/// What contacts hold besides their normals: of a pair by its index and a slave node of it, whether its friction holds.
+/// Of a pair by its index and a slave node of it, whether its contact holds, where there is friction: by its normal, and across.
 type Friction<'a> = &'a dyn Fn(usize, &Slave) -> bool;
 
 impl Simulation<'_> {
@@ -47,7 +47,10 @@ impl Simulation<'_> {
                     continue;
                 }
                 let x = place(slave.node as usize);
-                let rough = pair.friction > 0.0 && friction.is_some_and(|holds| holds(p, slave));
+                let rough = pair.friction > 0.0 && friction.is_some();
+                if rough && friction.is_some_and(|holds| !holds(p, slave)) {
+                    continue;
+                }
                 motions.touch(own, side, &x, &at.normal, rough && trial.status == Status::Stick);
                 let across = at.normal.cross(&trial.traction());
                 if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
