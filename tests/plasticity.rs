@@ -357,3 +357,32 @@ fn sheet_of_one_layer_folds() {
         assert_close("force", *two, *one, 1e-9);
     }
 }
+
+/// Simple shear bears too little by the additive strain, and the run says so, also after it has been eased; stretched by as much
+/// it bears all.
+#[test]
+fn large_shear_is_told_of() {
+    let run = |fix: &str, motion: &str| {
+        let bench = Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [1.0, 1.0, 1.0] }}, elements = [2, 2, 1] }} }}
+            material.m = {{ model = "j2", young = 1e5, poisson = 0.3, yield_stress = 100.0 }}
+            [[step]]
+            name = "deform"
+            increments = 40
+            fix = [{fix}]
+            move = [{{ target = "b.ymax", {motion} }}]
+            [[step]]
+            name = "ease"
+            increments = 1
+            fix = [{{ set = "b.ymin", directions = "y" }}, {{ set = "b.xmin", directions = "x" }}]
+            "#
+        ));
+        bench.solve(2, &[]).log()
+    };
+    let sheared = run(r#"{ set = "b.ymin" }"#, "by = [2.0, 0.0, 0.0]");
+    assert!(sheared.contains("body `b`: at the end of step `deform` its stress is 1"), "{sheared}");
+    let sides = r#"{ set = "b.ymin", directions = "y" }, { set = "b.xmin", directions = "x" }"#;
+    let stretched = run(sides, r#"by = [0.0, 2.0, 0.0], directions = "y""#);
+    assert!(!stretched.contains("its stress is"), "{stretched}");
+}

@@ -358,6 +358,8 @@ impl<'p> Reduced<'p> {
         for (name, value) in DEFAULTS {
             if !petsc.has_option(name)? {
                 petsc.option(name, value)?;
+                // Asked for: nobody is told that another kind of multigrid does not ask for it.
+                petsc.has_option(name)?;
             }
         }
         let whole = Whole::new(petsc, matrix, unknowns)?;

@@ -8,7 +8,7 @@ use crate::Vec3;
 use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
 
-/// Of a pair by its index and a slave node of it, whether its contact holds, where there is friction: by its normal, and across.
+/// What contacts hold besides their normals: of a pair by its index and a slave node of it, whether its friction holds.
 type Friction<'a> = &'a dyn Fn(usize, &Slave) -> bool;
 
 impl Simulation<'_> {
@@ -25,17 +25,18 @@ impl Simulation<'_> {
     }
 
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says; without friction what is near
-    /// counts as touching. A node that sticks holds in all directions; one that slips, across the slip too, for its friction turns
-    /// against that. Collective.
+    /// counts as touching. A node that sticks holds in all directions; one that slips, unless it is to count as one that sticks,
+    /// across the slip too, for its friction turns against that. Collective.
     fn held(
         &self,
         frame: &Frame,
         u: &[Vec3],
         of: impl Fn(&Slave) -> &Trial,
-        friction: Option<Friction>,
+        friction: Option<(Friction, bool)>,
     ) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
         let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
+        let slips_hold = friction.is_some_and(|(_, slips_hold)| slips_hold);
         for (p, pair) in self.model.pairs.iter().enumerate() {
             let ground = self.model.masters.of(pair.master);
             for slave in &pair.slaves {
@@ -47,11 +48,8 @@ impl Simulation<'_> {
                     continue;
                 }
                 let x = place(slave.node as usize);
-                let rough = pair.friction > 0.0 && friction.is_some();
-                if rough && friction.is_some_and(|holds| !holds(p, slave)) {
-                    continue;
-                }
-                motions.touch(own, side, &x, &at.normal, rough && trial.status == Status::Stick);
+                let rough = pair.friction > 0.0 && friction.is_some_and(|(holds, _)| holds(p, slave));
+                motions.touch(own, side, &x, &at.normal, rough && (slips_hold || trial.status == Status::Stick));
                 let across = at.normal.cross(&trial.traction());
                 if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
                     motions.touch(own, side, &x, &across, false);
@@ -76,7 +74,11 @@ impl Simulation<'_> {
             moved <= pair.controls.watch_deep * pair.facet_size
                 || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
-        match self.held(frame, &converged.u, |slave| &slave.trial, Some(&holds)).free(self.comm).first() {
+        let held = |slips_hold| self.held(frame, &converged.u, |slave| &slave.trial, Some((&holds, slips_hold)));
+        // What has lost all friction is not held along the slight slope of what it still touches.
+        let mut free = held(false).free(self.comm);
+        free.extend(held(true).free_along(self.comm, self.model.controls.friction_steep));
+        match free.first() {
             None => Attempt::Converged(converged),
             Some(free) => {
                 let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());

@@ -8,6 +8,7 @@ use super::estimates::Estimates;
 use super::keep::{Keeper, Record};
 use super::paths::{self, End};
 use super::results::{self, Results};
+use super::shortfall::Shortfalls;
 use super::{Event, Increment, Rounded, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
@@ -160,6 +161,7 @@ struct Recorder<'s> {
     steps: &'s [Step],
     seer: Option<Seer<'s>>,
     keeper: Keeper<'s>,
+    shortfalls: Shortfalls,
 }
 
 /// Foretells what the run will take, once it has its first systems.
@@ -244,6 +246,7 @@ impl<'s> Recorder<'s> {
             steps,
             seer,
             keeper,
+            shortfalls: Shortfalls::default(),
         })
     }
 }
@@ -266,8 +269,15 @@ impl Recorder<'_> {
             if matches!(outcome, Err(Error::Interrupted(_))) {
                 self.keep_last(simulation);
             }
-            if matches!(outcome, Err(Error::Diverged(_))) {
+            let has_failed = matches!(outcome, Err(Error::Diverged(_)));
+            if has_failed {
                 self.tell_failed(simulation);
+            }
+            if outcome.is_ok() || has_failed {
+                self.shortfalls.look(simulation, &step.name.value)?;
+            }
+            if has_failed {
+                self.warn(simulation, self.shortfalls.words().collect());
             }
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
@@ -278,11 +288,17 @@ impl Recorder<'_> {
             simulation.phases().add(Phase::Output, begun.elapsed());
             outcome.and(indexed)?;
         }
-        for warning in simulation.idle_contacts() {
+        let warnings = simulation.idle_contacts().into_iter().chain(self.shortfalls.words()).collect();
+        self.warn(simulation, warnings);
+        Ok(())
+    }
+
+    /// Says what is not as it should be.
+    fn warn(&mut self, simulation: &mut Simulation, warnings: Vec<String>) {
+        for warning in warnings {
             self.log.line(&format!("  warning: {warning}"));
             simulation.warned(warning);
         }
-        Ok(())
     }
 
     /// Goes to the end of the step that is under way. Collective.
@@ -359,8 +375,7 @@ impl Recorder<'_> {
             Ok(found) => self.estimates.add("increments", found),
             Err(error) => {
                 let warning = paths::failed(error)?;
-                self.log.line(&format!("  warning: {warning}"));
-                simulation.warned(warning);
+                self.warn(simulation, vec![warning]);
             }
         }
         Ok(())

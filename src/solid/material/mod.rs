@@ -162,6 +162,14 @@ impl Material {
         }
     }
 
+    /// By how much less work it takes to flow on than the yield stress asks for, of itself; `None` inside where it would not flow.
+    pub fn shortfall(&self, f: &Mat3, state: &State) -> Option<Option<f64>> {
+        match self {
+            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) | Self::Orthotropic(_) => Some(None),
+            Self::Plastic(material) => material.shortfall(f, state),
+        }
+    }
+
     /// Work of the stress on plastic strain, per reference volume, until a state.
     pub fn plastic_work(&self, state: &State) -> f64 {
         match self {

@@ -39,7 +39,7 @@ use super::logarithmic::LogarithmicStrain;
 use super::model::{Hardening, Hill};
 use super::{Response, State};
 use crate::Mat3;
-use crate::solid::voigt::{IDENTITY, Voigt, add_square, double_contraction, mirror};
+use crate::solid::voigt::{IDENTITY, Voigt, add_square, double_contraction, mirror, von_mises};
 
 /// An elastic-plastic material.
 #[derive(Clone, Debug)]
@@ -134,6 +134,21 @@ impl Plastic {
     /// Plastic work per reference volume.
     pub fn plastic_work(&self, state: &State) -> f64 {
         self.hardening.work(state.equivalent)
+    }
+
+    /// By how much less work it takes to flow on, of itself, than the yield stress asks for: the rate of deformation d of a flow E'
+    /// is the larger of both where E' is not along the axes of E, as in shear, and T : E' = tau : d all the same. `None` inside
+    /// where it would not flow.
+    pub fn shortfall(&self, f: &Mat3, state: &State) -> Option<Option<f64>> {
+        let strain = self.strain(f)?;
+        let flow = self.relax(&strain.strain, state);
+        let mut direction = [0.0; 6];
+        for i in 0..5 {
+            let value = self.squares[i] * self.kept(&flow, i) * flow.trial[i];
+            (0..6).for_each(|v| direction[v] += value * self.modes[i][v]);
+        }
+        let [flows, deforms] = [direction, strain.axes().rate(&direction)].map(|rate| von_mises(&rate));
+        Some((flow.yields && deforms > 0.0).then(|| 1.0 - flows / deforms))
     }
 
     /// The strain by the material's axes.

@@ -385,6 +385,28 @@ fn simple_shear_does_not_oscillate() {
     }
 }
 
+/// What simple shear bears less without hardening than the yield stress over the root of 3 is the shortfall.
+#[test]
+fn the_shortfall_is_what_shear_lacks() {
+    let material = mises(&laws()[0]);
+    let way = |shear: f64| Mat3::new(1.0, shear, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+    let (mut state, steps) = (State::VIRGIN, 4000);
+    for k in 1..=steps {
+        let shear = 4.0 * k as f64 / steps as f64;
+        state = material.flow(&way(shear), &state).unwrap();
+        let lacks = 1.0 - 3f64.sqrt() * material.kirchhoff(&way(shear), &state).unwrap()[3] / 450.0;
+        let shortfall = material.shortfall(&way(shear), &state).unwrap();
+        assert!(shear < 0.1 || (shortfall.unwrap() - lacks).abs() < 2e-3, "{shear}");
+        for (at, expected) in [(1.0, 0.03), (2.0, 0.17), (3.0, 0.34), (4.0, 0.46)] {
+            assert!(shear != at || (lacks - expected).abs() < 0.01, "{shear}: {lacks}");
+        }
+    }
+    // Along the axes of the strain nothing is lacking, however large it is.
+    let long = Mat3::from_diagonal(&Vec3::new(3.0, 0.6, 0.55));
+    let state = material.flow(&long, &State::VIRGIN).unwrap();
+    assert!(material.shortfall(&long, &state).unwrap().unwrap().abs() < 1e-12);
+}
+
 #[test]
 fn no_response_when_inverted() {
     for material in &materials()[..2] {
