@@ -119,3 +119,51 @@ fn billet_in_an_elastic_plastic_die() {
     println!("{soft} and {hard}");
     assert!(soft < hard && soft > 0.97 * hard, "{soft} and {hard}");
 }
+
+/// A billet that fills a closed die under a punch, which presses at last by a force and is let go by none: the billet springs
+/// back, and keeps to the die alone.
+#[test]
+fn a_punch_is_let_go_by_its_force() {
+    let bench = Bench::new(
+        r#"
+        [body.b]
+        material = "alu"
+        axisymmetric = true
+        [body.b.block]
+        box = { size = [10.0, 12.0, 1.0] }
+        elements = [12, 14, 1]
+        faces = { skin = ["ymax", "xmax", "ymin"] }
+        [material.alu]
+        model = "j2"
+        young = 70000.0
+        poisson = 0.33
+        yield_stress = 100.0
+        hardening = { linear = 100.0 }
+        [tool.die]
+        flip = true
+        profile = { points = [[-1.0, 0.0], [11.0, 0.0], [11.0, 30.0]], fillets = [0.0, 1.0, 0.0] }
+        [tool.punch]
+        plane = { point = [0.0, 12.0, 0.0], normal = [0.0, -1.0, 0.0] }
+        [contact]
+        d = { slave = "b.skin", master = "die", friction = 0.1 }
+        p = { slave = "b.ymax", master = "punch" }
+        [[step]]
+        increments = 40
+        move = [{ target = "punch", by = [0.0, -2.05, 0.0] }]
+        [[step]]
+        increments = 20
+        force = [{ target = "punch", total = [0.0, -150e3, 0.0], directions = "y" }]
+        [[step]]
+        increments = 10
+        force = [{ target = "punch", total = [0.0, 0.0, 0.0], directions = "y" }]
+        [output]
+        history = ["b.ymax"]
+        "#,
+    );
+    let history = bench.solve(1, &[]).history();
+    let [before, pressed] = [10, 1].map(|back| history.column("punch.fy")[history.len() - 1 - back]);
+    assert_close("punch under its force", before, -150e3, 1e-9);
+    assert_close("a tenth of it", pressed, -15e3, 1e-8);
+    assert_small("die without punch", history.last("die.fy") / before, 1e-9);
+    assert_eq!(history.last("p.active"), 0.0);
+}

@@ -78,7 +78,10 @@ impl Simulation<'_> {
         // What has lost all friction is not held along the slight slope of what it still touches.
         let mut free = held(false).free(self.comm);
         free.extend(held(true).free_along(self.comm, self.model.controls.friction_steep));
-        match free.first() {
+        // A tool whose force ends is let go.
+        let (conditions, end, tools) = (frame.conditions(), converged.end, self.model.masters.tools.len());
+        let is_let_go = |t: usize| [t, tools + t].iter().all(|&k| conditions.tool_forces[k].at(end) == Vec3::zeros());
+        match free.iter().find(|free| !(free.is_tool && is_let_go(free.index))) {
             None => Attempt::Converged(converged),
             Some(free) => {
                 let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());
