@@ -25,8 +25,8 @@ impl Simulation<'_> {
     }
 
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says; without friction what is near
-    /// counts as touching. A node that sticks holds in all directions; one that slips, unless it is to count as one that sticks,
-    /// across the slip too, for its friction turns against that. Collective.
+    /// counts as touching. A node that sticks holds in all directions; one that slips, across the slip too, for its friction
+    /// turns against that, or, like one without friction, as if it stuck, where that is not to be asked. Collective.
     fn held(
         &self,
         frame: &Frame,
@@ -48,7 +48,11 @@ impl Simulation<'_> {
                     continue;
                 }
                 let x = place(slave.node as usize);
-                let rough = pair.friction > 0.0 && friction.is_some_and(|(holds, _)| holds(p, slave));
+                let holds = |(holds, slips_hold): (Friction, bool)| match pair.friction > 0.0 {
+                    true => holds(p, slave),
+                    false => slips_hold,
+                };
+                let rough = friction.is_some_and(holds);
                 motions.touch(own, side, &x, &at.normal, rough && (slips_hold || trial.status == Status::Stick));
                 let across = at.normal.cross(&trial.traction());
                 if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {

@@ -158,7 +158,7 @@ fn measure(
         sums[0] += 1.0;
         sums[1] += area.norm();
         (0..3).for_each(|d| sums[2 + d] += x[d] * area.norm());
-        sums[5] += longest_edge(part, facet, is_planar);
+        sums[5] += part.longest_edge(facet, is_planar);
     }
     sum(comm, &mut sums);
     let middle = Vec3::new(sums[2], sums[3], sums[4]) / sums[1];
@@ -170,14 +170,6 @@ fn measure(
     sum(comm, &mut bulge);
     let size = if is_planar { sums[5] / sums[0] } else { (sums[1] / sums[0]).sqrt() };
     (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 })
-}
-
-/// Longest edge of a facet; of a layer's in its plane.
-pub fn longest_edge(part: &Part, facet: &PartFacet, is_planar: bool) -> f64 {
-    let count = facet.count as usize;
-    let at = |k: usize| part.points[facet.nodes[k % count] as usize];
-    let length = |along: Vec3| if is_planar { along.xy().norm() } else { along.norm() };
-    (0..count).map(|k| length(at(k + 1) - at(k))).fold(0.0, f64::max)
 }
 
 fn corners<'a>(part: &'a Part, facet: &'a PartFacet) -> impl Iterator<Item = Vec3> + 'a {

@@ -12,7 +12,6 @@
 //! under them. In a layer edges are those in the plane, and L is its thickness; of an axisymmetric body A is the area of the ring,
 //! and L its circumference.
 
-use crate::Vec3;
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
 use crate::scene::Reduction;
@@ -53,10 +52,7 @@ pub fn contact_stiffness(part: &Part, facets: &[PartFacet], backing: &[Backing])
         let under = under.map(|&e| &part.solids[e as usize]);
         let section = under.map_or(part.section[nodes[0] as usize], |solid| solid.section);
         let Backing { modulus, reduction } = backing[section as usize];
-        let along = |v: Vec3| if reduction.is_some() { v.xy().norm() } else { v.norm() };
-        let edge =
-            |k: usize| along(part.points[nodes[(k + 1) % nodes.len()] as usize] - part.points[nodes[k] as usize]);
-        let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
+        let longest = part.longest_edge(facet, reduction.is_some());
         let height = under.map_or(f64::INFINITY, |solid| height(part, solid, facet, areas.iter().sum()));
         let is_ring = reduction == Some(Reduction::Axisymmetric);
         for (&n, area) in nodes.iter().zip(nodal_areas(part, facet, is_ring)) {
@@ -109,6 +105,7 @@ fn height(part: &Part, solid: &PartSolid, facet: &PartFacet, face: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Vec3;
 
     /// One brick a x b x c with its upper face.
     fn brick([a, b, c]: [f64; 3]) -> (Part, Vec<PartFacet>) {

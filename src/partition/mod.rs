@@ -81,6 +81,14 @@ impl Part {
         (0..self.owned).filter(move |&n| self.body[n] as usize == body)
     }
 
+    /// Longest edge of a facet; of a layer's in its plane.
+    pub fn longest_edge(&self, facet: &PartFacet, is_planar: bool) -> f64 {
+        let count = facet.count as usize;
+        let at = |k: usize| self.points[facet.nodes[k % count] as usize];
+        let length = |along: Vec3| if is_planar { along.xy().norm() } else { along.norm() };
+        (0..count).map(|k| length(at(k + 1) - at(k))).fold(0.0, f64::max)
+    }
+
     /// Facets as contacts see them: a quadratic triangle is four linear ones.
     pub fn pieces<'a>(&self, facets: &'a [PartFacet]) -> Cow<'a, [PartFacet]> {
         // Far above the numbers of facets, which are those of ranks that have linear ones alone, too.
