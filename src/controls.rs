@@ -152,8 +152,8 @@ controls! {
             "By how much it is reduced each time.";
         calm_least: f64 = 1e-3, [1e-9, 1.0], "friction penalty over the augmentation",
             "A penalty below is not reduced further: slip directions turn the more slowly the lower it is.";
-        step_facets: f64 = 3.0, [0.1, 100.0], "longest edge of the slave facets",
-            "How far a slave node may move in one iteration: farther, and it may come out behind what it should meet. A node that snaps round the corner of a block that is drawn over a slab is not let to with 1.5, and the run ends there; with 2 to 4 it is, and nothing else changes.";
+        step_facets: f64 = 1.5, [0.1, 100.0], "longest edge of the slave facets",
+            "How far a slave node may move in one iteration: farther, and it may come out behind what it should meet.";
         step_halvings: usize = 6, [0, 60], "halvings",
             "How often a step that turns an element inside out is halved before it is taken even so, and the increment fails.";
         line_search_shortest: f64 = 0.01, [1e-6, 1.0], "shortest step over the full one",
