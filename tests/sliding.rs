@@ -175,6 +175,8 @@ fn plough() -> Bench {
         [output]
         every = 100
         history = ["slab.ymin", "die.ymax"]
+        [controls]
+        step_facets = 3.0 # with 1.5 a node that snaps round the corner ends the run
         "#,
     )
 }
