@@ -22,7 +22,6 @@
 //! - `conditioning`: what makes a matrix ill-conditioned
 //! - `suspects`: what of its contacts may be why it does not converge
 //! - `runaway`: tools that nothing can hold
-//! - `shortfall`: plastic bodies that bear less than they flow at
 //! - [`cost`]: what a run will cost
 //! - [`check`](check()): what can be known without solving
 //! - [`describe`]: what is said
@@ -57,7 +56,6 @@ mod results;
 mod run;
 mod runaway;
 mod shared_nodes;
-mod shortfall;
 mod simulation;
 mod state;
 mod step;

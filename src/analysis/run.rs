@@ -8,7 +8,6 @@ use super::estimates::Estimates;
 use super::keep::{Keeper, Record};
 use super::paths::{self, End};
 use super::results::{self, Results};
-use super::shortfall::Shortfalls;
 use super::{Event, Increment, Rounded, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
@@ -161,7 +160,6 @@ struct Recorder<'s> {
     steps: &'s [Step],
     seer: Option<Seer<'s>>,
     keeper: Keeper<'s>,
-    shortfalls: Shortfalls,
 }
 
 /// Foretells what the run will take, once it has its first systems.
@@ -246,7 +244,6 @@ impl<'s> Recorder<'s> {
             steps,
             seer,
             keeper,
-            shortfalls: Shortfalls::default(),
         })
     }
 }
@@ -266,18 +263,10 @@ impl Recorder<'_> {
         for (k, step) in steps.iter().enumerate().skip(begun.saturating_sub(1)) {
             let outcome = if k < begun { Ok(()) } else { simulation.begin(step) };
             let outcome = outcome.and_then(|()| self.step(simulation));
-            if matches!(outcome, Err(Error::Interrupted(_))) {
-                self.keep_last(simulation);
-            }
-            let has_failed = matches!(outcome, Err(Error::Diverged(_)));
-            if has_failed {
-                self.tell_failed(simulation);
-            }
-            if outcome.is_ok() || has_failed {
-                self.shortfalls.look(simulation, &step.name.value)?;
-            }
-            if has_failed {
-                self.warn(simulation, self.shortfalls.words().collect());
+            match outcome {
+                Err(Error::Interrupted(_)) => self.keep_last(simulation),
+                Err(Error::Diverged(_)) => self.tell_failed(simulation),
+                _ => {}
             }
             if outcome.is_err() && self.since_written > 0 {
                 // The first error counts.
@@ -288,8 +277,7 @@ impl Recorder<'_> {
             simulation.phases().add(Phase::Output, begun.elapsed());
             outcome.and(indexed)?;
         }
-        let warnings = simulation.idle_contacts().into_iter().chain(self.shortfalls.words()).collect();
-        self.warn(simulation, warnings);
+        self.warn(simulation, simulation.idle_contacts());
         Ok(())
     }
 

@@ -5,8 +5,7 @@ use super::elements::{Scratch, lost, medium, mine, of_body, samples};
 use crate::Vec3;
 use crate::error::Result;
 use crate::solid::element::{
-    self, Inverted, Medium, Sample, advance, average_plastic_strain, average_strain, average_stress, plastic_work,
-    stored_energy,
+    Inverted, advance, average_plastic_strain, average_strain, average_stress, plastic_work, stored_energy,
 };
 use crate::solid::material::State;
 use crate::solid::voigt::Voigt;
@@ -67,30 +66,13 @@ pub fn plastic_strains(model: &Model, u: &[Vec3], body: usize) -> Result<Vec<f64
 /// # Errors
 /// An element that is inverted, by its number.
 pub fn energies(model: &Model, u: &[Vec3], body: usize) -> Result<[f64; 2]> {
-    sums(model, u, body, |samples, medium| Ok([stored_energy(samples, medium)?, plastic_work(samples, medium)]))
-}
-
-/// Of what flows of a body, and this rank counts: the plastic work times by how much less it takes to flow on than the yield
-/// stress asks for, and the plastic work.
-///
-/// # Errors
-/// An element that is inverted, by its number.
-pub fn shortfall(model: &Model, u: &[Vec3], body: usize) -> Result<[f64; 2]> {
-    sums(model, u, body, element::shortfall)
-}
-
-/// The sums of two values of each element that this rank counts of a body.
-fn sums(
-    model: &Model,
-    u: &[Vec3],
-    body: usize,
-    of: impl Fn(&[Sample], Medium) -> Result<[f64; 2], Inverted>,
-) -> Result<[f64; 2]> {
     let mut sums = [0.0; 2];
     for e in of_body(model, body) {
-        let of_element = samples(model, e, u).and_then(|samples| of(&samples, medium(model, e)));
-        let [a, b] = of_element.map_err(|_| lost(model, e))?;
-        sums = [sums[0] + a, sums[1] + b];
+        let medium = medium(model, e);
+        let of_element = samples(model, e, u)
+            .and_then(|samples| Ok([stored_energy(&samples, medium)?, plastic_work(&samples, medium)]));
+        let energies = of_element.map_err(|_| lost(model, e))?;
+        (0..2).for_each(|k| sums[k] += energies[k]);
     }
     Ok(sums)
 }

@@ -61,6 +61,12 @@ pub fn logarithm(t: &Voigt) -> Voigt {
     compose(&values.map(f64::ln), &directions)
 }
 
+/// The exponential of a tensor.
+pub fn exponential(t: &Voigt) -> Voigt {
+    let (values, directions) = symmetric_eigen(t);
+    compose(&values.map(f64::exp), &directions)
+}
+
 /// The spatial logarithmic strain 1/2 ln b of a deformation gradient.
 pub fn logarithmic_strain(f: &Mat3) -> Voigt {
     logarithm(&left_cauchy_green(f)).map(|s| 0.5 * s)

@@ -364,16 +364,6 @@ pub fn plastic_work(samples: &[Sample], medium: Medium) -> f64 {
     samples.iter().enumerate().map(work).sum()
 }
 
-/// Where it flows: the same times by how much less work that takes than the yield stress asks for, and the same.
-pub fn shortfall(samples: &[Sample], medium: Medium) -> Result<[f64; 2], Inverted> {
-    samples.iter().enumerate().try_fold([0.0; 2], |[lost, all], (q, sample)| {
-        let state = medium.state(q);
-        let share = medium.material.shortfall(&sample.f, state).ok_or(sample.inverted())?;
-        let work = share.map_or(0.0, |_| sample.weight * medium.material.plastic_work(state));
-        Ok([lost + work * share.unwrap_or(0.0), all + work])
-    })
-}
-
 /// Equivalent plastic strain averaged over the current volume.
 pub fn average_plastic_strain(samples: &[Sample], states: &[State]) -> f64 {
     let sum: f64 = samples.iter().zip(states).map(|(sample, state)| sample.volume() * state.equivalent).sum();

@@ -91,13 +91,6 @@ impl Axes {
         combine(&components, &self.spatial)
     }
 
-    /// d of E'.
-    pub fn rate(&self, of_strain: &Voigt) -> Voigt {
-        let mut components = self.components(of_strain);
-        (0..6).for_each(|p| components[p] *= TIMES[p] / self.theta[p]);
-        combine(&components, &self.spatial)
-    }
-
     /// c of T and of D, for engineering shear rates.
     #[inline]
     pub fn tangent(&self, stress: &Voigt, moduli: &[Voigt; 6]) -> [Voigt; 6] {

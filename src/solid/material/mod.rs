@@ -32,21 +32,22 @@ pub use orthotropic::Orthotropic;
 pub use plastic::Plastic;
 
 /// How a material has flowed at a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct State {
-    /// Plastic logarithmic strain, tensor components by the material's axes.
-    pub plastic_strain: Voigt,
+    /// The inverse of the plastic deformation gradient, by the material's axes.
+    pub inverse_plastic: Mat3,
     /// Equivalent plastic strain.
     pub equivalent: f64,
     /// A step has begun since it flowed, or a table has turned, which may ease what is at its yield limit.
     pub rests: bool,
 }
 
-crate::words!(State { plastic_strain, equivalent, rests });
+crate::words!(State { inverse_plastic, equivalent, rests });
 
 impl State {
     /// Of a material that has not flowed.
-    pub const VIRGIN: Self = Self { plastic_strain: [0.0; 6], equivalent: 0.0, rests: false };
+    pub const VIRGIN: Self =
+        Self { inverse_plastic: Mat3::new(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0), equivalent: 0.0, rests: false };
 }
 
 /// Stress and tangent at a point, in the unit of the moduli.
@@ -159,14 +160,6 @@ impl Material {
             Self::Hyperelastic(material) => material.energy(f),
             Self::Orthotropic(material) => material.energy(f),
             Self::Plastic(material) => material.energy(f, before),
-        }
-    }
-
-    /// By how much less work it takes to flow on than the yield stress asks for, of itself; `None` inside where it would not flow.
-    pub fn shortfall(&self, f: &Mat3, state: &State) -> Option<Option<f64>> {
-        match self {
-            Self::NeoHookean(_) | Self::Hencky(_) | Self::Hyperelastic(_) | Self::Orthotropic(_) => Some(None),
-            Self::Plastic(material) => material.shortfall(f, state),
         }
     }
 

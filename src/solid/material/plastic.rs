@@ -1,17 +1,28 @@
-//! Plasticity at finite strain in logarithmic strain space.
+//! Plasticity at finite strain, multiplicative: F = Fe Fp (Lee, J. Appl. Mech. 36, 1969).
 //!
-//! With E = 1/2 ln C of the reference and its conjugate stress T ([`super::logarithmic`]), the strains add (Miehe, Apel and
-//! Lambrecht, CMAME 191, 2002) and the law is that of small strains:
+//! With the elastic strain Ee = 1/2 ln Fe^T Fe and its conjugate stress T ([`super::logarithmic`]) the law is that of small
+//! strains (Eterovic and Bathe, Int. J. Numer. Methods Eng. 30, 1990; Simo, CMAME 99, 1992):
 //!
 //! ```text
-//! E   = Ee + Ep,       T = K tr(E) 1 + 2 mu dev Ee
+//! T   = K tr(Ee) 1 + 2 mu dev Ee
 //! s^2 = T : P : T      s, the equivalent stress; P of von Mises or of Hill (Proc. R. Soc. A 193, 1948):
 //!       F (Tyy - Tzz)^2 + G (Tzz - Txx)^2 + H (Txx - Tyy)^2 + 2 L Tyz^2 + 2 M Tzx^2 + 2 N Txy^2
 //! s  <= Y(e)           Y, the yield stress by the equivalent plastic strain e ([`super::hardening`])
-//! Ep' = e' P : T / s   associated flow; s e' = T : Ep'
+//! Fp' Fp^-1 = e' P : T / s         associated flow, without plastic spin
 //! ```
 //!
-//! Axes of the material stay with the reference. An increment is integrated by the implicit Euler method. P has fixed
+//! In an increment the strain adds to that of its beginning, with D = Fp' Fp^-1 over the increment:
+//!
+//! ```text
+//! F*  = F Fp^-1,   E* = 1/2 ln F*^T F* = Ee + D,   Fp^-1 at the end = Fp^-1 exp(-E*) exp(Ee)
+//! ```
+//!
+//! So stress and tangent of an increment are those of an elastic law in E*, which has a potential (Miehe, Apel and Lambrecht,
+//! CMAME 191, 2002), and Ee is at its end what it is at the beginning of the next. By von Mises E* is coaxial with Ee and the
+//! last is exp(-D); by Hill the spin that is left is of the size of [Ee, D]. Strains that add from the beginning on, instead,
+//! bear too little in shear: 3 % at 1, 17 at 2.
+//!
+//! Axes of the material turn with Fe. An increment is integrated by the implicit Euler method. P has fixed
 //! eigentensors v_i, without trace, with eigenvalues p_i, so that the stress relaxes in each by itself, and one unknown is
 //! left, y in [0, 1):
 //!
@@ -39,7 +50,7 @@ use super::logarithmic::LogarithmicStrain;
 use super::model::{Hardening, Hill};
 use super::{Response, State};
 use crate::Mat3;
-use crate::solid::voigt::{IDENTITY, Voigt, add_square, double_contraction, mirror, von_mises};
+use crate::solid::voigt::{IDENTITY, Voigt, add_square, double_contraction, exponential, mirror, to_matrix};
 
 /// An elastic-plastic material.
 #[derive(Clone, Debug)]
@@ -58,13 +69,13 @@ pub struct Plastic {
 
 /// A point of the material after an increment.
 struct Flow {
-    /// tr E.
+    /// tr E*.
     volume_strain: f64,
     /// T*_i.
     trial: [f64; 5],
     /// y; 0 without flow.
     y: f64,
-    /// De.
+    /// De, of the equivalent plastic strain.
     increment: f64,
     /// Whether it flows, or would at once.
     yields: bool,
@@ -96,7 +107,7 @@ impl Plastic {
 
     /// Stress and tangent.
     pub fn response(&self, f: &Mat3, before: &State) -> Option<Response> {
-        let strain = self.strain(f)?;
+        let strain = self.strain(f, before)?;
         let flow = self.relax(&strain.strain, before);
         let stress = self.stress(&flow);
         let moduli = self.moduli(&flow, before.equivalent);
@@ -106,27 +117,31 @@ impl Plastic {
 
     /// Kirchhoff stress.
     pub fn kirchhoff(&self, f: &Mat3, before: &State) -> Option<Voigt> {
-        let strain = self.strain(f)?;
+        let strain = self.strain(f, before)?;
         Some(strain.axes().kirchhoff(&self.stress(&self.relax(&strain.strain, before))))
     }
 
     /// The state at the end of the increment.
     pub fn flow(&self, f: &Mat3, before: &State) -> Option<State> {
-        let flow = self.relax(&self.strain(f)?.strain, before);
+        let strain = self.strain(f, before)?.strain;
+        let flow = self.relax(&strain, before);
         let mut state = State { rests: false, ..*before };
         if flow.increment > 0.0 {
             state.equivalent += flow.increment;
+            let mut elastic = strain;
             for i in 0..5 {
-                let strain = flow.trial[i] * (1.0 - self.kept(&flow, i)) / (2.0 * self.mu);
-                (0..6).for_each(|v| state.plastic_strain[v] += strain * self.modes[i][v]);
+                let share = flow.trial[i] * (1.0 - self.kept(&flow, i)) / (2.0 * self.mu);
+                (0..6).for_each(|v| elastic[v] -= share * self.modes[i][v]);
             }
+            let [back, forth] = [strain.map(|s| -s), elastic].map(|strain| to_matrix(&exponential(&strain)));
+            state.inverse_plastic *= back * forth;
         }
         Some(state)
     }
 
     /// Stored energy per reference volume.
     pub fn energy(&self, f: &Mat3, before: &State) -> Option<f64> {
-        let flow = self.relax(&self.strain(f)?.strain, before);
+        let flow = self.relax(&self.strain(f, before)?.strain, before);
         let shear: f64 = (0..5).map(|i| (self.kept(&flow, i) * flow.trial[i]).powi(2)).sum();
         Some(0.5 * self.bulk * flow.volume_strain * flow.volume_strain + 0.25 * shear / self.mu)
     }
@@ -136,24 +151,9 @@ impl Plastic {
         self.hardening.work(state.equivalent)
     }
 
-    /// By how much less work it takes to flow on, of itself, than the yield stress asks for: the rate of deformation d of a flow E'
-    /// is the larger of both where E' is not along the axes of E, as in shear, and T : E' = tau : d all the same. `None` inside
-    /// where it would not flow.
-    pub fn shortfall(&self, f: &Mat3, state: &State) -> Option<Option<f64>> {
-        let strain = self.strain(f)?;
-        let flow = self.relax(&strain.strain, state);
-        let mut direction = [0.0; 6];
-        for i in 0..5 {
-            let value = self.squares[i] * self.kept(&flow, i) * flow.trial[i];
-            (0..6).for_each(|v| direction[v] += value * self.modes[i][v]);
-        }
-        let [flows, deforms] = [direction, strain.axes().rate(&direction)].map(|rate| von_mises(&rate));
-        Some((flow.yields && deforms > 0.0).then(|| 1.0 - flows / deforms))
-    }
-
-    /// The strain by the material's axes.
-    fn strain(&self, f: &Mat3) -> Option<LogarithmicStrain> {
-        LogarithmicStrain::new(f * self.axes)
+    /// E* by the material's axes.
+    fn strain(&self, f: &Mat3, before: &State) -> Option<LogarithmicStrain> {
+        LogarithmicStrain::new(f * self.axes * before.inverse_plastic)
     }
 
     /// m_i.
@@ -174,8 +174,7 @@ impl Plastic {
 
     /// Integrates an increment that ends at a strain.
     fn relax(&self, strain: &Voigt, before: &State) -> Flow {
-        let elastic: Voigt = std::array::from_fn(|v| strain[v] - before.plastic_strain[v]);
-        let trial = self.modes.map(|mode| 2.0 * self.mu * double_contraction(&mode, &elastic));
+        let trial = self.modes.map(|mode| 2.0 * self.mu * double_contraction(&mode, strain));
         let volume_strain = strain[0] + strain[1] + strain[2];
         let yield_stress = self.hardening.stress(before.equivalent);
         let excess = self.unrelaxed(&trial, 0.0).0 - yield_stress;

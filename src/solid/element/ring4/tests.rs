@@ -41,7 +41,7 @@ fn tangents_are_derivatives_of_forces_and_these_of_the_energy() {
         let material = Material::new(model);
         for element in KINDS {
             let half = U.map(|u| u.map(|u| 0.5 * u));
-            let mut states = [State::default(); POINTS];
+            let mut states = [State::VIRGIN; POINTS];
             advance(&samples((&x, &half), element).unwrap(), &material, &mut states).unwrap();
             let medium = Medium { material: &material, states: &states, amplitudes: None };
             let out = forces(&x, &U, medium, element);

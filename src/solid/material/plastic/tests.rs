@@ -1,8 +1,9 @@
 use super::super::super::testing::{Random, derivative, relative_error, rotation};
-use super::super::super::voigt::{to_matrix, von_mises};
+use super::super::super::voigt::{logarithm, to_matrix, von_mises};
 use super::super::{Hencky, lame};
 use super::*;
 use crate::Vec3;
+use crate::solid::voigt::right_cauchy_green;
 
 const YOUNG: f64 = 206_900.0;
 const POISSON: f64 = 0.29;
@@ -43,6 +44,16 @@ fn exp(strain: &Mat3) -> Mat3 {
 fn symmetric(random: &mut Random, size: f64) -> Mat3 {
     let a = random.matrix(size);
     0.5 * (a + a.transpose())
+}
+
+/// 1/2 ln Fp Fp^T by the material's axes.
+fn plastic_strain(state: &State) -> Voigt {
+    logarithm(&right_cauchy_green(&state.inverse_plastic)).map(|s| -0.5 * s)
+}
+
+/// Fp in space.
+fn plastic_deformation(material: &Plastic, state: &State) -> Mat3 {
+    material.axes * state.inverse_plastic.try_inverse().unwrap() * material.axes.transpose()
 }
 
 /// A state of a material that has flowed some percents in some direction.
@@ -175,11 +186,12 @@ fn hills_yield_stresses_and_r_values() {
             let state = material.flow(&deformation, &State::VIRGIN).unwrap();
             assert!((state.equivalent - ep).abs() < 1e-13);
             let exact = [fx, fy, fz, fxy, 0.0, 0.0];
-            (0..6).for_each(|v| assert!((state.plastic_strain[v] - exact[v]).abs() < 1e-13));
+            let found = plastic_strain(&state);
+            (0..6).for_each(|v| assert!((found[v] - exact[v]).abs() < 1e-3 * ep));
             let width = fx * sin * sin + fy * cos * cos - 2.0 * fxy * sin * cos;
             assert!((width / fz - r_value).abs() < 1e-3, "{degrees} {}", width / fz);
             // T itself, by the material's axes.
-            let strain = LogarithmicStrain::new(deformation * q).unwrap().strain;
+            let strain = material.strain(&deformation, &State::VIRGIN).unwrap().strain;
             let found = material.stress(&material.relax(&strain, &State::VIRGIN));
             let exact = [stress * xx, stress * yy, 0.0, stress * xy, 0.0, 0.0];
             (0..6).for_each(|v| assert!((found[v] - exact[v]).abs() < 1e-10 * stress, "{found:?}"));
@@ -207,12 +219,10 @@ fn any_increment_ends_on_the_yield_surface() {
     for material in &materials() {
         for _ in 0..300 {
             let before = prestrained(material, &mut random);
-            let start = to_matrix(&before.plastic_strain);
             let size = 10f64.powf(-3.75 + random.number(4.25));
-            let end =
-                material.axes * start * material.axes.transpose() + symmetric(&mut random, 1.0).normalize() * size;
-            let f = rotation(random.vector(3.0)) * exp(&end);
-            let strain = material.strain(&f).unwrap().strain;
+            let stretch = exp(&(symmetric(&mut random, 1.0).normalize() * size));
+            let f = rotation(random.vector(3.0)) * stretch * plastic_deformation(material, &before);
+            let strain = material.strain(&f, &before).unwrap().strain;
             let flow = material.relax(&strain, &before);
             let after = material.flow(&f, &before).unwrap();
             let limit = material.hardening.stress(after.equivalent);
@@ -221,13 +231,15 @@ fn any_increment_ends_on_the_yield_surface() {
             let tolerance = 1e-14 * limit + 4e-16 * (1.0 + size) * YOUNG;
             if flow.increment > 0.0 {
                 assert!((equivalent - limit).abs() < tolerance, "{size} {equivalent} {limit}");
-                let volume: f64 = after.plastic_strain[..3].iter().sum();
-                assert!(volume.abs() < 1e-14);
+                assert!((after.inverse_plastic.determinant() - 1.0).abs() < 1e-13);
                 // Work and stress times strain are the same in the limit; the equivalent strain is what flow defines.
                 let stress = material.stress(&flow);
-                let moved: Voigt = std::array::from_fn(|v| after.plastic_strain[v] - before.plastic_strain[v]);
-                let work = double_contraction(&stress, &moved);
-                assert!((work - equivalent * flow.increment).abs() < 1e-12 * work + 1e-13);
+                let elastic = material.strain(&f, &after).unwrap().strain;
+                let moved: Voigt = std::array::from_fn(|v| strain[v] - elastic[v]);
+                let mean = (stress[0] + stress[1] + stress[2]) / 3.0;
+                let deviator = std::array::from_fn(|v| stress[v] - mean * IDENTITY[v]);
+                let work = double_contraction(&deviator, &moved);
+                assert!((work - equivalent * flow.increment).abs() < 1e-12 * work + tolerance);
             } else {
                 assert!(equivalent <= limit * (1.0 + 1e-14) && after == before);
             }
@@ -244,10 +256,11 @@ fn what_has_flowed_stays_at_its_limit() {
         for f in gradients() {
             let before = prestrained(material, &mut random);
             let after = material.flow(&f, &before).unwrap();
-            let (first, again) = (material.kirchhoff(&f, &before).unwrap(), material.response(&f, &after).unwrap());
+            let stress = |state| material.stress(&material.relax(&material.strain(&f, state).unwrap().strain, state));
+            let (first, again) = (stress(&before), stress(&after));
             let scale = von_mises(&first) + first[..3].iter().sum::<f64>().abs();
-            (0..6).for_each(|v| assert!((first[v] - again.kirchhoff[v]).abs() < 1e-11 * scale));
-            let strain = material.strain(&f).unwrap().strain;
+            (0..6).for_each(|v| assert!((first[v] - again[v]).abs() < 1e-11 * scale));
+            let strain = material.strain(&f, &after).unwrap().strain;
             assert!(material.relax(&strain, &after).yields);
             assert!(!material.relax(&strain, &State { rests: true, ..after }).yields);
             assert!((material.flow(&f, &after).unwrap().equivalent - after.equivalent).abs() < 1e-13);
@@ -267,7 +280,7 @@ fn turns_with_the_observer() {
             assert!((turned(&a, &r) - to_matrix(&b)).norm() < 1e-11 * scale);
             let (a, b) = (material.flow(&f, &before).unwrap(), material.flow(&(r * f), &before).unwrap());
             assert!((a.equivalent - b.equivalent).abs() < 1e-13);
-            (0..6).for_each(|v| assert!((a.plastic_strain[v] - b.plastic_strain[v]).abs() < 1e-13));
+            assert!((a.inverse_plastic - b.inverse_plastic).norm() < 1e-13);
         }
     }
 }
@@ -309,7 +322,7 @@ fn elastic_cycles_keep_their_energy() {
         let f = Mat3::identity() + Mat3::new(0.0, 0.8, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0);
         let state = walk(material, 20, |t| Mat3::identity() + t * (f - Mat3::identity())).0;
         // From the middle of the elastic range, where there is no stress.
-        let rest = exp(&(material.axes * to_matrix(&state.plastic_strain) * material.axes.transpose()));
+        let rest = plastic_deformation(material, &state);
         let (a, b) = (random.matrix(2e-4), random.matrix(2e-4));
         let turn = random.vector(1.0);
         let (mut work, mut largest) = (0.0, 0f64);
@@ -360,51 +373,37 @@ fn work_is_stored_or_plastic() {
     }
 }
 
-/// Simple shear to 5. The additive strain makes the shear stress pass one maximum, with or without hardening, and fall from
-/// there; it does not oscillate. Hill's axes, askew, turn with the shear, and may make more of it. None of it is of the steps.
+/// Simple shear to 5: without hardening it bears the yield stress over the root of 3 all the way, with hardening what Y is at
+/// the shear over the root of 3, exactly in the limit of small elastic strains. Hill's axes, askew, turn with the shear.
 #[test]
-fn simple_shear_does_not_oscillate() {
+fn simple_shear_bears_the_yield_stress() {
     let way = |t: f64| Mat3::new(1.0, 5.0 * t, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
     for (k, material) in materials().iter().enumerate() {
         let is_mises = k % 3 == 0;
-        let extremes = [500, 2000].map(|steps| {
-            let (mut state, mut shear) = (State::VIRGIN, vec![0.0]);
+        let shears = [500, 2000].map(|steps| {
+            let (mut state, mut shears) = (State::VIRGIN, Vec::new());
             for k in 1..=steps {
                 let f = way(k as f64 / steps as f64);
-                shear.push(material.kirchhoff(&f, &state).unwrap()[3]);
+                let shear = material.kirchhoff(&f, &state).unwrap()[3];
                 state = material.flow(&f, &state).unwrap();
+                let exact = material.hardening.stress(state.equivalent) / 3f64.sqrt();
+                // Elastic strains turn with the material.
+                let elastic = (exact / material.mu).powi(2);
+                let error = (shear / exact - 1.0).abs();
+                assert!(!is_mises || state.equivalent < 0.05 || error < 5e-5 + 5.0 * elastic);
+                if k % (steps / 50) == 0 {
+                    shears.push(shear);
+                }
             }
-            let turns = shear.windows(3).filter(|w| (w[1] - w[0]) * (w[2] - w[1]) < 0.0).map(|w| w[1]);
-            turns.chain(shear.last().copied()).collect::<Vec<f64>>()
+            let sheared = (5.0 - shears[shears.len() - 1] / material.mu) / 3f64.sqrt();
+            assert!(!is_mises || (state.equivalent / sheared - 1.0).abs() < 1e-3);
+            shears
         });
-        let [coarse, fine] = extremes;
-        assert!(coarse.len() == fine.len() && fine.len() <= if is_mises { 2 } else { 4 }, "{coarse:?} {fine:?}");
+        let [coarse, fine] = shears;
         for (a, b) in coarse.iter().zip(&fine) {
-            assert!(*b > 0.0 && (a - b).abs() < 3e-4 * fine[0], "{coarse:?} {fine:?}");
+            assert!(*b > 0.0 && (a - b).abs() < 3e-3 * b, "{k}: {coarse:?} {fine:?}");
         }
     }
-}
-
-/// What simple shear bears less without hardening than the yield stress over the root of 3 is the shortfall.
-#[test]
-fn the_shortfall_is_what_shear_lacks() {
-    let material = mises(&laws()[0]);
-    let way = |shear: f64| Mat3::new(1.0, shear, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
-    let (mut state, steps) = (State::VIRGIN, 4000);
-    for k in 1..=steps {
-        let shear = 4.0 * k as f64 / steps as f64;
-        state = material.flow(&way(shear), &state).unwrap();
-        let lacks = 1.0 - 3f64.sqrt() * material.kirchhoff(&way(shear), &state).unwrap()[3] / 450.0;
-        let shortfall = material.shortfall(&way(shear), &state).unwrap();
-        assert!(shear < 0.1 || (shortfall.unwrap() - lacks).abs() < 2e-3, "{shear}");
-        for (at, expected) in [(1.0, 0.03), (2.0, 0.17), (3.0, 0.34), (4.0, 0.46)] {
-            assert!(shear != at || (lacks - expected).abs() < 0.01, "{shear}: {lacks}");
-        }
-    }
-    // Along the axes of the strain nothing is lacking, however large it is.
-    let long = Mat3::from_diagonal(&Vec3::new(3.0, 0.6, 0.55));
-    let state = material.flow(&long, &State::VIRGIN).unwrap();
-    assert!(material.shortfall(&long, &state).unwrap().unwrap().abs() < 1e-12);
 }
 
 #[test]
