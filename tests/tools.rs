@@ -417,3 +417,62 @@ fn nodes_held_against_a_tool() {
         }
     }
 }
+
+/// A block that only a pressure holds to a table goes down with it, as far as that goes in an increment and in whatever way
+/// contact is enforced; so it does on a table that is a body.
+#[test]
+fn what_only_loads_press_goes_down_with_its_table() {
+    let scene = |table: &str, method: &str, friction: f64, down: &str| {
+        Bench::new(&format!(
+            r#"
+            [body.block]
+            block = {{ box = {{ origin = [0.0, 0.0, 1.0], size = [1.0, 1.0, 1.0] }}, elements = [2, 2, 2] }}
+            material = "soft"
+            {table}
+            [material.soft]
+            model = "neo-hookean"
+            young = 2000.0
+            poisson = 0.3
+            [contact.c]
+            slave = "block.zmin"
+            friction = {friction:?}
+            method = "{method}"
+            {down}
+            "#
+        ))
+    };
+    let steps = |master: &str, fix: &str, target: &str| {
+        let fix = format!("[{{ set = \"block.zmax\", directions = \"xy\" }}{fix}]");
+        format!(
+            r#"
+            master = "{master}"
+            [[step]]
+            increments = 1
+            fix = {fix}
+            pressure = [{{ set = "block.zmax", value = 1.0 }}]
+            [[step]]
+            increments = 2
+            keep = true
+            move = [{{ target = "{target}", by = [0.0, 0.0, -1.0] }}]
+            [output]
+            history = ["block.zmax", "block.zmin"]
+            "#
+        )
+    };
+    let rigid = steps("table", "", "table");
+    let rigid = |method, friction| {
+        scene("[tool.table]\nplane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, 1.0] }", method, friction, &rigid)
+    };
+    let body = "[body.t]\nmaterial = \"soft\"\nblock = { box = { origin = [-0.5, -0.5, 0.0], size = [2.0, 2.0, 1.0] }, elements = [4, 4, 1] }";
+    let deformable = steps("t.zmax", ", { set = \"t.zmin\" }", "t.zmin");
+    let mut benches = vec![("c.fz", scene(body, "augmented-lagrangian", 0.3, &deformable))];
+    for method in ["augmented-lagrangian", "penalty", "uzawa", "lagrange"] {
+        benches.extend([0.0, 0.3].map(|friction| ("table.fz", rigid(method, friction))));
+    }
+    for (force, bench) in benches {
+        let history = bench.solve(2, &[]).history();
+        let column = history.column("block.zmax.uz");
+        assert_close("it goes down", column[2] - column[0], -1.0, 1e-3);
+        assert_close("pressed as before", history.last(force).abs(), 1.0, 1e-9);
+    }
+}

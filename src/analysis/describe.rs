@@ -259,6 +259,7 @@ pub fn rates(rates: &Rates, kept: std::result::Result<&Path, &Error>) -> String 
 pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
     let next = match remedy {
         Remedy::Cut => "in a shorter one",
+        Remedy::Follow => "with what touches going along at first",
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") where nodes bear several contacts",
         Remedy::Soften => "with other penalties",

@@ -38,6 +38,8 @@ pub struct Retried<'a> {
 pub enum Remedy {
     /// A shorter one.
     Cut,
+    /// What touches goes along with its master in the first iteration.
+    Follow,
     /// Constraints give way before they are tightened.
     Yield,
     /// Multipliers of contacts that make the same conditions are held.

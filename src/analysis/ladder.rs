@@ -1,7 +1,10 @@
 //! What is tried, in which order, when an increment does not converge.
 //!
 //! 1. Newton's method from the extrapolation of the last increments, where there is one, then from the converged state.
-//! 2. Where the matrix is singular and multipliers are unknowns, several may make the same condition.
+//! 2. Where the matrix is singular, a tool may have gone away from a body that only loads press on it, and all nodes have let
+//!    go: then what touches goes along with its master in the first iteration, in the rest of the step, too, if that helps.
+//!
+//!    Where multipliers are unknowns, several may make the same condition.
 //!
 //!    Where nodes touch several masters, one of them with friction, the multipliers of these contacts are held from then on, by
 //!    Uzawa's method, and no unknowns: penalties share out what a node gets of each. A block that is pushed into a corner of
@@ -85,6 +88,8 @@ pub struct Tries {
     can_yield: Yields,
     /// Constraints give way until they are tightened; `None` when it did not help in this increment.
     yields: Option<bool>,
+    /// What touches goes along in the first iteration; `None` when it did not help in this increment.
+    follows: Option<bool>,
     way: Way,
     /// Penalties are lower.
     soft: bool,
@@ -121,7 +126,7 @@ pub struct Means {
     pub jumps: usize,
 }
 
-crate::words!(Tries { can_yield, yields, way, soft, sets, central, turned, sorted, failures, jumps, jumped });
+crate::words!(Tries { can_yield, yields, follows, way, soft, sets, central, turned, sorted, failures, jumps, jumped });
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
 impl Words for Way {
@@ -160,6 +165,7 @@ impl Ladder {
         let tries = Tries {
             can_yield: Yields::Never,
             yields: Some(false),
+            follows: Some(false),
             way: Way::Newton { settle: false },
             soft: false,
             sets: false,
@@ -224,6 +230,7 @@ impl Ladder {
             ahead,
             automatic: self.is_remedy() || self.yields(),
             soft: self.is_soft(),
+            clings: self.tries.follows == Some(true),
             central: self.is_central(),
             yields: self.yields(),
             again: self.tries.failures > 0,
@@ -253,6 +260,7 @@ impl Ladder {
     pub fn succeed(&mut self) -> Found {
         let found = Found { way: self.way(), failures: self.tries.failures };
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
+        self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.jumped = if self.tries.way == Way::Jump {
             self.tries.jumped + self.controls.jump_weight
         } else {
@@ -300,6 +308,13 @@ impl Ladder {
             self.tries.yields = Some(false);
             self.tries.failures += 1;
             return Some(Remedy::Hold);
+        }
+        if cause == Cause::Singular {
+            let follows = std::mem::take(&mut self.tries.follows);
+            if self.means.soften && follows == Some(false) {
+                self.tries.follows = Some(true);
+                return Some(Remedy::Follow);
+            }
         }
         if self.tries.can_yield.after(cause) && self.tries.yields == Some(false) {
             self.tries.yields = Some(true);
@@ -485,6 +500,24 @@ mod tests {
         assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), true));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
+    }
+
+    /// What touches goes along where the matrix is singular, and on through the step where that has helped.
+    #[test]
+    fn what_a_tool_goes_away_from_follows() {
+        let mut increments = Increments::new(
+            &Increment { initial: 0.5, min: 0.5, max: 0.5, limits: Limits::default() },
+            1.0,
+            &Controls::default(),
+        );
+        let mut ladder = begin(Means { soften: true, ..means() });
+        ladder.note(Yields::OnceSingular, false);
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Follow));
+        ladder.succeed();
+        assert!(ladder.manner(false).clings);
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
+        assert!(!ladder.manner(false).clings);
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }
 
     #[test]

@@ -95,6 +95,8 @@ pub struct Law {
     pub penalty: f64,
     /// What touches sticks, however large the force, unless it is drawn.
     pub rough: bool,
+    /// It touches, however far it is: an iteration that begins with this does not leave behind what a master goes away from.
+    pub clings: bool,
     /// By how much the constraint of a multiplier that is an unknown gives way.
     pub compliance: Compliance,
     /// θ of the central path, N; 0 for the law itself.
@@ -123,6 +125,7 @@ pub const LAW: Law = Law {
     tangential: 25.0,
     penalty: 100.0,
     rough: false,
+    clings: false,
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
     barrier: 0.0,
 };
@@ -353,8 +356,8 @@ fn frictional(
         // Without a direction.
         Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
         Some(status) => status,
-        None if lambda_n > 0.0 => Status::Gap,
-        None if (law.rough || size <= bound * (1.0 - 1e-9)) && !drawn => Status::Stick,
+        None if lambda_n > 0.0 && !law.clings => Status::Gap,
+        None if (law.rough || law.clings || size <= bound * (1.0 - 1e-9)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
     let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;
@@ -401,7 +404,7 @@ fn frictional(
 
 fn frictionless(law: Law, multiplier: f64, place: &Kinematics, set: Option<Status>) -> Response {
     let (pressure, share) = law.pressed(multiplier + law.normal * place.gap);
-    let touching = set.map_or(pressure <= 0.0, |set| set != Status::Gap);
+    let touching = set.map_or(pressure <= 0.0 || law.clings, |set| set != Status::Gap);
     if !touching {
         return gap(law, &Vec3::new(multiplier, 0.0, 0.0), Vec3::zeros());
     }

@@ -21,6 +21,8 @@ pub struct Manner {
     pub automatic: bool,
     /// With penalties that are lower than the automatic ones, and those that are given, by `soft_augmentation` of the [`Controls`].
     pub soft: bool,
+    /// What touched goes along with its master in the first iteration, wherever that goes.
+    pub clings: bool,
     /// Along the central path.
     pub central: bool,
     /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
@@ -141,6 +143,7 @@ impl Slave {
             tangential: automatic,
             penalty: automatic,
             rough: false,
+            clings: false,
             compliance,
             barrier: 0.0,
         };
@@ -197,6 +200,7 @@ impl Slave {
         let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.barrier = 0.0;
+        self.law.clings = manner.clings && status != Status::Gap;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {
             (true, true) => controls.wide_slack,

@@ -290,6 +290,12 @@ impl<'a> Newton<'a> {
         sound
     }
 
+    /// The iterate is no prediction any more. Says whether it was.
+    fn predicted(&mut self) -> bool {
+        self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.clings = false);
+        std::mem::replace(&mut self.strategy.predicting, false)
+    }
+
     /// Whether this is the first iteration of a step.
     fn is_first(&self) -> bool {
         self.strategy.predicting && self.strategy.share.begin == 0.0
@@ -408,7 +414,7 @@ impl Problem for Newton<'_> {
     /// far.
     fn limit_step(&mut self, x: &[f64], step: &mut [f64]) -> std::result::Result<bool, String> {
         // The residual of a prediction says nothing.
-        let judged = !std::mem::replace(&mut self.strategy.predicting, false);
+        let judged = !self.predicted();
         let part = if judged { 1.0 } else { self.shorten(x, step) };
         scale(step, part);
         // The longest, and the shortest that is too long; negative, so that the shortest of all ranks is found too; and the largest

@@ -12,7 +12,7 @@ impl Newton<'_> {
     /// Starts from given unknowns, with the prescribed displacements of the end of the increment; or on the way there, if the
     /// increment is to be shorter.
     pub fn start_ahead(&mut self, trial: &[f64], x: &mut [f64]) {
-        self.strategy.predicting = false;
+        self.predicted();
         self.start_behind(x);
         let step: Vec<f64> = x.iter().zip(trial).map(|(x, t)| x - t).collect();
         let part = self.shorten(x, &step);
