@@ -266,7 +266,8 @@ impl Model {
     /// Longest edge of the facets of a set; on a layer in its plane, for how thick it is says nothing. Collective.
     fn longest_edge(&self, comm: &SimpleCommunicator, set: &str) -> f64 {
         let facets = self.part.pieces(&self.set(set).facets);
-        let longest = facets.iter().map(|facet| self.part.longest_edge(facet, self.is_planar(set)));
+        let is_planar = self.is_planar(set);
+        let longest = facets.iter().map(|facet| self.part.longest_edge(facet, is_planar));
         let mut longest = [longest.fold(0.0, f64::max)];
         max(comm, &mut longest);
         longest[0]

@@ -476,3 +476,101 @@ fn what_only_loads_press_goes_down_with_its_table() {
         assert_close("pressed as before", history.last(force).abs(), 1.0, 1e-9);
     }
 }
+
+/// A plane that a force presses on the held sides of a block, and a cone on the held rim of a ring: nodes that cannot give way
+/// share the force as symmetry says, on any number of ranks.
+#[test]
+fn nodes_that_cannot_give_way_share_a_driven_tool() {
+    let block = Bench::new(
+        r#"
+        [body.block]
+        block = { box = { size = [4.0, 4.0, 1.0] }, elements = [2, 2, 1] }
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 1000.0
+        poisson = 0.3
+        [tool.plate]
+        plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }
+        [contact.c]
+        slave = "block.zmax"
+        master = "plate"
+        [[step]]
+        increments = 2
+        fix = [{ set = "block.zmin" }, { set = "block.xmin" }, { set = "block.xmax" }]
+        force = [{ target = "plate", total = [0.0, 1e-14, -100.0], directions = "z" }]
+        [output]
+        history = ["block.xmin", "block.xmax"]
+        "#,
+    );
+    let ring = Bench::new(
+        r#"
+        [body.ring]
+        block = { sector = { radii = [10.0, 20.0], angles = [0.0, 90.0], length = 5.0 }, elements = [2, 4, 1] }
+        material = "soft"
+        symmetry = ["amin", "amax"]
+        [material.soft]
+        model = "neo-hookean"
+        young = 1000.0
+        poisson = 0.3
+        [tool.plug]
+        cone = { apex = [0.0, 0.0, -114.300523027613], axis = [0.0, 0.0, 1.0], angle = 5.0 }
+        [contact.c]
+        slave = "ring.rmin"
+        master = "plug"
+        [[step]]
+        increments = 2
+        fix = [{ set = "ring.zmin" }]
+        force = [{ target = "plug", total = [0.0, 0.0, -500.0], directions = "z" }]
+        "#,
+    );
+    for ranks in [1, 2, 3] {
+        let history = block.solve(ranks, &[]).history();
+        for side in ["block.xmin.fz", "block.xmax.fz"] {
+            assert_close(side, history.last(side), 50.0, 1e-6);
+        }
+        let history = ring.solve(ranks, &[]).history();
+        assert_close("across", history.last("plug.fx"), history.last("plug.fy"), 1e-6);
+    }
+}
+
+/// A cube of steel in a corner, 40 mm wide, on a floor and against a wall with friction, by its own weight of 5 N: its penalties
+/// are eased until rounding leaves enough of that.
+#[test]
+fn steel_rests_in_a_corner() {
+    let bench = Bench::new(
+        r#"
+        [body.cube]
+        block = { box = { size = [40.0, 40.0, 40.0] }, elements = [4, 4, 4] }
+        material = "steel"
+        [material.steel]
+        model = "neo-hookean"
+        young = 210e3
+        poisson = 0.3
+        density = 7.85e-9
+        [tool.floor]
+        plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+        [tool.wall]
+        plane = { point = [0.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }
+        [contact.f]
+        slave = "cube.zmin"
+        master = "floor"
+        friction = 0.2
+        [contact.w]
+        slave = "cube.xmin"
+        master = "wall"
+        friction = 0.2
+        [[step]]
+        increments = 2
+        gravity = [-2000.0, 0.0, -9810.0]
+        "#,
+    );
+    let mass = 7.85e-9 * 64e3;
+    for ranks in [1, 2] {
+        let history = bench.solve(ranks, &[]).history();
+        let sum = |of: &str| ["floor", "wall"].map(|tool| history.last(&format!("{tool}.{of}"))).iter().sum::<f64>();
+        assert_close("push", sum("fx"), 2000.0 * mass, 1e-5);
+        assert_close("weight", sum("fz"), 9810.0 * mass, 1e-5);
+        assert_close("floor", history.last("floor.fz"), 4.734, 1e-3);
+    }
+}

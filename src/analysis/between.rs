@@ -129,8 +129,7 @@ impl Facet {
         let part = &model.part;
         let all = &facet.nodes[..facet.count as usize];
         let nodes = all.iter().map(|&n| part.tie[n as usize]).collect::<Vec<_>>();
-        let slave_at = |n: &u32| pair.slaves.binary_search_by_key(n, |slave| slave.node).ok();
-        let slave = nodes.iter().find_map(slave_at)?;
+        let slave = nodes.iter().find_map(|&n| pair.index_of(n))?;
         let corners = Corners::new(all).map(|n| part.points[n as usize] + u[part.tie[n as usize] as usize]);
         let seen = sights.of(&nodes);
         let nearest = seen.iter().map(|[gap, ..]| *gap).fold(f64::INFINITY, f64::min);

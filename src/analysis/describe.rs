@@ -173,7 +173,8 @@ pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
              depends on where it is"
         ),
         None => format!(
-            "step `{step}`: {count} conditions say what others say (null pivots): forces between them are shared"
+            "step `{step}`: {count} conditions say what others say (null pivots): what each of them bears is left to \
+             rounding, and only their sum is right"
         ),
     }
 }
@@ -261,7 +262,8 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Cut => "in a shorter one",
         Remedy::Follow => "with what touches going along at first",
         Remedy::Yield => "with constraints that give way before they are tightened",
-        Remedy::Hold => "with held multipliers (\"uzawa\") where nodes bear several contacts",
+        Remedy::Hold => "with held multipliers (\"uzawa\") of contacts whose conditions may say what others say",
+        Remedy::Ease => "with lower penalties of held multipliers",
         Remedy::Soften => "with other penalties",
         Remedy::Sets => "with active sets that stand still in the iteration, or not",
         Remedy::Central => "along the central path",

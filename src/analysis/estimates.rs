@@ -94,6 +94,10 @@ fn doubts_of_contact(contact: &OfContact) -> Vec<String> {
     if contact.pressure.peaks_at_edge {
         doubts.push("the highest pressure is at its edge, and grows with a finer mesh where that is sharp".into());
     }
+    if contact.force > 1.0 {
+        let more = "its master bulges by more over a facet than it is pressed in: the force is not resolved";
+        doubts.push(more.into());
+    }
     doubts
 }
 
@@ -138,7 +142,7 @@ fn worst_increments(found: &Value) -> Option<String> {
 
 /// An estimate in two lines at most: the worst of each kind, and what is not to be trusted.
 fn words(model: &Model, found: &Estimate) -> Option<String> {
-    let percent = |x: f64| format!("{:.2} %", 100.0 * x);
+    let percent = |x: f64| if x > 1.0 { "more than 100 %".to_string() } else { format!("{:.2} %", 100.0 * x) };
     let name = |p: &usize| -> &Pair { &model.pairs[*p] };
     let mut parts = Vec::new();
     let worst = |of: fn(&OfContact) -> f64| found.contacts.iter().max_by(|a, b| of(&a.1).total_cmp(&of(&b.1)));

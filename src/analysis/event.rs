@@ -44,6 +44,8 @@ pub enum Remedy {
     Yield,
     /// Multipliers of contacts that make the same conditions are held.
     Hold,
+    /// Multipliers that are held have lower penalties, for rounding leaves too much of forces.
+    Ease,
     /// Contacts have lower penalties, or those again that they had.
     Soften,
     /// Active sets stand still until Newton's method has converged, or no more.

@@ -1,15 +1,26 @@
 //! What holds bodies and force-driven tools while a step runs: supports, contacts, friction.
 
 use super::Simulation;
-use super::preflight::rigid::{RigidMotions, Side};
+use super::preflight::rigid::{Free, RigidMotions, Side};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
 
-/// What contacts hold besides their normals: of a pair by its index and a slave node of it, whether its friction holds.
-type Friction<'a> = &'a dyn Fn(usize, &Slave) -> bool;
+/// What a contact holds of a node that touches.
+#[derive(Clone, Copy, PartialEq)]
+enum Hold {
+    /// What goes into the master.
+    Normal,
+    /// What goes across its slip, too, for its friction turns against that.
+    Across,
+    /// All.
+    Firm,
+}
+
+/// What the friction of a slave node holds, of a pair by its index.
+type Friction<'a> = &'a dyn Fn(usize, &Slave) -> Hold;
 
 impl Simulation<'_> {
     /// Whether supports alone leave something free. Collective.
@@ -25,18 +36,16 @@ impl Simulation<'_> {
     }
 
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says; without friction what is near
-    /// counts as touching. A node that sticks holds in all directions; one that slips, across the slip too, for its friction
-    /// turns against that, or, like one without friction, as if it stuck, where that is not to be asked. Collective.
+    /// counts as touching. Collective.
     fn held(
         &self,
         frame: &Frame,
         u: &[Vec3],
         of: impl Fn(&Slave) -> &Trial,
-        friction: Option<(Friction, bool)>,
+        friction: Option<Friction>,
     ) -> RigidMotions {
         let place = |n: usize| self.model.part.points[n] + u[n];
         let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
-        let slips_hold = friction.is_some_and(|(_, slips_hold)| slips_hold);
         for (p, pair) in self.model.pairs.iter().enumerate() {
             let ground = self.model.masters.of(pair.master);
             for slave in &pair.slaves {
@@ -48,14 +57,10 @@ impl Simulation<'_> {
                     continue;
                 }
                 let x = place(slave.node as usize);
-                let holds = |(holds, slips_hold): (Friction, bool)| match pair.friction > 0.0 {
-                    true => holds(p, slave),
-                    false => slips_hold,
-                };
-                let rough = friction.is_some_and(holds);
-                motions.touch(own, side, &x, &at.normal, rough && (slips_hold || trial.status == Status::Stick));
+                let hold = friction.map_or(Hold::Normal, |friction| friction(p, slave));
+                motions.touch(own, side, &x, &at.normal, hold == Hold::Firm);
                 let across = at.normal.cross(&trial.traction());
-                if let (true, Some(across)) = (rough, across.try_normalize(f64::MIN_POSITIVE)) {
+                if let (true, Some(across)) = (hold != Hold::Normal, across.try_normalize(f64::MIN_POSITIVE)) {
                     motions.touch(own, side, &x, &across, false);
                 }
             }
@@ -71,21 +76,30 @@ impl Simulation<'_> {
         }
         // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What has moved by less
         // than the shape of the body is known to has not been let go.
-        let holds = |p: usize, slave: &Slave| {
+        let bears = |p: usize, slave: &Slave| {
             let (pair, n) = (&self.model.pairs[p], slave.node as usize);
             let moved = (converged.u[n] - self.state.u[n]).norm();
             let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
             moved <= pair.controls.watch_deep * pair.facet_size
                 || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
-        let held = |slips_hold| self.held(frame, &converged.u, |slave| &slave.trial, Some((&holds, slips_hold)));
-        // What has lost all friction is not held along the slight slope of what it still touches.
-        let mut free = held(false).free(self.comm);
-        free.extend(held(true).free_along(self.comm, self.model.controls.friction_steep));
+        let rubs = |p: usize| self.model.pairs[p].friction > 0.0;
+        let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {
+            _ if !rubs(p) || !bears(p, slave) => Hold::Normal,
+            Status::Stick => Hold::Firm,
+            _ => Hold::Across,
+        };
+        // As if all stuck that rubs, and that does not, which is not asked here.
+        let stuck = |p: usize, slave: &Slave| if !rubs(p) || bears(p, slave) { Hold::Firm } else { Hold::Normal };
+        let held = |friction| self.held(frame, &converged.u, |slave| &slave.trial, Some(friction));
         // A tool whose force ends is let go.
         let (conditions, end, tools) = (frame.conditions(), converged.end, self.model.masters.tools.len());
         let is_let_go = |t: usize| [t, tools + t].iter().all(|&k| conditions.tool_forces[k].at(end) == Vec3::zeros());
-        match free.iter().find(|free| !(free.is_tool && is_let_go(free.index))) {
+        let first = |free: Vec<Free>| free.into_iter().find(|free| !(free.is_tool && is_let_go(free.index)));
+        // What has lost all friction is not held along the slight slope of what it still touches.
+        let steep = self.model.controls.friction_steep;
+        let free = first(held(&as_it_is).free(self.comm)).or_else(|| first(held(&stuck).free_along(self.comm, steep)));
+        match free {
             None => Attempt::Converged(converged),
             Some(free) => {
                 let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());

@@ -15,6 +15,7 @@ use crate::model::locate::held;
 use crate::model::{Model, elements};
 use crate::parallel::{any, max};
 use crate::partition::parcels::{bounds, hull};
+use crate::surface::Patch;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
@@ -53,7 +54,7 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
         let pair = &model.pairs[p];
         // Beside a face that is known.
         let of_patch = |slave: &Slave| model.masters.of(pair.master).bulge(slave.sighted.patch);
-        let beside = pair.slave_at(n).filter(|slave| slave.sighted.side == Side::Beside);
+        let beside = pair.index_of(n).map(|s| &pair.slaves[s]).filter(|slave| slave.sighted.side == Side::Beside);
         let margin = beside.map_or(most, of_patch) + pair.controls.watch_deep * pair.facet_size;
         around(&place(n), &free_axes(pair, n, conditions), margin)
     };
@@ -93,9 +94,8 @@ fn is_seen(sight: &Sight) -> bool {
 /// How far the smooth surfaces of a body are from its faces, at most, where slave nodes are near. Collective.
 fn bulge(comm: &SimpleCommunicator, model: &Model, body: usize) -> f64 {
     let of_pair = |pair: &Pair| {
-        let ground = model.masters.of(pair.master);
         let patches = pair.master.surface().map_or(&[][..], |k| model.masters.surfaces[k].shapes().patches());
-        patches.iter().map(|patch| ground.bulge(patch.id)).fold(0.0, f64::max)
+        patches.iter().map(Patch::bulge).fold(0.0, f64::max)
     };
     let pairs = model.pairs.iter().filter(|pair| pair.master_body == Some(body));
     let mut most = [pairs.map(of_pair).fold(0.0, f64::max)];

@@ -6,11 +6,14 @@
 //!
 //!    Where multipliers are unknowns, several may make the same condition.
 //!
-//!    Where nodes touch several masters, one of them with friction, the multipliers of these contacts are held from then on, by
-//!    Uzawa's method, and no unknowns: penalties share out what a node gets of each. A block that is pushed into a corner of
-//!    three planes with friction takes some 15 iterations an increment then; with constraints that give way it is cut without
-//!    end, or comes out unlike in directions that are alike. So it is, too, where Newton's method fails, and where it has
-//!    converged with null pivots, which give all to one of the contacts, or by multigrid, which does not see them.
+//!    Where nodes touch several masters, one of them with friction, or cannot give way to a tool that is driven, the
+//!    multipliers of these contacts are held from then on, by Uzawa's method, and no unknowns: penalties share out what a node
+//!    gets of each. A block that is pushed into a corner of three planes with friction takes some 15 iterations an increment
+//!    then; with constraints that give way it is cut without end, or comes out unlike in directions that are alike. So it is,
+//!    too, where Newton's method fails, and where it has converged to such nodes of several masters, or with null pivots at
+//!    nodes that bear a driven tool: rounding would give all to one of them.
+//!
+//!    Where rounding leaves too much of forces then, penalties of held multipliers are lowered by as much first.
 //!
 //!    Elsewhere constraints give way until they are tightened. Once that has helped, it is the way of the step. In
 //!    self-contact, where they give way always, by more, and wherever an increment has failed: nodes that almost meet send

@@ -75,6 +75,8 @@ struct Common {
     past: Vec<(f64, Vec<Vec3>)>,
     /// Of each pair, whether its multipliers are held though the scene says otherwise.
     held: Vec<bool>,
+    /// Of each pair, see [`crate::contact::Pair::eased`].
+    eased: Vec<f64>,
     /// The most states of an element, and whether any has enhanced strain.
     points: (usize, bool),
 }
@@ -95,6 +97,7 @@ crate::words!(Common {
     tries,
     past,
     held,
+    eased,
     points,
 });
 
@@ -169,6 +172,7 @@ impl<'a> Simulation<'a> {
             tries: progress.ladder.tries(),
             past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
             held: self.model.pairs.iter().map(|pair| pair.method != pair.asked.0).collect(),
+            eased: self.model.pairs.iter().map(|pair| pair.eased).collect(),
             points,
         }
     }
@@ -246,8 +250,11 @@ impl<'a> Simulation<'a> {
             handed: common.handed.clone(),
         };
         self.restore_solids(stored, layout, common.points)?;
-        for (pair, _) in self.model.pairs.iter_mut().zip(&common.held).filter(|(_, held)| **held) {
-            pair.enforce(Enforcement::Uzawa);
+        for (pair, (held, eased)) in self.model.pairs.iter_mut().zip(common.held.iter().zip(&common.eased)) {
+            if *held || *eased < 1.0 {
+                pair.eased = *eased;
+                pair.enforce(Enforcement::Uzawa);
+            }
         }
         let pairs = self.restore_slaves(stored, layout, past)?;
         let ties = self.restore_ties(stored, layout, past)?;

@@ -1,46 +1,78 @@
-//! Slave nodes that bear several contacts, one of them with friction: multipliers that are unknowns may say of them what others
-//! say, and are held from then on.
+//! Slave nodes whose multipliers as unknowns may say what others say, which are held from then on: those that bear several
+//! contacts, one of them with friction; and those that cannot give way to a tool that a force or torque drives, for what each of
+//! them bears does not follow from its balance.
 
 use super::Simulation;
+use super::conditions::Conditions;
 use super::state::Progress;
 use super::step::Running;
-use crate::contact::Status;
+use crate::contact::{Pair, Slave, Status};
 use crate::error::Result;
 use crate::model::Model;
-use crate::parallel::max;
+use crate::parallel::{max, sum};
 use crate::system::near;
 use std::collections::BTreeMap;
 
+/// What the pairs with multipliers as unknowns share, as the iterate is.
+struct Shared {
+    /// Pairs of which a slave node touches another master, too, one of them with friction.
+    by_nodes: Vec<bool>,
+    /// Pairs of which two slave nodes cannot give way to a tool that can.
+    by_tools: Vec<bool>,
+}
+
 impl<'a> Simulation<'a> {
-    /// The pairs with multipliers as unknowns of which a slave node touches another master, too, as the iterate is, one of them
-    /// with friction. Collective.
-    fn shared(&self) -> Vec<bool> {
+    /// Collective.
+    fn shared(&self, conditions: &Conditions) -> Shared {
         let pairs = &self.model.pairs;
         let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
             let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
             touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
         }
-        let mut shared = vec![0.0; pairs.len()];
+        let mut by_nodes = vec![0.0; pairs.len()];
         for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
-            at.iter().for_each(|&p| shared[p] = 1.0);
+            at.iter().for_each(|&p| by_nodes[p] = 1.0);
         }
-        max(self.comm, &mut shared);
-        shared.iter().map(|shared| *shared > 0.0).collect()
+        max(self.comm, &mut by_nodes);
+        let by_nodes = by_nodes.into_iter().map(|shared| shared > 0.0).collect();
+        let tools = conditions.movements_of_tools();
+        let is_held = |pair: &Pair, slave: &Slave| {
+            // One that bears nothing, for others do, may have any status.
+            let near = pair.controls.touching_gap * pair.facet_size;
+            let touching = slave.trial.projection.filter(|at| slave.trial.status != Status::Gap || at.gap <= near);
+            pair.master.tool().zip(touching).is_some_and(|(t, at)| {
+                tools[t].along(&at.normal).is_nan() && !conditions.movement(slave.node).along(&at.normal).is_nan()
+            })
+        };
+        let count = |pair: &Pair| pair.slaves.iter().filter(|slave| is_held(pair, slave)).count() as f64;
+        let mut held: Vec<f64> = pairs.iter().map(|pair| if pair.width() > 0 { count(pair) } else { 0.0 }).collect();
+        sum(self.comm, &mut held);
+        Shared { by_nodes, by_tools: held.into_iter().map(|held| held > 1.0).collect() }
     }
 
     /// Whether there are such pairs. Collective.
-    pub(super) fn shares_nodes(&self) -> bool {
-        self.shared().contains(&true)
+    pub(super) fn shares_nodes(&self, conditions: &Conditions) -> bool {
+        let Shared { by_nodes, by_tools } = self.shared(conditions);
+        by_nodes.contains(&true) || by_tools.contains(&true)
+    }
+
+    /// Whether what has converged may leave open what nodes bear: where they touch several masters in any case, for whether
+    /// they stick on the way, and what a factorization gives to which contact then, is up to rounding; of tools where it has
+    /// `left_out` equations, or does not tell. Collective.
+    pub(super) fn leaves_open(&self, conditions: &Conditions, left_out: bool) -> bool {
+        let Shared { by_nodes, by_tools } = self.shared(conditions);
+        by_nodes.contains(&true) || left_out && by_tools.contains(&true)
     }
 
     /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's
     /// equations anew. Collective.
     pub(super) fn hold_multipliers(&mut self, running: &mut Running<'a>) -> Result<()> {
-        let shared = self.shared();
+        let Shared { by_nodes, by_tools } = self.shared(running.frame.conditions());
         let Model { part, masters, pairs, .. } = &mut self.model;
         masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
         masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);
+        let shared = by_nodes.into_iter().zip(by_tools).map(|(nodes, tools)| nodes || tools);
         for (pair, _) in pairs.iter_mut().zip(shared).filter(|(_, shared)| *shared) {
             pair.hold(&masters.of(pair.master));
         }

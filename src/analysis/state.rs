@@ -101,6 +101,7 @@ pub(super) struct Memory {
 #[derive(Clone, Debug)]
 struct OfPair {
     method: Enforcement,
+    eased: f64,
     /// Of the last converged increment; the iterate; what was seen.
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
     outward: Vec<Vec3>,
@@ -112,6 +113,7 @@ impl Memory {
     pub fn of(model: &Model) -> Self {
         let of_pair = |pair: &Pair| OfPair {
             method: pair.method,
+            eased: pair.eased,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
             outward: pair.outward.clone(),
             avoided: pair.avoided.clone(),
@@ -139,7 +141,8 @@ impl Memory {
             joint.slaves.iter_mut().zip(forces).for_each(|(slave, force)| slave.force = *force);
         }
         for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {
-            if pair.method != memory.method {
+            if (pair.method, pair.eased) != (memory.method, memory.eased) {
+                pair.eased = memory.eased;
                 pair.enforce(memory.method);
             }
             for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {

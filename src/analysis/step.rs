@@ -230,11 +230,10 @@ impl<'a> Simulation<'a> {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
                 // too far to begin anew.
                 Attempt::Converged(_)
-                    if (redundant > 0 || running.is_blind)
-                        && frame.progress.ladder.way() != Way::Jump
-                        && self.shares_nodes() =>
+                    if frame.progress.ladder.way() != Way::Jump
+                        && self.leaves_open(frame.conditions(), redundant > 0 || running.is_blind) =>
                 {
-                    let reason = "nodes bear several contacts, whose conditions may say what others say";
+                    let reason = "conditions of contact say what others say, or may";
                     let size = (end - done) * duration;
                     let retried = Retried { step: frame.name(), size, reason, remedy: Remedy::Hold };
                     observer(&Event::Retried(retried))?;

@@ -12,7 +12,7 @@ use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{MovingPatch, Parametric, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
+use crate::surface::{MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -612,15 +612,11 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// How far a patch that moves with nodes is from the facet of its nodes, at most: an edge is c/4 from its chord, and the
-    /// inside of a patch as much again. A tool is what its patches are.
+    /// How far a patch that moves with nodes is from the facet of its nodes, at most. A tool is what its patches are.
     pub fn bulge(&self, patch: u32) -> f64 {
         match self {
             Self::Tool(_) => 0.0,
-            Self::Surface(surface, _) => {
-                let coefficients = surface.shapes().get(patch).map(|patch| patch.coefficients).unwrap_or_default();
-                coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
-            }
+            Self::Surface(surface, _) => surface.shapes().get(patch).map_or(0.0, Patch::bulge),
         }
     }
 

@@ -77,6 +77,8 @@ pub struct Pair {
     pub method: Enforcement,
     /// What the scene says, with the penalty that it gives.
     pub asked: (Enforcement, Option<f64>),
+    /// Share of Uzawa's automatic penalty: below 1 where rounding leaves too much of forces with all of it.
+    pub eased: f64,
     /// With Uzawa's method: penetration and slip that may remain, a length; `None` is what the solver's tolerance lets through.
     pub tolerance: Option<f64>,
     /// Index of the slave surface in the part's sets.
@@ -129,14 +131,9 @@ impl Pair {
         Sides { aside: self.controls.edge_aside * self.facet_size, turn: self.controls.kink_turn }
     }
 
-    /// The slave at an owned node, if there is one.
-    pub fn slave_at(&self, node: u32) -> Option<&Slave> {
-        self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &self.slaves[s])
-    }
-
-    /// The same, to be changed.
-    pub fn slave_at_mut(&mut self, node: u32) -> Option<&mut Slave> {
-        self.slaves.binary_search_by_key(&node, |s| s.node).ok().map(|s| &mut self.slaves[s])
+    /// The place among the slaves of that at an owned node, if there is one.
+    pub fn index_of(&self, node: u32) -> Option<usize> {
+        self.slaves.binary_search_by_key(&node, |s| s.node).ok()
     }
 
     /// Whether active sets can have the place of its augmented Lagrangian.
@@ -171,10 +168,26 @@ impl Pair {
     pub fn enforce(&mut self, method: Enforcement) {
         let given = self.asked.1.filter(|_| method == self.asked.0);
         self.method = method;
+        let eased = if method == Enforcement::Uzawa { self.eased } else { 1.0 };
         for slave in &mut self.slaves {
             let stiffness = slave.automatic / self.controls.augmentation;
-            slave.enforce(method, given.unwrap_or(penalty_share(method, &self.controls) * stiffness));
+            slave.enforce(method, given.unwrap_or(eased * penalty_share(method, &self.controls) * stiffness));
         }
+    }
+
+    /// Divides the automatic penalty of Uzawa's method by as much, down to the stiffness that it is a multiple of; what rounding
+    /// leaves of forces falls with it, and the solution does not depend on it. Says whether there was anything to divide.
+    pub fn ease(&mut self, by: f64) -> bool {
+        let given = self.asked.1.filter(|_| self.method == self.asked.0);
+        let eased = (self.eased / by).max(1.0 / self.controls.uzawa_penalty);
+        if self.method != Enforcement::Uzawa || given.is_some() || eased >= self.eased {
+            return false;
+        }
+        let times = self.eased / eased;
+        self.slaves.iter_mut().for_each(|slave| slave.committed.held.gap *= times);
+        self.eased = eased;
+        self.enforce(Enforcement::Uzawa);
+        true
     }
 
     /// Has multipliers that are unknowns held from now on, with the forces of the last converged increment, at which the

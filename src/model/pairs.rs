@@ -83,6 +83,7 @@ impl Model {
             tangent: contact.tangent,
             method: contact.method,
             asked: (contact.method, penalty),
+            eased: 1.0,
             tolerance: contact.tolerance,
             set: self.set_index[&contact.slave.value],
             slaves,

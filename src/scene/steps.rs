@@ -282,7 +282,9 @@ fn force(item: &Item, names: &Names, duration: f64) -> Result<Force> {
             return Err(table.error(format!("has no `directions` for the tool `{}`", target.value), help));
         }
     };
-    if let Some(axis) = (0..3).find(|&axis| total[axis] != 0.0 && !directions[axis]) {
+    // What a program has turned into an axis is not 0 to the last digit.
+    let rounding = 1e-12 * total.amax();
+    if let Some(axis) = (0..3).find(|&axis| total[axis].abs() > rounding && !directions[axis]) {
         let what = format!("acts in {}, in which `directions` does not free the tool", AXIS_NAMES[axis]);
         return Err(total_item.error(what, "make it 0, or add the direction"));
     }

@@ -92,6 +92,11 @@ impl Patch {
         self.coefficients[..self.count as usize].iter().all(|c| *c == Vec3::zeros())
     }
 
+    /// How far it is from the facet of its nodes, at most: an edge is c/4 from its chord, and the inside as much again.
+    pub fn bulge(&self) -> f64 {
+        self.coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
+    }
+
     /// Lower and upper corner of a box that holds the patch and its extension beyond all edges.
     ///
     /// The straight part lies in the hull of its extended corners. In a quadrilateral |e(1-e)| <= 1/4 and the
@@ -213,8 +218,8 @@ impl Polygon for Patch {
         }
     }
 
-    /// The straight part is between the nodes; |e(1-e)| <= 1/4 and b_i b_j <= 1/4, with weights whose sum is 1, of two
-    /// pairs of edges or of what adds up to 1/3.
+    /// The straight part is between the nodes. In a quadrilateral e(1-e) and z(1-z) are 1/4 at most, times a mean of opposite
+    /// edges each; in a triangle the b_i b_j sum to 1/3 at most.
     fn farthest_along(&self, direction: &Vec3) -> f64 {
         let count = self.count as usize;
         let highest = self.nodes[..count].iter().map(|x| x.dot(direction)).fold(f64::NEG_INFINITY, f64::max);

@@ -123,8 +123,10 @@ impl Newton<'_> {
                 Receiver::Node(n) => {
                     let node = part.tie[n as usize];
                     forces[node as usize] += force;
-                    if let Some(slave) = receiver.as_mut().and_then(|pair| pair.slave_at_mut(node)) {
-                        slave.trial.received += force;
+                    if let Some(pair) = receiver.as_mut()
+                        && let Some(s) = pair.index_of(node)
+                    {
+                        pair.slaves[s].trial.received += force;
                     }
                 }
             });

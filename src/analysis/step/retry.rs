@@ -34,7 +34,15 @@ impl Simulation<'_> {
         if let Some(told) = self.runaway(frame, end, false) {
             return Err(Error::Diverged(Box::new(told)));
         }
-        let (can_yield, can_hold) = (self.yields(), self.shares_nodes());
+        // Far enough below what may be lost.
+        if let Some(Lost(times)) = failed.lost.filter(|_| failed.cause == Cause::Rounding)
+            && self.model.pairs.iter_mut().map(|pair| pair.ease(2.0 * times)).fold(false, |some, eased| some | eased)
+        {
+            let remedy = Remedy::Ease;
+            observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
+            return Ok(remedy);
+        }
+        let (can_yield, can_hold) = (self.yields(), self.shares_nodes(frame.conditions()));
         let Progress { increments, ladder, past, .. } = &mut frame.progress;
         let was = (ladder.is_soft(), ladder.is_by_sets());
         let is_remedy = ladder.is_remedy() || ladder.yields() || ladder.is_by_sets() || ladder.way() == Way::Jump;
