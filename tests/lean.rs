@@ -176,7 +176,7 @@ fn features_cost_where_they_are() {
     let flows = set(&["body.bar.material=metal"]);
     let [points, bytes] = ["points", "history_bytes"].map(|key| flows["carried"][key].as_u64().unwrap());
     // In plane strain four points an element.
-    assert_eq!((points, bytes), (60 * 4 * 4, 60 * 4 * 4 * 64));
+    assert_eq!((points, bytes), (60 * 4 * 4, 60 * 4 * 4 * 88));
     let held = set(&["contact.top.method=penalty"]);
     assert_eq!((multipliers(&held), held["growths"].as_u64()), (0, Some(0)));
 }
