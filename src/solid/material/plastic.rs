@@ -11,20 +11,19 @@
 //! Fp' Fp^-1 = e' P : T / s         associated flow, without plastic spin
 //! ```
 //!
-//! In an increment the strain adds to that of its beginning, with D = Fp' Fp^-1 over the increment:
+//! In an increment the strain adds to that of its beginning, with Dp the integral of Fp' Fp^-1:
 //!
 //! ```text
-//! F*  = F Fp^-1,   E* = 1/2 ln F*^T F* = Ee + D,   Fp^-1 at the end = Fp^-1 exp(-E*) exp(Ee)
+//! F*  = F Fp^-1,   E* = 1/2 ln F*^T F* = Ee + Dp,   Fp^-1 at the end = Fp^-1 exp(-E*) exp(Ee)
 //! ```
 //!
 //! So stress and tangent of an increment are those of an elastic law in E*, which has a potential (Miehe, Apel and Lambrecht,
 //! CMAME 191, 2002), and Ee is at its end what it is at the beginning of the next. By von Mises E* is coaxial with Ee and the
-//! last is exp(-D); by Hill the spin that is left is of the size of [Ee, D]. Strains that add from the beginning on, instead,
-//! bear too little in shear: 3 % at 1, 17 at 2.
+//! last is Fp^-1 exp(-Dp); by Hill the spin that is left is of the size of [Ee, Dp]. Strains that add from the beginning on,
+//! instead, bear too little in shear: 3 % at 1, 17 at 2.
 //!
-//! Axes of the material turn with Fe. An increment is integrated by the implicit Euler method. P has fixed
-//! eigentensors v_i, without trace, with eigenvalues p_i, so that the stress relaxes in each by itself, and one unknown is
-//! left, y in [0, 1):
+//! Axes of the material turn with Fe. An increment is integrated by the implicit Euler method. P has fixed eigentensors v_i,
+//! without trace, with eigenvalues p_i, so that the stress relaxes in each by itself, and one unknown is left, y in [0, 1):
 //!
 //! ```text
 //! T_i = m_i T*_i,   m_i = (1 - y) / (1 - y + y q_i),   q_i = 2 p_i / 3         T*, the stress if nothing flowed
