@@ -13,29 +13,27 @@ use crate::parallel::{max, sum};
 use crate::system::near;
 use std::collections::BTreeMap;
 
-/// What the pairs with multipliers as unknowns share, as the iterate is.
-struct Shared {
-    /// Pairs of which a slave node touches another master, too, one of them with friction.
-    by_nodes: Vec<bool>,
-    /// Pairs of which two slave nodes cannot give way to a tool that can.
-    by_tools: Vec<bool>,
-}
-
 impl<'a> Simulation<'a> {
-    /// Collective.
-    fn shared(&self, conditions: &Conditions) -> Shared {
+    /// The pairs with multipliers as unknowns of which, as the iterate is, a slave node touches another master, too, one of them
+    /// with friction. Collective.
+    fn shared_by_nodes(&self) -> Vec<bool> {
         let pairs = &self.model.pairs;
         let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
             let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
             touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
         }
-        let mut by_nodes = vec![0.0; pairs.len()];
+        let mut shared = vec![0.0; pairs.len()];
         for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
-            at.iter().for_each(|&p| by_nodes[p] = 1.0);
+            at.iter().for_each(|&p| shared[p] = 1.0);
         }
-        max(self.comm, &mut by_nodes);
-        let by_nodes = by_nodes.into_iter().map(|shared| shared > 0.0).collect();
+        max(self.comm, &mut shared);
+        shared.into_iter().map(|shared| shared > 0.0).collect()
+    }
+
+    /// Those of which two slave nodes cannot give way to a tool that can. Collective.
+    fn shared_by_tools(&self, conditions: &Conditions) -> Vec<bool> {
+        let pairs = &self.model.pairs;
         let tools = conditions.movements_of_tools();
         let is_held = |pair: &Pair, slave: &Slave| {
             // One that bears nothing, for others do, may have any status.
@@ -48,27 +46,25 @@ impl<'a> Simulation<'a> {
         let count = |pair: &Pair| pair.slaves.iter().filter(|slave| is_held(pair, slave)).count() as f64;
         let mut held: Vec<f64> = pairs.iter().map(|pair| if pair.width() > 0 { count(pair) } else { 0.0 }).collect();
         sum(self.comm, &mut held);
-        Shared { by_nodes, by_tools: held.into_iter().map(|held| held > 1.0).collect() }
+        held.into_iter().map(|held| held > 1.0).collect()
     }
 
     /// Whether there are such pairs. Collective.
     pub(super) fn shares_nodes(&self, conditions: &Conditions) -> bool {
-        let Shared { by_nodes, by_tools } = self.shared(conditions);
-        by_nodes.contains(&true) || by_tools.contains(&true)
+        self.leaves_open(conditions, true)
     }
 
     /// Whether what has converged may leave open what nodes bear: where they touch several masters in any case, for whether
     /// they stick on the way, and what a factorization gives to which contact then, is up to rounding; of tools where it has
     /// `left_out` equations, or does not tell. Collective.
     pub(super) fn leaves_open(&self, conditions: &Conditions, left_out: bool) -> bool {
-        let Shared { by_nodes, by_tools } = self.shared(conditions);
-        by_nodes.contains(&true) || left_out && by_tools.contains(&true)
+        self.shared_by_nodes().contains(&true) || left_out && self.shared_by_tools(conditions).contains(&true)
     }
 
     /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's
     /// equations anew. Collective.
     pub(super) fn hold_multipliers(&mut self, running: &mut Running<'a>) -> Result<()> {
-        let Shared { by_nodes, by_tools } = self.shared(running.frame.conditions());
+        let (by_nodes, by_tools) = (self.shared_by_nodes(), self.shared_by_tools(running.frame.conditions()));
         let Model { part, masters, pairs, .. } = &mut self.model;
         masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
         masters.follow(self.comm, pairs, |n| part.points[n as usize] + self.state.u[n as usize]);

@@ -134,10 +134,7 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
     let slave = &pair.slaves[s];
     let gap = |x: &Vec3| ground.project(pair, s, x, (None, false)).map(|p| p.gap);
     let controls = &pair.controls;
-    if at.gap >= 0.0 || slave.committed.warm.is_some() {
-        return false;
-    }
-    let shallow = controls.watch_deep * pair.facet_size + ground.kink(at, controls) + ground.bulge(at.patch);
+    let shallow = || controls.watch_deep * pair.facet_size + ground.kink(at, controls) + ground.bulge(at.patch);
     slave.is_beside(|| ground.start(slave, at), position, at, (pair.facet_size, shallow, controls), gap)
 }
 

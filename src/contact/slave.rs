@@ -293,12 +293,12 @@ impl Slave {
         start: impl FnOnce() -> Option<Vec3>,
         position: &Vec3,
         at: &Projection,
-        (facet_size, shallow, controls): (f64, f64, &Controls),
+        (facet_size, shallow, controls): (f64, impl FnOnce() -> f64, &Controls),
         gap: impl Fn(&Vec3) -> Option<f64>,
     ) -> bool {
         const BEHIND: f64 = 1e-6;
         const MOST: f64 = 32.0;
-        if at.gap >= -shallow || self.committed.warm.is_some() {
+        if at.gap >= 0.0 || self.committed.warm.is_some() || at.gap >= -shallow() {
             return false;
         }
         let goes_over = |borne: Vec3| {

@@ -36,7 +36,7 @@ impl Simulation<'_> {
         }
         // Far enough below what may be lost.
         if let Some(Lost(times)) = failed.lost.filter(|_| failed.cause == Cause::Rounding)
-            && self.model.pairs.iter_mut().map(|pair| pair.ease(2.0 * times)).fold(false, |some, eased| some | eased)
+            && self.model.pairs.iter_mut().map(|pair| usize::from(pair.ease(2.0 * times))).sum::<usize>() > 0
         {
             let remedy = Remedy::Ease;
             observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
