@@ -9,7 +9,7 @@
 //! - `increments`: how long the next increment is
 //! - `ladder`, `jump`: what is tried when it does not converge
 //! - `hold`: what holds bodies and tools
-//! - `shared_nodes`: nodes that bear several contacts with friction
+//! - `shared_nodes`: nodes that bear several contacts with friction, or a driven tool where they cannot give way
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
 //!   `between` between the nodes of slaves, `strays` at what no contact names
