@@ -1,8 +1,8 @@
 //! What masters do between the nodes of a slave, where no contact feels them: an edge of a tool that goes into a facet, a ball
 //! smaller than a facet. By places alone, in points of the facets near a master.
 //!
-//! Facets at whose nodes the master looks the same way are looked at in their middle, others, at edges and small radii,
-//! closely. How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes
+//! Facets at whose nodes the master looks much the same way are looked at in their middle, others, at edges and small radii,
+//! closely, those of a layer only along its plane. How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes
 //! the nodes of the other side see what happens, and from node to node nothing is between.
 
 use super::intruders::{all_axes, around};
@@ -19,10 +19,9 @@ use crate::{Vec2, Vec3};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
-/// Cosine between normals at nodes of a facet that count as the same, 14 degrees: an arc between is 1/30 of its chord deep.
-const SAME: f64 = 0.97;
-/// Where a facet is looked at closely, in each direction.
-const CLOSELY: [f64; 5] = [0.1, 0.3, 0.5, 0.7, 0.9];
+/// Where a facet is looked at in a direction, closely or not.
+const CLOSELY: &[f64] = &[0.1, 0.3, 0.5, 0.7, 0.9];
+const MIDDLE: &[f64] = &[0.5];
 
 /// How deep a master was in a slave between its nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -119,8 +118,8 @@ struct Facet {
     size: f64,
     /// How deep the deepest of its nodes is.
     deep: f64,
-    /// Its nodes see the same way of the master.
-    is_even: bool,
+    /// Where it is looked at, along both parameters.
+    spots: [&'static [f64]; 2],
 }
 
 impl Facet {
@@ -151,8 +150,15 @@ impl Facet {
         };
         let inward = -area.try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
-        let is_even = normals.iter().all(|n| n.dot(&normals[0]) >= SAME);
-        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), is_even })
+        // Two normals at this angle to the first, at both ends of a chord: a wedge between is tan(angle)/2 of it deep.
+        let same = 1.0 / (2.0 * pair.controls.watch_between).hypot(1.0);
+        let spots = match &corners.all()[..2] {
+            _ if normals.iter().all(|n| n.dot(&normals[0]) >= same) => [MIDDLE, MIDDLE],
+            [a, b] if is_layer && !along(&(b - a)) => [MIDDLE, CLOSELY],
+            _ if is_layer => [CLOSELY, MIDDLE],
+            _ => [CLOSELY, CLOSELY],
+        };
+        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), spots })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
@@ -165,8 +171,7 @@ impl Facet {
             let depth = watch::intrusion(&view, &place, &self.inward, most, around, &may) - self.deep;
             Between { share: (depth / self.size).min(largest), depth, place }
         };
-        let spots: &[f64] = if self.is_even { &[0.5] } else { &CLOSELY };
-        let all = spots.iter().flat_map(|s| spots.iter().map(move |t| Vec2::new(*s, *t)));
+        let all = self.spots[0].iter().flat_map(|s| self.spots[1].iter().map(move |t| Vec2::new(*s, *t)));
         all.map(|xi| at(self.place(&xi))).fold(Between::default(), Between::or_deeper)
     }
 

@@ -120,8 +120,11 @@ impl BodySurface {
             self.fetch(comm, slaves, reach, kept, &place);
             self.seen = Some(Seen { reach, slaves: slaves.to_vec(), masters });
         }
-        self.positions = gather(comm, &self.nodes, &place);
-        self.shapes.follow(self.shapes_at(&self.positions));
+        let positions = gather(comm, &self.nodes, &place);
+        if fetched || positions != self.positions {
+            self.shapes.follow(self.shapes_at(&positions));
+            self.positions = positions;
+        }
         fetched
     }
 

@@ -86,9 +86,9 @@ impl Avoided {
         self.around.binary_search(&id).is_ok()
     }
 
-    /// Whether the node may meet some point of a patch, by a margin: its normal need only look back at all.
-    pub fn may_allow(&self, outward: &Vec3, id: u32, extent: &Extent) -> bool {
-        extent.may_face(outward) && !self.is_beside(id)
+    /// Whether the node may meet some point of a patch.
+    fn may_allow(&self, look: &Outlook, outward: &Vec3, id: u32, extent: &Extent) -> bool {
+        extent.may_face(outward, look.facing) && !extent.is_far_above(look.x, self.deep) && !self.is_beside(id)
     }
 
     /// Whether the node, which looks `outward`, may meet a patch before long.
@@ -140,7 +140,7 @@ pub struct Outlook<'a> {
 impl Admission<Patch> for Outlook<'_> {
     fn may_admit(&self, patch: &Patch, extent: &Extent) -> bool {
         match (self.outward, self.avoided) {
-            (Some(outward), Some(avoided)) => avoided.may_allow(outward, patch.id, extent),
+            (Some(outward), Some(avoided)) => avoided.may_allow(self, outward, patch.id, extent),
             _ => true,
         }
     }

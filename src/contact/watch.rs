@@ -262,7 +262,9 @@ fn judge_self(view: &View, last: &Sight, to: &Vec3, may: &Allowance) -> (Sight, 
         Some(seen.depth)
     } else {
         let allowed = seen.nearest.map_or(0.0, |p| allowed(view, &p, may));
-        last.normal.and_then(|_| view.ground.depth_behind(last.patch, to)).filter(|depth| *depth > allowed)
+        // Where that is still the nearest, it has been looked at.
+        let left = last.normal.filter(|_| seen.nearest.is_none_or(|p| p.patch != last.patch));
+        left.and_then(|_| view.ground.depth_behind(last.patch, to)).filter(|depth| *depth > allowed)
     };
     (seen.sight(Side::Front), depth.map(Finding::Behind))
 }

@@ -162,7 +162,9 @@ pub fn held(
     let solids: Vec<usize> = of_body(model, body).collect();
     let solid = |k: usize| &model.part.solids[solids[k]];
     let boxes: Vec<_> = (0..solids.len()).filter_map(|k| bounds(solid(k).nodes().iter().map(|&n| place(n)))).collect();
-    let tree = (!boxes.is_empty()).then(|| Tree::new(&boxes));
+    let hull = boxes.iter().copied().reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
+    let is_near = |x: &[f64]| hull.is_some_and(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
+    let tree = all.chunks(3).any(is_near).then(|| Tree::new(&boxes));
     let is_held = |x: &Vec3| tree.iter().flat_map(|tree| tree.meeting(x, x)).any(|(k, _)| holds(solid(k), place, x));
     let mut found: Vec<f64> =
         all.chunks(3).map(|x| if is_held(&Vec3::from_column_slice(x)) { 1.0 } else { 0.0 }).collect();

@@ -156,8 +156,8 @@ pub fn starts<P: Polygon + ?Sized>(piece: &P) -> [[f64; 2]; 5] {
 }
 
 /// The point of `piece`, without extension, next to `x`: the only minimum of the distance, else the least of those that
-/// descent reaches from `start`, from all over the piece, and from any sample that is closer than they are. Of a piece that is
-/// farther than `most` any minimum.
+/// descent reaches from `start`, from samples all over the piece that are lower than those around them, and from any place of
+/// its edges that is closer than they are. Of a piece that is farther than `most` any minimum.
 pub fn closest_foot<P: Polygon + ?Sized>(
     piece: &P,
     extent: &Extent,
@@ -170,21 +170,30 @@ pub fn closest_foot<P: Polygon + ?Sized>(
         return first;
     }
     let closer = |a: Foot, b: Foot| if b.distance < a.distance { b } else { a };
-    let mut best = starts(piece).iter().map(|s| descend(piece, x, &[0.0; 4], *s)).fold(first, closer);
     let corners = piece.corners(&[0.0; 4]);
+    let grid: [[f64; 2]; GRID * GRID] =
+        std::array::from_fn(|k| between(&corners, [k % GRID, k / GRID].map(|k| k as f64 / (GRID - 1) as f64)));
+    let away = grid.map(|xi| (x - piece.point(xi)).norm());
+    let lowest = (0..GRID * GRID).filter(|k| is_lowest(&away, *k));
+    let mut best = lowest.map(|k| descend(piece, x, &[0.0; 4], grid[k])).fold(first, closer);
     let mut look = |xi: [f64; 2]| {
         if (x - piece.point(xi)).norm() < best.distance * (1.0 - 1e-12) {
             best = closer(best, descend(piece, x, &[0.0; 4], xi));
         }
     };
-    for k in 0..GRID * GRID {
-        look(between(&corners, [k % GRID, k / GRID].map(|k| k as f64 / (GRID - 1) as f64)));
-    }
     for edge in 0..piece.count() {
         let (p, q) = (corners[edge], corners[(edge + 1) % piece.count()]);
         piece.along_edge(edge, x, &mut |t| look(std::array::from_fn(|a| p[a] + t * (q[a] - p[a]))));
     }
     best
+}
+
+/// Whether a sample is lower than those around it; of equal ones the first.
+fn is_lowest(samples: &[f64; GRID * GRID], k: usize) -> bool {
+    let [column, row] = [k % GRID, k / GRID];
+    let around = |at: usize| at.saturating_sub(1)..(at + 2).min(GRID);
+    let mut beside = around(row).flat_map(|row| around(column).map(move |column| GRID * row + column));
+    beside.all(|n| (samples[k], k) <= (samples[n], n))
 }
 
 /// Whether the plane through a minimum of the distance, across the line to it, shows that all of the piece is farther than
@@ -227,8 +236,11 @@ pub struct Extent {
     /// Least and greatest G11, G12 and G22.
     low: [f64; 3],
     high: [f64; 3],
-    /// Least and greatest components of the area vector, from the same samples with the same margin.
-    areas: [Vec3; 2],
+    /// Unit normal in the middle, and between what coordinates along it the piece lies.
+    axis: Vec3,
+    along: [f64; 2],
+    /// Cosine and sine of the greatest angle of a normal to it.
+    turn: [f64; 2],
 }
 
 impl Extent {
@@ -256,13 +268,43 @@ impl Extent {
         let margin: [f64; 3] = std::array::from_fn(|k| 0.25 * (high[k] - low[k]));
         let (low, high) = (std::array::from_fn(|k| low[k] - margin[k]), std::array::from_fn(|k| high[k] + margin[k]));
         let around = (areas[1] - areas[0]) * 0.25;
-        Self { center, radius, low, high, areas: [areas[0] - around, areas[1] + around] }
+        let middle = piece.local(piece.center()).area_vector();
+        let axis = middle.try_normalize(0.0).unwrap_or_else(Vec3::zeros);
+        let sine = f64::min(((areas[1] - middle).sup(&(middle - areas[0])) + around).norm() / middle.norm(), 1.0);
+        let turn = [(1.0 - sine * sine).sqrt(), sine];
+        Self {
+            center,
+            radius,
+            low,
+            high,
+            axis,
+            along: [-piece.farthest_along(&-axis), piece.farthest_along(&axis)],
+            turn,
+        }
     }
 
-    /// Whether some normal of the piece may be at more than 90 degrees to a direction.
-    pub fn may_face(&self, direction: &Vec3) -> bool {
-        let [low, high] = self.areas.map(|a| a.component_mul(direction));
-        low.inf(&high).sum() < 0.0
+    /// Whether all of the piece is certainly farther from `x` than `most`.
+    pub fn is_beyond(&self, x: &Vec3, most: f64) -> bool {
+        let height = x.dot(&self.axis);
+        let most = most + 16.0 * f64::EPSILON * (x.amax() + self.radius);
+        height - self.along[1] > most || self.along[0] - height > most
+    }
+
+    /// Whether `x` is certainly farther than `deep` below all points of the piece, along their normals.
+    pub fn is_far_above(&self, x: &Vec3, deep: f64) -> bool {
+        let height = x.dot(&self.axis) - self.along[0];
+        let aside = (x - self.center).cross(&self.axis).norm() + self.radius;
+        // With n at an angle t to the axis, (x - P).n is at most cos(t) height + sin(t) aside.
+        height < 0.0 && self.turn[0] * height + self.turn[1] * aside < -deep
+    }
+
+    /// Whether some normal of the piece may be so far from a unit direction that the cosine between them is less than `cosine`.
+    pub fn may_face(&self, direction: &Vec3, cosine: f64) -> bool {
+        let along = self.axis.dot(direction);
+        let across = (1.0 - along * along).max(0.0).sqrt();
+        let [cos, sin] = self.turn;
+        // The angle to the axis and the greatest to that of a normal: their sum is past half a turn, or its cosine less.
+        across * cos + along * sin < 0.0 || along * cos - across * sin < cosine
     }
 
     /// True when f is convex for this `x` all over `piece`, so that its distance has one minimum only.
@@ -398,6 +440,31 @@ pub mod tests {
                 if extent.has_one_minimum(&patch, &x) {
                     certain += 1;
                     assert!(feet.iter().all(|f| f.distance < best + 1e-12));
+                }
+            }
+        }
+        assert!(certain > 60, "{certain}");
+    }
+
+    #[test]
+    fn what_a_piece_is_far_above_is_below_all_its_points() {
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 11) as f64 / (1u64 << 53) as f64 * 4.0 - 2.0
+        };
+        let mut certain = 0;
+        for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
+            let extent = Extent::new(&patch);
+            for _ in 0..200 {
+                let (x, deep) = (Vec3::new(random(), random(), random()), random().abs() / 2.0);
+                if extent.is_far_above(&x, deep) {
+                    certain += 1;
+                    for k in 0..=100 {
+                        let (s, t) = (f64::from(k % 10) / 10.0, f64::from(k / 10) / 10.0);
+                        let xi = if patch.count == 3 { [s, s * t] } else { [s, t] };
+                        assert!((x - patch.point(xi)).dot(&patch.normal(xi)) < -deep);
+                    }
                 }
             }
         }

@@ -146,6 +146,9 @@ impl<'a, P: Piece> Search<'a, P> {
             return;
         }
         let most = self.best + self.slack(index) + self.set.seam;
+        if extent.is_beyond(self.x, most) {
+            return;
+        }
         let core = self.core(index, self.x, start, most);
         if core.distance > most {
             return;

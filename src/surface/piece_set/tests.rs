@@ -429,7 +429,7 @@ fn pieces_that_are_not_admitted_hide_the_edges_that_they_share() {
     }
 }
 
-/// What looks against a direction, by more than 120 degrees; what looks along it is told by its extent.
+/// What looks against a direction, by more than 120 degrees; what looks otherwise is told by its extent.
 struct Against(Vec3);
 
 impl Against {
@@ -440,7 +440,7 @@ impl Against {
 
 impl Admission<Patch> for Against {
     fn may_admit(&self, _: &Patch, extent: &Extent) -> bool {
-        extent.may_face(&self.0)
+        extent.may_face(&self.0, -0.5)
     }
 
     fn admits(&self, piece: &Patch, foot: &Foot) -> bool {
@@ -466,7 +466,7 @@ fn pieces_that_are_passed_over_by_their_extent_change_nothing() {
             assert_eq!(found, surface.closest_of(&x, 1.5, None, &plain));
             assert_eq!(surface.nearest_of(&x, 1.5, &against), surface.nearest_of(&x, 1.5, &plain));
             met += usize::from(found.is_some());
-            passed += surface.extents.iter().filter(|e| !e.may_face(&against.0)).count();
+            passed += surface.extents.iter().filter(|e| !e.may_face(&against.0, -0.5)).count();
         }
     }
     assert!(met > 200 && passed > 5000, "{met} {passed}");
