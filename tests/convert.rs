@@ -334,6 +334,8 @@ fn what_cannot_be_converted_is_refused() {
         (BAR, "400., 0.1", "400., 0.1, 20", "varies with temperature"),
         (BAR, "400., 0.1", "200., 0.1", "yield stress falls"),
         (BAR, "*Plastic", "*Plastic, hardening=KINEMATIC", "HARDENING=KINEMATIC"),
+        (BAR, "*Plastic", "*Elastic\n10., 0.1\n*Plastic", "already has its *ELASTIC"),
+        (BAR, "*Amplitude", "*Amplitude, name=PULL\n0, 0, 1, 1\n*Amplitude", "two amplitudes are named"),
         (BAR, "type=C3D8R", "type=C3D20", "which is not read"),
         (BAR, "amplitude=Pull", "amplitude=Push", "no amplitude 'Push'"),
         (BAR, "*Amplitude, name=Pull", "*Amplitude, name=Pull, definition=SMOOTH STEP", "SMOOTH STEP"),
@@ -402,6 +404,55 @@ fn orthotropic_cards_are_those_of_calculix() {
             assert_small(&format!("{name}.{component} {found:e}"), (found - force) / 1.3, 3e-4);
         }
     }
+}
+
+/// Two cubes of a stiffness of 1000 along the fibre and 20 across, pulled by a thousandth along z: one has its fibre there. Each
+/// part has an orientation of the same name, as Abaqus/CAE gives it.
+#[test]
+fn each_part_has_its_own_orientation() {
+    let part = |name: &str, fibre: &str| {
+        format!(
+            "*Part, name={name}\n*Node\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n\
+             8, 0, 1, 1\n*Element, type=C3D8, elset=All\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*Nset, nset=Foot\n1, 2, 3, 4\n\
+             *Nset, nset=Top\n5, 6, 7, 8\n*Nset, nset=Left\n1, 4, 5, 8\n*Nset, nset=Front\n1, 2, 5, 6\n\
+             *Orientation, name=Ori-1\n{fibre}\n*Solid Section, elset=All, orientation=Ori-1, material=Wood\n,\n*End Part\n"
+        )
+    };
+    let instance = |name: &str, x: f64| format!("*Instance, name={name}-1, part={name}\n{x}, 0, 0\n*End Instance\n");
+    let boundary = |name: &str| {
+        let of = |set: &str, direction: u8, by: f64| format!("{name}-1.{set}, {direction}, {direction}, {by}\n");
+        of("Foot", 3, 0.0) + &of("Left", 1, 0.0) + &of("Front", 2, 0.0) + &of("Top", 3, 0.001)
+    };
+    let deck = |second: &str| {
+        let parts = part("A", "1, 0, 0, 0, 1, 0") + &part("B", "0, 0, 1, 0, 1, 0").replace("Ori-1", second);
+        format!(
+            "{parts}*Assembly, name=Assembly\n{}{}*End Assembly\n*Material, name=Wood\n\
+             *Elastic, type=ENGINEERING CONSTANTS\n1000, 20, 20, 0, 0, 0, 8, 8\n8\n*Step, nlgeom=NO\n*Static\n1, 1\n\
+             *Boundary\n{}{}*End Step\n",
+            instance("A", 0.0),
+            instance("B", 5.0),
+            boundary("A"),
+            boundary("B")
+        )
+    };
+    for second in ["Ori-1", "Ori-2"] {
+        let history = solved(&deck(second)).history();
+        let names = history.names();
+        let force = |part: &str| {
+            let is_it = |name: &&String| name.to_uppercase().contains(&format!("{part}-1.TOP.FZ"));
+            history.last(names.iter().find(is_it).unwrap_or_else(|| panic!("{names:?}")))
+        };
+        assert_close("across the fibre", force("A"), 0.02, 2e-3);
+        assert_close("along the fibre", force("B"), 1.0, 2e-3);
+    }
+    let (_, said) = refused(&deck("Ori-1").replacen(
+        "*Solid Section",
+        "*Orientation, name=ORI-1\n1, 0, 0, 0, 1, 0\n*Solid Section",
+        1,
+    ));
+    assert!(said.contains("two orientations are named"), "{said}");
+    let (_, said) = refused(&deck("Ori-1").replacen("orientation=Ori-1", "orientation=Ori-3", 1));
+    assert!(said.contains("there is no orientation 'Ori-3'"), "{said}");
 }
 
 /// A load and a motion with amplitudes over the step may be followed by a step that takes them off, or gives others.

@@ -14,7 +14,7 @@ pub(super) struct Amplitude {
 
 /// Reads all amplitudes.
 pub(super) fn read(cards: &[Card]) -> Result<Vec<Amplitude>> {
-    let mut amplitudes = Vec::new();
+    let mut amplitudes: Vec<Amplitude> = Vec::new();
     for card in cards.iter().filter(|card| card.keyword.name == "AMPLITUDE") {
         let word = |key: &str| card.keyword.get(key).unwrap_or_default().to_uppercase();
         if !matches!(word("DEFINITION").as_str(), "" | "TABULAR") {
@@ -39,6 +39,9 @@ pub(super) fn read(cards: &[Card]) -> Result<Vec<Amplitude>> {
             return Err(card.error("the times do not rise", "a jump cannot be converted: make it a short ramp"));
         }
         let name = card.keyword.get("NAME").unwrap_or_default().to_string();
+        if amplitudes.iter().any(|other| other.is(&name)) {
+            return Err(card.error(format!("two amplitudes are named '{name}'"), "rename one"));
+        }
         let (at, total) = (card.at.clone(), word("TIME") == "TOTAL TIME");
         amplitudes.push(Amplitude { name, at, total, points: points.0.to_vec() });
     }

@@ -222,7 +222,7 @@ fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> R
         let elements =
             whole.elements(card.place.as_deref(), set).ok_or_else(|| no_set(&card.at, "element set", set))?;
         let material = match name {
-            "SOLID SECTION" => materials::find(materials, card)?,
+            "SOLID SECTION" => materials::find(materials, &whole.cards, card)?,
             _ => usize::MAX,
         };
         for element in elements {

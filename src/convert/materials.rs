@@ -32,8 +32,17 @@ enum Law {
     Hooke(f64, f64),
     /// The keys of rubber, and Poisson's ratio at small strain.
     Rubber(String, f64),
-    /// The constants, and of the first section with it the name of the orientation, in capitals, and its axes.
-    Orthotropic(Orthotropy, Option<(String, Option<[Vec3; 2]>)>),
+    /// The constants, and of the first section with it the orientation, where it has one.
+    Orthotropic(Orthotropy, Option<Option<Axes>>),
+}
+
+/// An orientation.
+#[derive(Clone)]
+struct Axes {
+    /// Where it stands.
+    at: Location,
+    /// Its first and second axis.
+    axes: [Vec3; 2],
 }
 
 /// Reads all materials.
@@ -54,6 +63,14 @@ pub(super) fn read(whole: &Whole, namer: &mut Namer) -> Result<Vec<Material>> {
             continue;
         }
         let material = materials.last_mut().ok_or_else(|| card.error("stands before the first *MATERIAL", ""))?;
+        let is_second = match name {
+            "PLASTIC" => !material.plastic.is_empty(),
+            "DENSITY" => material.density.is_some(),
+            _ => material.law.is_some(),
+        };
+        if is_second {
+            return Err(card.error(format!("the material '{}' already has its *{name}", material.deck), "keep one"));
+        }
         match name {
             "ELASTIC" => material.law = Some(elastic(card)?),
             "PLASTIC" => material.plastic = plastic(card)?,
@@ -76,28 +93,25 @@ pub(super) fn read(whole: &Whole, namer: &mut Namer) -> Result<Vec<Material>> {
     Ok(materials)
 }
 
-/// The name of the orientation of a section, in capitals.
-fn orientation(section: &Card) -> String {
-    section.keyword.get("ORIENTATION").unwrap_or_default().to_uppercase()
-}
-
 /// Gives an orthotropic material the orientation of a section, or makes one more for it.
 fn orient(cards: &[Card], section: &Card, materials: &mut Vec<Material>, namer: &mut Namer) -> Result<()> {
-    let Ok(index) = find(materials, section) else { return Ok(()) };
+    let Ok(index) = find(materials, cards, section) else { return Ok(()) };
     let mut material = materials[index].clone();
-    let Some(Law::Orthotropic(_, of)) = &mut material.law else { return Ok(()) };
-    let name = orientation(section);
-    if of.as_ref().is_some_and(|(other, _)| *other == name) {
+    if !material.is_orthotropic() || material.is_along(orientations::of(cards, section)?) {
         return Ok(());
     }
+    let Some(Law::Orthotropic(_, of)) = &mut material.law else { return Ok(()) };
     if let Some(card) = cards.iter().find(|card| card.keyword.name == "INSTANCE" && card.rows.len() > 1) {
         let help = "write the deck without instances that are turned, or the material by hand";
         return Err(card.error("an instance is turned, in a deck with an orthotropic material", help));
     }
-    match of.replace((name.clone(), orientations::of(cards, section)?)) {
+    let card = orientations::of(cards, section)?;
+    let axes = |card: &Card| orientations::axes(card).map(|axes| Axes { at: card.at.clone(), axes });
+    match of.replace(card.map(axes).transpose()?) {
         None => materials[index] = material,
         Some(_) => {
-            let another = namer.name(&format!("{}-{}", material.deck, name), "material");
+            let name = section.keyword.get("ORIENTATION").unwrap_or_default().to_uppercase();
+            let another = namer.name(&format!("{}-{name}", material.deck), "material");
             materials.push(Material { name: another, ..material });
         }
     }
@@ -105,19 +119,18 @@ fn orient(cards: &[Card], section: &Card, materials: &mut Vec<Material>, namer: 
 }
 
 /// The material of a section, as named in the deck, where it is orthotropic with its orientation, if there is one already.
-pub(super) fn find(materials: &[Material], card: &Card) -> Result<usize> {
-    let name = card.keyword.get("MATERIAL").unwrap_or_default();
+pub(super) fn find(materials: &[Material], cards: &[Card], section: &Card) -> Result<usize> {
+    let name = section.keyword.get("MATERIAL").unwrap_or_default();
     let of_deck = |material: &Material| material.deck.eq_ignore_ascii_case(name);
-    let is_so = |material: &Material| match &material.law {
-        Some(Law::Orthotropic(_, Some((other, _)))) => *other == orientation(card),
-        _ => true,
-    };
-    let oriented = materials.iter().position(|material| of_deck(material) && is_so(material));
-    let found = oriented.or_else(|| materials.iter().position(of_deck));
-    found.ok_or_else(|| {
+    let first = materials.iter().position(of_deck).ok_or_else(|| {
         let known: Vec<&str> = materials.iter().map(|material| material.deck.as_str()).collect();
-        card.error(format!("there is no material '{name}'"), &crate::scene::did_you_mean(name, known))
-    })
+        section.error(format!("there is no material '{name}'"), &crate::scene::did_you_mean(name, known))
+    })?;
+    if !materials[first].is_orthotropic() {
+        return Ok(first);
+    }
+    let card = orientations::of(cards, section)?;
+    Ok(materials.iter().position(|material| of_deck(material) && material.is_along(card)).unwrap_or(first))
 }
 
 impl Material {
@@ -128,6 +141,14 @@ impl Material {
             Some(Law::Orthotropic(..)) | None => 0.0,
         };
         poisson > LOCKING || !self.plastic.is_empty()
+    }
+
+    /// Whether it is orthotropic along this orientation, or this lack of one.
+    fn is_along(&self, orientation: Option<&Card>) -> bool {
+        match &self.law {
+            Some(Law::Orthotropic(_, Some(own))) => own.as_ref().map(|own| &own.at) == orientation.map(|card| &card.at),
+            _ => false,
+        }
     }
 
     pub fn is_orthotropic(&self) -> bool {
@@ -148,7 +169,7 @@ impl Material {
             }
             (Some(Law::Rubber(keys, _)), true) => text += keys,
             (Some(Law::Orthotropic(constants, of)), true) => {
-                text += &orthotropic::write(constants, of.as_ref().and_then(|(_, axes)| *axes));
+                text += &orthotropic::write(constants, of.as_ref().and_then(|of| of.as_ref()).map(|of| of.axes));
             }
             (Some(Law::Rubber(..)), false) => {
                 let what = format!("the material '{}' has *PLASTIC beside *HYPERELASTIC", self.deck);

@@ -5,20 +5,30 @@ use crate::error::Result;
 use crate::mesh::abaqus::Card;
 use nalgebra::{Rotation3, Unit};
 
-/// The first and the second axis of the *ORIENTATION that a section names; `None` where it names none.
-pub(super) fn of(cards: &[Card], section: &Card) -> Result<Option<[Vec3; 2]>> {
+/// The *ORIENTATION that a section names, in its own part or instance before those outside of all; `None` where it names none.
+pub(super) fn of<'a>(cards: &'a [Card], section: &Card) -> Result<Option<&'a Card>> {
     let Some(name) = section.keyword.get("ORIENTATION") else { return Ok(None) };
-    let is_it = |card: &&Card| {
-        let own = card.keyword.get("NAME").unwrap_or_default();
-        card.keyword.name == "ORIENTATION" && own.eq_ignore_ascii_case(name)
+    let found = |place: &Option<String>| {
+        let is_it = |card: &&Card| {
+            let own = card.keyword.get("NAME").unwrap_or_default();
+            card.keyword.name == "ORIENTATION" && own.eq_ignore_ascii_case(name) && card.place == *place
+        };
+        let mut all = cards.iter().filter(is_it);
+        let first = all.next();
+        match all.next() {
+            Some(second) => Err(second.error(format!("two orientations are named '{name}'"), "rename one")),
+            None => Ok(first),
+        }
     };
-    match cards.iter().find(is_it) {
-        Some(card) => axes(card).map(Some),
-        None => Err(section.error(format!("there is no orientation '{name}'"), "")),
-    }
+    let card = match found(&section.place)? {
+        None => found(&None)?,
+        own => own,
+    };
+    card.map(Some).ok_or_else(|| section.error(format!("there is no orientation '{name}'"), ""))
 }
 
-fn axes(card: &Card) -> Result<[Vec3; 2]> {
+/// The first and the second axis of an *ORIENTATION.
+pub(super) fn axes(card: &Card) -> Result<[Vec3; 2]> {
     let word = |key: &str, default: &str| card.keyword.get(key).unwrap_or(default).to_uppercase();
     let system = word("SYSTEM", "RECTANGULAR");
     if !matches!(system.as_str(), "RECTANGULAR" | "R") || word("DEFINITION", "COORDINATES") != "COORDINATES" {
