@@ -285,6 +285,56 @@ fn dented(element: &str, by: [f64; 2], increments: usize) -> Bench {
     ))
 }
 
+/// A dented block, at its yield limit and about to slip, is turned by a right angle together with the roll in it: nothing
+/// happens but that.
+#[test]
+fn a_plastic_part_is_turned_with_its_tool() {
+    let turn = |target: &str| {
+        format!(
+            "{{ target = \"{target}\", rotate = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], angle = 90.0 }} }}"
+        )
+    };
+    let bench = Bench::new(&format!(
+        r#"
+        [body.part]
+        block = {{ box = {{ size = [12.0, 10.0, 6.0] }}, elements = [6, 5, 3] }}
+        material = "metal"
+        [material.metal]
+        model = "j2"
+        young = 1000.0
+        poisson = 0.3
+        yield_stress = 4.0
+        hardening = {{ linear = 20.0 }}
+        [tool.roll]
+        cylinder = {{ point = [6.0, 5.0, 9.0], axis = [0.3, 1.0, 0.0], radius = 3.0 }}
+        [contact.dent]
+        slave = "part.zmax"
+        master = "roll"
+        friction = 0.3
+        [[step]]
+        increments = 5
+        fix = [{{ set = "part.zmin" }}]
+        move = [{{ target = "roll", by = [1.0, 0.3, -1.0] }}]
+        [[step]]
+        increments = 9
+        move = [{}, {}]
+        [output]
+        every = 1000
+        history = ["part.zmin"]
+        "#,
+        turn("roll"),
+        turn("part.zmin")
+    ));
+    let history = bench.solve(1, &[]).history();
+    let dented = history.column("time").iter().position(|time| *time >= 1.0).unwrap();
+    let force = |row: usize| ["fx", "fy", "fz"].map(|c| history.column(&format!("roll.{c}"))[row]);
+    let [x, y, z] = force(dented);
+    let turned = force(history.len() - 1);
+    let errors = [turned[0] + y, turned[1] - x, turned[2] - z].map(f64::abs);
+    assert_small("forces", errors.into_iter().fold(0.0, f64::max) / z.abs(), 1e-8);
+    assert!(history.len() < 150, "{} increments", history.len());
+}
+
 #[test]
 fn the_number_of_ranks_does_not_matter() {
     let bench = dented("hex8-fbar", [-0.06, 0.2], 6);

@@ -80,8 +80,10 @@ struct Flow {
     yields: bool,
 }
 
-/// Yield stress over itself by which a stress may be below it and still be at it: well above rounding.
-const AT_LIMIT: f64 = 1e-9;
+/// Yield stress over itself by which a stress may be below it and still be at it: above rounding, which is that of a strain over
+/// the elastic one, and below what a residual within the tolerance leaves, or a part that is only turned, all of it at its limit,
+/// goes to and fro with tangents of flow where it rests.
+const AT_LIMIT: f64 = 1e-11;
 
 /// Excess over the stress from which a root is not found yet, well above rounding.
 const STEEP: f64 = 1e-12;
