@@ -2,8 +2,9 @@
 //! smaller than a facet. By places alone, in points of the facets near a master.
 //!
 //! Facets at whose nodes the master looks much the same way are looked at in their middle, others, at edges and small radii,
-//! closely, those of a layer only along its plane. How deep nodes are themselves is left out: that belongs to the law of contact. In self-contact and in two passes
-//! the nodes of the other side see what happens, and from node to node nothing is between.
+//! closely, those of a layer only along its plane. How deep nodes are themselves is left out: that belongs to the law of
+//! contact. In self-contact and in two passes the nodes of the other side see what happens, and from node to node nothing is
+//! between.
 
 use super::intruders::{all_axes, around};
 use super::watch::{allowance, reach};

@@ -33,7 +33,7 @@ enum Law {
     /// The keys of rubber, and Poisson's ratio at small strain.
     Rubber(String, f64),
     /// The constants, and of the first section with it the orientation, where it has one.
-    Orthotropic(Orthotropy, Option<Option<Axes>>),
+    Orthotropic(Orthotropy, Option<Option<Box<Axes>>>),
 }
 
 /// An orientation.
@@ -97,16 +97,16 @@ pub(super) fn read(whole: &Whole, namer: &mut Namer) -> Result<Vec<Material>> {
 fn orient(cards: &[Card], section: &Card, materials: &mut Vec<Material>, namer: &mut Namer) -> Result<()> {
     let Ok(index) = find(materials, cards, section) else { return Ok(()) };
     let mut material = materials[index].clone();
-    if !material.is_orthotropic() || material.is_along(orientations::of(cards, section)?) {
+    let Some(Law::Orthotropic(_, of)) = &mut material.law else { return Ok(()) };
+    let card = orientations::of(cards, section)?;
+    if materials[index].is_along(card) {
         return Ok(());
     }
-    let Some(Law::Orthotropic(_, of)) = &mut material.law else { return Ok(()) };
     if let Some(card) = cards.iter().find(|card| card.keyword.name == "INSTANCE" && card.rows.len() > 1) {
         let help = "write the deck without instances that are turned, or the material by hand";
         return Err(card.error("an instance is turned, in a deck with an orthotropic material", help));
     }
-    let card = orientations::of(cards, section)?;
-    let axes = |card: &Card| orientations::axes(card).map(|axes| Axes { at: card.at.clone(), axes });
+    let axes = |card: &Card| orientations::axes(card).map(|axes| Box::new(Axes { at: card.at.clone(), axes }));
     match of.replace(card.map(axes).transpose()?) {
         None => materials[index] = material,
         Some(_) => {

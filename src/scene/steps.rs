@@ -348,6 +348,9 @@ fn check_repeats(step: &Step) -> Result<()> {
     once("has dashpots on", step.dashpots.iter().map(|dashpot| &dashpot.set).collect())
 }
 
+/// What to do about two conditions of one target, of which one may come from the step before.
+pub(super) const EITHER: &str = "keep one of the two; what `keep` brings from the step before ends with `release`";
+
 /// A set is not moved in a direction in which it is fixed.
 fn check_fixed_moves(step: &Step) -> Result<()> {
     for movement in &step.moves {
@@ -355,7 +358,7 @@ fn check_fixed_moves(step: &Step) -> Result<()> {
             let turns = |axis| movement.rotate.is_some_and(|r| r.angle != 0.0 && !r.is_along(axis));
             if let Some(axis) = (0..3).find(|&d| (movement.by[d] != 0.0 || turns(d)) && fix.directions[d]) {
                 let what = format!("moves `{}` in {}, in which it is fixed", fix.set.value, AXIS_NAMES[axis]);
-                return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
+                return Err(conflict(step, &movement.target.at, &what, EITHER));
             }
         }
     }
@@ -367,7 +370,7 @@ fn check_free_directions(step: &Step, force: &Force) -> Result<()> {
     for movement in step.moves.iter().filter(|movement| movement.target.value == force.target.value) {
         if let Some(axis) = (0..3).find(|&axis| movement.by[axis] != 0.0 && force.directions[axis]) {
             let what = format!("moves `{}` in {}, in which a force drives it", force.target.value, AXIS_NAMES[axis]);
-            return Err(conflict(step, &movement.target.at, &what, "keep one of the two"));
+            return Err(conflict(step, &movement.target.at, &what, EITHER));
         }
     }
     Ok(())

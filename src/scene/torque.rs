@@ -62,7 +62,7 @@ pub(super) fn check(step: &Step) -> Result<()> {
             return refuse("has two torques on", "a tool is free to turn about one axis");
         }
         if step.moves.iter().any(|motion| motion.target.value == *tool && motion.rotate.is_some()) {
-            return refuse("has a torque on, and rotates", "keep one of the two");
+            return refuse("has a torque on, and rotates", super::steps::EITHER);
         }
     }
     Ok(())

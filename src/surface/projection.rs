@@ -225,7 +225,8 @@ pub fn perpendicular<P: Polygon + ?Sized>(
     Some((foot.xi, (x - foot.local.point).dot(&foot.local.area_vector().normalize())))
 }
 
-/// A ball around a piece, and bounds that tell from where the distance to it has one minimum only.
+/// A ball and a slab around a piece, how far its normals turn, and bounds that tell from where the distance to it has one
+/// minimum only.
 ///
 /// With y = x - center, H = G - y.P,ab where G = a + (P - center).P,ab does not depend on x. P,ab lies between its
 /// values at the corners, and G, which varies little, is sampled with a margin.
