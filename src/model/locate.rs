@@ -8,7 +8,7 @@ use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
 use crate::solid::element::{hex8, tet4, tet10, wedge6};
-use crate::surface::piece_set::tree::Tree;
+use crate::surface::piece_set::tree::{Tree, away};
 use mpi::topology::SimpleCommunicator;
 
 /// A point in an element of this rank.
@@ -163,7 +163,7 @@ pub fn held(
     let solid = |k: usize| &model.part.solids[solids[k]];
     let boxes: Vec<_> = (0..solids.len()).filter_map(|k| bounds(solid(k).nodes().iter().map(|&n| place(n)))).collect();
     let hull = boxes.iter().copied().reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1)));
-    let is_near = |x: &[f64]| hull.is_some_and(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
+    let is_near = |x: &[f64]| hull.is_some_and(|hull| away(&hull, &Vec3::from_column_slice(x)) == 0.0);
     let tree = all.chunks(3).any(is_near).then(|| Tree::new(&boxes));
     let is_held = |x: &Vec3| tree.iter().flat_map(|tree| tree.meeting(x, x)).any(|(k, _)| holds(solid(k), place, x));
     let mut found: Vec<f64> =

@@ -12,4 +12,4 @@ pub mod measure;
 pub mod voigt;
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;

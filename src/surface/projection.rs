@@ -386,6 +386,7 @@ pub fn angle_normal<P: Polygon + ?Sized>(piece: &P, foot: &Foot) -> Vec3 {
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use crate::solid::testing::Random;
     use crate::surface::test_meshes::{sphere_quad, sphere_triangle, wavy_quad, wavy_triangle};
 
     /// The gap has the normal as its gradient, and the normal has its own, by differences through new projections.
@@ -425,19 +426,17 @@ pub mod tests {
 
     #[test]
     fn five_starts_find_the_closest_point_of_all() {
-        let mut seed = 1u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 * 4.0 - 2.0
-        };
+        let mut random = Random::new(1);
         let mut certain = 0;
         for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
             let extent = Extent::new(&patch);
-            for k in 0..40 {
-                let x = Vec3::new(random(), random(), random()) * if k % 2 == 0 { 1.0 } else { 0.3 };
+            for k in 0..60 {
+                let x = random.vector(2.0) * if k % 2 == 0 { 1.0 } else { 0.3 };
                 let feet = starts(&patch).map(|start| descend(&patch, &x, &[0.0; 4], start));
                 let best = feet.iter().map(|f| f.distance).fold(f64::INFINITY, f64::min);
                 assert!(best <= best_of_samples(&patch, &x) + 1e-12);
+                let closest = closest_foot(&patch, &extent, &x, None, f64::INFINITY).distance;
+                assert!((closest - best).abs() <= 1e-12, "{closest} is not {best}");
                 if extent.has_one_minimum(&patch, &x) {
                     certain += 1;
                     assert!(feet.iter().all(|f| f.distance < best + 1e-12));
@@ -449,20 +448,16 @@ pub mod tests {
 
     #[test]
     fn what_a_piece_is_far_above_is_below_all_its_points() {
-        let mut seed = 1u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64 * 4.0 - 2.0
-        };
+        let mut random = Random::new(1);
         let mut certain = 0;
         for (patch, _) in [wavy_quad(), wavy_triangle(), sphere_quad(), sphere_triangle()] {
             let extent = Extent::new(&patch);
-            for _ in 0..200 {
-                let (x, deep) = (Vec3::new(random(), random(), random()), random().abs() / 2.0);
+            for _ in 0..300 {
+                let (x, deep) = (random.vector(2.0), random.number(1.0).abs());
                 if extent.is_far_above(&x, deep) {
                     certain += 1;
-                    for k in 0..=100 {
-                        let (s, t) = (f64::from(k % 10) / 10.0, f64::from(k / 10) / 10.0);
+                    for k in 0..11 * 11 {
+                        let (s, t) = (f64::from(k % 11) / 10.0, f64::from(k / 11) / 10.0);
                         let xi = if patch.count == 3 { [s, s * t] } else { [s, t] };
                         assert!((x - patch.point(xi)).dot(&patch.normal(xi)) < -deep);
                     }

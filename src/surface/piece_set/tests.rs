@@ -1,4 +1,5 @@
 use super::*;
+use crate::solid::testing::Random;
 use crate::surface::Smoothing;
 use crate::surface::normals::NormalOptions;
 use crate::surface::patches_from_mesh;
@@ -450,17 +451,13 @@ impl Admission<Patch> for Against {
 
 #[test]
 fn pieces_that_are_passed_over_by_their_extent_change_nothing() {
-    let mut seed = 1u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (seed >> 11) as f64 / (1u64 << 53) as f64 * 2.0 - 1.0
-    };
+    let mut random = Random::new(1);
     let sphere = PatchSet::new(sphere_patches(4, false, 6, Smoothing::Nagata));
     let (mut met, mut passed) = (0, 0);
     for surface in [sphere, cube(false), cube(true)] {
         for _ in 0..400 {
-            let x = Vec3::new(random(), random(), random()) * 1.3;
-            let against = Against(Vec3::new(random(), random(), random()).normalize());
+            let x = random.vector(1.3);
+            let against = Against(random.vector(1.0).normalize());
             let plain = |patch: &Patch, foot: &Foot| against.faces(patch, foot);
             let found = surface.closest_of(&x, 1.5, None, &against);
             assert_eq!(found, surface.closest_of(&x, 1.5, None, &plain));
