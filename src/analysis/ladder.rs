@@ -28,8 +28,9 @@
 //!    far softer in bending: there an iteration leaves gaps that outweigh the force, the node lets go, and comes back. Where
 //!    contacts slide with friction lower penalties are slower. The solution does not depend on them.
 //!    What that does not help is tried along the *central path*, on which forces of contacts grow smoothly before gaps are
-//!    closed: a sheet between two tools may touch them in so many ways that the iteration goes to and fro between them. Where
-//!    residuals do not fall there, it is tried once more with such that fall in each iteration.
+//!    closed: a sheet between two tools, or one that lies on another, may touch in so many ways that the iteration goes to and
+//!    fro between them. Penalties are lower there, for what gives way there is bending; where that fails, it is tried once more
+//!    with those that were given, and residuals that fall in each iteration.
 //!    Then it is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
 //!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
 //!    fro. It has the unknowns and the solution of the augmented Lagrangian; what has helped is kept.
@@ -119,7 +120,7 @@ pub struct Means {
     pub soften: bool,
     /// Active sets that stand still: some contact has an augmented Lagrangian, whose place they can take.
     pub sort: bool,
-    /// The central path: two tools press on a body.
+    /// The central path: two tools press on a body, or bodies on each other.
     pub center: bool,
     /// Contacts that settle: some has friction, or a penalty that is not the automatic one.
     pub settle: bool,
@@ -338,7 +339,8 @@ impl Ladder {
             return Some(Remedy::Soften);
         }
         if self.means.center && cause.is_of_iteration() && tries.central != Some(true) {
-            (tries.central, tries.soft) = (Some(tries.central.is_some()), false);
+            let strict = tries.central.is_some();
+            (tries.central, tries.soft) = (Some(strict), !strict);
             return Some(Remedy::Central);
         }
         tries.central = None;

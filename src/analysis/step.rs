@@ -316,11 +316,11 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Whether contacts may be sought along the central path: two tools press on a body, and all have smooth forces there.
+/// Whether contacts may be sought along the central path: two tools press on a body, or bodies on each other, and all contacts
+/// have smooth forces there.
 fn can_center(pairs: &[Pair]) -> bool {
-    let other =
-        |pair: &Pair, tool| pairs.iter().any(|p| p.body == pair.body && p.master.tool().is_some_and(|t| t != tool));
-    let is_between = |pair: &Pair| pair.master.tool().is_some_and(|tool| other(pair, tool));
+    let is_other = |a: &Pair, b: &Pair| a.body == b.body && a.master.tool() != b.master.tool();
+    let is_between = |pair: &Pair| pair.master.tool().is_none() || pairs.iter().any(|other| is_other(pair, other));
     pairs.iter().all(Pair::is_smooth) && pairs.iter().any(is_between)
 }
 
