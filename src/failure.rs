@@ -20,6 +20,8 @@ pub enum Cause {
     Rounding,
     /// It converged to what cannot be, a node in or behind a master: only shorter increments help.
     Watch,
+    /// It converged to an equilibrium that is not stable: shorter increments follow the way to another.
+    Unstable,
     /// It converged, but nothing holds something any more.
     Loose,
     /// A force or torque drives a tool that nothing can hold.

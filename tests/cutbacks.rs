@@ -4,6 +4,7 @@
 mod common;
 
 use common::{Bench, History, assert_close, assert_small};
+use std::f64::consts::PI;
 
 /// A roll is pressed into a slab and drawn along it, in two steps with these increments.
 fn rolling(friction: f64, increments: &str) -> Bench {
@@ -275,4 +276,96 @@ fn a_sheet_between_two_tools() {
     assert_small("balance", (die + holder + punch) / 65.0, 1e-8);
     assert!(punch.abs() > 1e-3, "{punch}");
     assert_small("ranks", history.difference(&bench.solve(2, &[]).history()), 1e-7);
+}
+
+/// Three leaves of a spring, clamped at one end, of which the uppermost is pressed at the other. They touch all along and press
+/// each other at the tips alone, so that nothing tells which of the nodes between touch; those are found along the central path.
+/// Each leaf bears a third: w = F L³ / (9 E' I).
+#[test]
+fn leaves_that_bend_together() {
+    let (elements, size) = ([100, 2, 1], [100.0, 2.0, 1.0]);
+    let leaf = |name: &str, y: f64| {
+        format!(
+            "[body.{name}]\nmaterial = \"steel\"\nelement = \"hex8-eas\"\nplane_strain = true\n\
+             block = {{ box = {{ origin = [0.0, {y:?}, 0.0], size = {size:?} }}, elements = {elements:?} }}\n"
+        )
+    };
+    let rest = r#"
+        [material.steel]
+        model = "hooke"
+        young = 2e5
+        poisson = 0.3
+        [contact]
+        ab = { slave = "b.ymin", master = "a.ymax" }
+        bc = { slave = "c.ymin", master = "b.ymax" }
+        [[step]]
+        increments = 2
+        fix = [{ set = "a.xmin" }, { set = "b.xmin" }, { set = "c.xmin" }]
+        force = [{ target = "c.xmax", total = [0.0, -0.4, 0.0] }]
+        [output]
+        history = ["a.xmin", "b.xmin", "c.xmin", "c.xmax"]
+    "#;
+    let bench = Bench::new(&format!("{}{}{}{rest}", leaf("a", 0.0), leaf("b", 2.0), leaf("c", 4.0)));
+    let run = bench.solve(1, &[]);
+    assert_eq!((&run.summary()["cutbacks"], &run.summary()["jumps"]), (&0.into(), &0.into()), "{}", run.log());
+    assert!(run.log().contains("along the central path"), "{}", run.log());
+    let history = run.history();
+    let bent = 0.4 * 100f64.powi(3) / (9.0 * 2e5 / (1.0 - 0.3 * 0.3) * 8.0 / 12.0);
+    assert_close("deflection", -history.last("c.xmax.uy"), bent, 3e-3);
+    for clamp in ["a.xmin.fy", "b.xmin.fy", "c.xmin.fy"] {
+        assert_close(clamp, history.last(clamp), 0.4 / 3.0, 0.01);
+    }
+    assert_small("ranks", history.difference(&bench.solve(2, &[]).history()), 1e-7);
+}
+
+/// A column between clamps, shortened in increments of ten times what it takes to buckle, with or without a side load towards
+/// a wall.
+fn column(side: f64) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.s]
+        material = "m"
+        element = "hex8-eas"
+        plane_strain = true
+        block = {{ box = {{ size = [1.0, 40.0, 1.0] }}, elements = [2, 40, 1] }}
+        [material.m]
+        model = "neo-hookean"
+        young = 1000.0
+        poisson = 0.3
+        [tool.wall]
+        plane = {{ point = [3.0, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }}
+        [contact]
+        c = {{ slave = "s.xmax", master = "wall" }}
+        [[step]]
+        increments = 10
+        fix = [{{ set = "s.ymin" }}]
+        move = [{{ target = "s.ymax", by = [0.0, -2.0, 0.0] }}]
+        force = [{{ target = "s.xmax", total = [{side:?}, 0.0, 0.0] }}]
+        [output]
+        history = ["s.ymax"]
+        "#
+    ))
+}
+
+/// The straight column is an equilibrium that ten increments find, with 25 times Euler's load; it is not stable. The way that a
+/// side load begins is that of 800 increments, which need no cut for it.
+#[test]
+fn a_column_buckles() {
+    let run = column(0.05).solve(1, &[]);
+    assert!(run.log().contains("converged to an equilibrium that is not stable"), "{}", run.log());
+    assert_close("force", run.history().last("s.ymax.fy"), -9.4508, 1e-4);
+    assert_close("wall", run.history().last("wall.fx"), -2.0245, 1e-4);
+}
+
+/// A perfect column cannot know to which side: that it would buckle is told, once.
+#[test]
+fn a_perfect_column_is_told_of() {
+    let run = column(0.0).solve(1, &[]);
+    assert_eq!(run.log().matches("is not stable: a body would buckle").count(), 1, "{}", run.log());
+    // Stable up to Euler's 4 π² E' I / L².
+    let (history, euler) = (run.history(), 4.0 * PI * PI * 1000.0 / (1.0 - 0.09) / 12.0 / 1600.0);
+    let [time, force] = ["time", "s.ymax.fy"].map(|name| history.column(name));
+    let told = run.log().split("the equilibrium at time ").nth(1).unwrap()[..8].parse::<f64>().unwrap();
+    let at = time.iter().position(|t| (t - told).abs() < 1e-6).unwrap();
+    assert_close("Euler's load", -force[at], euler, 0.05);
 }

@@ -49,6 +49,7 @@ const SCALAPACK_ROOT: i32 = 13;
 const WORKSPACE: i32 = 14;
 const NULL_PIVOTS: i32 = 24;
 const ANALYSIS: i32 = 28;
+const DETERMINANT: i32 = 33;
 
 /// The kind of factorization.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,6 +160,8 @@ pub struct LinearStatistics {
     pub relative_residual: f64,
     /// Null pivots of the last factorization: redundant equations, if the residual is small all the same.
     pub null_pivots: usize,
+    /// How many eigenvalues of the last matrix that was factored are negative.
+    pub negative: Negative,
     /// Factorizations repeated with pivots that MUMPS had taken for null, and that the solution needed.
     pub small_pivots: usize,
     /// Systems solved iteratively, and iterations for them.
@@ -184,6 +187,7 @@ impl LinearStatistics {
             refinements: self.refinements + later.refinements,
             relative_residual: later.relative_residual,
             null_pivots: later.null_pivots,
+            negative: later.negative,
             small_pivots: self.small_pivots + later.small_pivots,
             iterative_solves: self.iterative_solves + later.iterative_solves,
             krylov_iterations: self.krylov_iterations + later.krylov_iterations,
@@ -191,6 +195,29 @@ impl LinearStatistics {
             unsolved: self.unsolved + later.unsolved,
             set_up_s: self.set_up_s + later.set_up_s,
             iterate_s: self.iterate_s + later.iterate_s,
+        }
+    }
+}
+
+/// How many real eigenvalues of a matrix are negative, as far as its factors tell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Negative {
+    /// Nothing was factored, or null pivots were replaced.
+    #[default]
+    Unknown,
+    /// Of LDLᵀ: as many as negative pivots.
+    Count(usize),
+    /// Of LU: an odd number of them makes the determinant negative.
+    Odd(bool),
+}
+
+impl Negative {
+    /// Whether they are certainly not `count`.
+    pub fn is_not(&self, count: usize) -> bool {
+        match self {
+            Self::Unknown => false,
+            Self::Count(negative) => *negative != count,
+            Self::Odd(is_odd) => *is_odd != (count % 2 == 1),
         }
     }
 }
@@ -377,7 +404,7 @@ impl<'p> LinearSolver<'p> {
             if let Some(relative_residual) = solved {
                 self.in_vain = 0;
                 self.statistics.relative_residual = relative_residual;
-                self.statistics.null_pivots = 0;
+                (self.statistics.null_pivots, self.statistics.negative) = (0, Negative::Unknown);
                 return Ok(());
             }
             self.in_vain += 1;
@@ -394,7 +421,7 @@ impl<'p> LinearSolver<'p> {
             let replaced = self.statistics;
             if factor.keep_pivots(matrix, self.factorization)? {
                 self.statistics.factorizations += 1;
-                self.statistics.null_pivots = 0;
+                (self.statistics.null_pivots, self.statistics.negative) = (0, Negative::Unknown);
                 // SAFETY: as for this function.
                 let kept = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
                 if kept.is_ok() {
@@ -476,8 +503,8 @@ impl<'p> LinearSolver<'p> {
         for retry in 0.. {
             self.statistics.factorizations += 1;
             match factor.factor(matrix, self.factorization)? {
-                Answer::Done { null_pivots } => {
-                    self.statistics.null_pivots = null_pivots;
+                Answer::Done { null_pivots, negative } => {
+                    (self.statistics.null_pivots, self.statistics.negative) = (null_pivots, negative);
                     break;
                 }
                 Answer::MoreWorkspace(_) if retry < MAX_RETRIES => {
@@ -537,7 +564,7 @@ impl Wear {
 
 /// What MUMPS says after a factorization.
 enum Answer {
-    Done { null_pivots: usize },
+    Done { null_pivots: usize, negative: Negative },
     MoreWorkspace(LinearFailure),
     Failed(LinearFailure),
 }
@@ -582,6 +609,9 @@ impl<'p> Factor<'p> {
         self.set_control(SCALAPACK_ROOT, 1)?; // without ScaLAPACK, which cannot pivot past a null
         self.set_control(WORKSPACE, 100)?;
         self.set_control(NULL_PIVOTS, 1)?; // find and replace: redundant constraints are legal
+        if factorization == Factorization::Lu {
+            self.set_control(DETERMINANT, 1)?; // its sign tells of instability
+        }
         if factorization == Factorization::Ldlt {
             self.set_control(LDLT_ORDERING, 2)?; // compressed graph: pairs multipliers with displacements
         }
@@ -599,11 +629,26 @@ impl<'p> Factor<'p> {
             }
         })?;
         Ok(match self.infog(1)? {
-            0.. => Answer::Done { null_pivots: self.infog(28)?.max(0) as usize },
+            0.. => {
+                let null_pivots = self.infog(28)?.max(0) as usize;
+                let negative = if null_pivots > 0 { Negative::Unknown } else { self.negative(factorization)? };
+                Answer::Done { null_pivots, negative }
+            }
             // Integer or real workspace, send or receive buffer too small.
             -8 | -9 | -17 | -20 => Answer::MoreWorkspace(self.failure()?),
             _ => Answer::Failed(self.failure()?),
         })
+    }
+
+    /// What the factors tell of negative eigenvalues.
+    fn negative(&self, factorization: Factorization) -> Result<Negative, Error> {
+        if factorization == Factorization::Ldlt {
+            return Ok(Negative::Count(self.infog(12)?.max(0) as usize));
+        }
+        let mut mantissa = 0.0;
+        // SAFETY: a live MUMPS factor and a place for the answer.
+        check(unsafe { sys::MatMumpsGetRinfog(self.raw, 12, &mut mantissa) })?;
+        Ok(Negative::Odd(mantissa < 0.0))
     }
 
     /// Computes the factors anew without a search for null pivots; `false` when MUMPS cannot. Collective.

@@ -193,6 +193,26 @@ fn a_singular_matrix_is_a_failure() {
     });
 }
 
+/// Of a saddle point each multiplier makes one negative eigenvalue; LDLᵀ counts them, LU tells an odd number.
+#[test]
+fn negative_eigenvalues_are_told() {
+    with_petsc("negative_eigenvalues_are_told", &[1, 2, 3], "", |petsc| {
+        for count in [0, 1, 2] {
+            let mut dense = saddle_point(10, 2);
+            (0..count).for_each(|i| dense[4 * i][4 * i] -= 1e6);
+            let a = matrix(petsc, &dense);
+            for kind in [Factorization::Ldlt, Factorization::Lu] {
+                let mut solver = LinearSolver::new(petsc, kind);
+                error_of_solution(petsc, &mut solver, &a, &dense);
+                let negative = solver.statistics().negative;
+                let told = if kind == Factorization::Ldlt { 2 + count } else { count % 2 };
+                assert!(!negative.is_not(told), "{count}: {negative:?}");
+                assert!(negative.is_not(told + 1), "{count}: {negative:?}");
+            }
+        }
+    });
+}
+
 #[test]
 fn a_null_pivot_is_a_failure_where_it_may_not_be_replaced() {
     let options = "-mat_mumps_icntl_24 0";

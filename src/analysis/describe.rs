@@ -179,6 +179,15 @@ pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
     }
 }
 
+/// Warns of an equilibrium that the least push would end.
+pub fn unstable(step: &str, time: f64) -> String {
+    format!(
+        "step `{step}`: the equilibrium at time {time:.6} is not stable: a body would buckle or snap from it, and forces from \
+         there on may be those of a way that it does not take. Take smaller increments; where the scene is symmetric, give it \
+         an imperfection"
+    )
+}
+
 /// Of systems that the iterative solver was tried on in vain.
 pub fn unsolved(step: &str) -> String {
     format!(

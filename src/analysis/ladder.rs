@@ -31,9 +31,10 @@
 //!    closed: a sheet between two tools, or one that lies on another, may touch in so many ways that the iteration goes to and
 //!    fro between them. Penalties are lower there, for what gives way there is bending; where that fails, it is tried once more
 //!    with those that were given, and residuals that fall in each iteration.
-//!    Then it is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
+//!    And it is tried by active *sets*, that stand still until Newton's method has converged: where a sheet
 //!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
-//!    fro. It has the unknowns and the solution of the augmented Lagrangian; what has helped is kept.
+//!    fro. There sets come first, for they take a third of the iterations of the path. They have the unknowns and the solution
+//!    of the augmented Lagrangian; what has helped is kept.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
@@ -120,6 +121,8 @@ pub struct Means {
     pub soften: bool,
     /// Active sets that stand still: some contact has an augmented Lagrangian, whose place they can take.
     pub sort: bool,
+    /// These before the central path: bodies lie on each other.
+    pub sort_first: bool,
     /// The central path: two tools press on a body, or bodies on each other.
     pub center: bool,
     /// Contacts that settle: some has friction, or a penalty that is not the automatic one.
@@ -281,6 +284,11 @@ impl Ladder {
         if cause == Cause::Watch {
             return self.refuse(increments, end);
         }
+        if cause == Cause::Unstable {
+            self.tries.failures += 1;
+            increments.cut(end, false);
+            return Some(Remedy::Cut);
+        }
         // What fails by sets says nothing of what else may help.
         let by_sets = std::mem::take(&mut self.tries.sets) && self.means.sort && self.tries.way != Way::Jump;
         if by_sets && !std::mem::replace(&mut self.tries.sorted, true) {
@@ -334,18 +342,29 @@ impl Ladder {
     /// Another way to the same contacts, with the increment as it is.
     fn turn(&mut self, cause: Cause) -> Option<Remedy> {
         let tries = &mut self.tries;
-        if self.means.soften && cause.is_of_iteration() && !std::mem::replace(&mut tries.turned, true) {
+        let may_soften = self.means.soften && tries.central.is_none() && cause.is_of_iteration();
+        if may_soften && !std::mem::replace(&mut tries.turned, true) {
             tries.soft = !tries.soft;
             return Some(Remedy::Soften);
         }
+        if self.means.sort_first && tries.central.is_none() && self.sort(cause) {
+            return Some(Remedy::Sets);
+        }
+        let tries = &mut self.tries;
         if self.means.center && cause.is_of_iteration() && tries.central != Some(true) {
             let strict = tries.central.is_some();
             (tries.central, tries.soft) = (Some(strict), !strict);
             return Some(Remedy::Central);
         }
         tries.central = None;
+        self.sort(cause).then_some(Remedy::Sets)
+    }
+
+    /// Whether active sets that stand still, or not, are to be tried.
+    fn sort(&mut self, cause: Cause) -> bool {
+        let tries = &mut self.tries;
         tries.sets = self.means.sort && cause.is_of_iteration() && !std::mem::replace(&mut tries.sorted, true);
-        tries.sets.then_some(Remedy::Sets)
+        tries.sets
     }
 
     /// A shorter increment; or, where that hardly serves, contacts that settle, and a jump.
@@ -487,23 +506,27 @@ mod tests {
         assert!(ended);
     }
 
-    /// What other penalties do not help is tried along the central path before it is cut, each time; where that has helped,
-    /// it is the way of those after it.
+    /// What other penalties and active sets do not help is tried along the central path before it is cut, each time; where that
+    /// has helped, it is the way of those after it.
     #[test]
     fn contacts_are_sought_along_the_central_path() {
         let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
         let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
-        let mut ladder = begin(Means { soften: true, center: true, ..means() });
+        let mut ladder = begin(Means { soften: true, sort: true, sort_first: true, center: true, ..means() });
         let mut fail = |ladder: &mut Ladder| {
             let end = increments.next().unwrap();
             (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_central())
         };
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), false));
         assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), false));
         ladder.succeed();
-        assert!(ladder.is_central() && !ladder.is_soft());
+        assert!(ladder.is_central() && ladder.is_soft() && !ladder.is_by_sets());
         assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), true));
+        assert!(!ladder.is_soft());
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
     }
 

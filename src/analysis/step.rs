@@ -18,6 +18,7 @@ use super::{Event, Increment, Observer, Remedy, Retried, Simulation, cost, descr
 use crate::Vec3;
 use crate::contact::{Pair, Pose};
 use crate::error::Result;
+use crate::failure::Cause;
 use crate::interrupt;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -58,6 +59,7 @@ pub(super) struct Running<'a> {
 #[derive(Default)]
 pub(super) struct Told {
     null_pivots: bool,
+    unstable: bool,
     unsolved: bool,
     impatience: bool,
 }
@@ -125,6 +127,7 @@ impl<'a> Simulation<'a> {
         let means = Means {
             soften: !self.model.pairs.is_empty(),
             sort: self.model.pairs.iter().any(Pair::can_sort),
+            sort_first: self.model.pairs.iter().any(|pair| pair.master.tool().is_none()),
             center: can_center(&self.model.pairs),
             settle: frictional || given,
             hold: false,
@@ -225,7 +228,10 @@ impl<'a> Simulation<'a> {
             };
             self.summary.linear = running.before.and(&snes.linear_statistics());
             // Of the last factorization.
-            let redundant = snes.linear_statistics().null_pivots;
+            let LinearStatistics { null_pivots: redundant, negative, .. } = snes.linear_statistics();
+            // One for each multiplier, and none else, where what was found is stable.
+            let is_unstable = negative.is_not(frame.dofs.total_multipliers as usize);
+            let may_be_shorter = frame.progress.ladder.way() != Way::Jump && !frame.progress.increments.is_short(end);
             match outcome {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
                 // too far to begin anew.
@@ -240,8 +246,15 @@ impl<'a> Simulation<'a> {
                     self.hold_multipliers(running)?;
                     return self.seek(running, observer);
                 }
+                Attempt::Converged(converged) if is_unstable && may_be_shorter && !told.unstable => {
+                    let reason = "converged to an equilibrium that is not stable".to_string();
+                    self.retry(frame, converged.refused(Cause::Unstable, reason), duration, observer)?;
+                }
                 Attempt::Converged(converged) => {
                     let increment = self.accept(frame, *converged, x)?;
+                    if is_unstable && !std::mem::replace(&mut told.unstable, true) {
+                        self.warn(describe::unstable(frame.name(), self.state.time), observer)?;
+                    }
                     observer(&Event::Increment(&increment))?;
                     self.tell_of_solver(frame, snes, told, observer)?;
                     return Ok(Some(increment));
