@@ -526,7 +526,6 @@ mod tests {
         assert!(!ladder.is_soft());
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
-        assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
     }
 
