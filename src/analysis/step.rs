@@ -16,7 +16,7 @@ use super::newton::Share;
 use super::state::Progress;
 use super::{Event, Increment, Observer, Remedy, Retried, Simulation, cost, describe, ending};
 use crate::Vec3;
-use crate::contact::{Pair, Pose, Status};
+use crate::contact::{Pair, Pose, Slave, Status};
 use crate::error::Result;
 use crate::failure::Cause;
 use crate::interrupt;
@@ -229,8 +229,8 @@ impl<'a> Simulation<'a> {
             self.summary.linear = running.before.and(&snes.linear_statistics());
             // Of the last factorization.
             let LinearStatistics { null_pivots: redundant, negative, .. } = snes.linear_statistics();
-            // One for each multiplier, and none else, where what was found is stable and no friction drives it.
-            let is_unstable = negative.is_not(frame.dofs.total_multipliers as usize) && !self.slips();
+            // One for each multiplier, and none else, where what was found is stable.
+            let is_unstable = negative.is_not(frame.dofs.total_multipliers as usize) && self.is_plain();
             let may_be_shorter = frame.progress.ladder.way() != Way::Jump && !frame.progress.increments.is_short(end);
             match outcome {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
@@ -274,10 +274,12 @@ impl<'a> Simulation<'a> {
         Ok(None)
     }
 
-    /// Whether a node slips with friction, whose matrix is far from symmetric. Collective.
-    fn slips(&self) -> bool {
-        let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
-        any(self.comm, slaves.any(|slave| slave.trial.status == Status::Slip && slave.law.friction > 0.0))
+    /// Whether pivots tell of stability: no node slips with friction, whose matrix is far from symmetric, and nothing meets
+    /// itself, where conditions repeat each other and give way. Collective.
+    fn is_plain(&self) -> bool {
+        let slips = |slave: &Slave| slave.trial.status == Status::Slip && slave.law.friction > 0.0;
+        let blurs = |pair: &Pair| pair.is_self() || pair.slaves.iter().any(slips);
+        !any(self.comm, self.model.pairs.iter().any(blurs))
     }
 
     /// Says once in a step what is to be known of its linear systems. Collective.
