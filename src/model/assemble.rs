@@ -60,7 +60,10 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         }
         global.middles.join(mesh.middles.renumbered(|n| Some(n + offset)));
         global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
-        global.warnings.extend(mesh.warnings.iter().map(|told| format!("body `{}`: {told}", body.name.value)));
+        // What is said of a file, once of all bodies from it.
+        let new: Vec<&String> =
+            mesh.warnings.iter().filter(|&told| !global.warnings.iter().any(|w| w.ends_with(told))).collect();
+        global.warnings.extend(new.into_iter().map(|told| format!("body `{}`: {told}", body.name.value)));
         ties.iter_mut().for_each(|tie| *tie += offset);
         mesh.solids.iter_mut().flat_map(|solid| &mut solid.nodes).for_each(|n| *n += offset);
         global.section.extend(sections.nodes.iter().map(|section| first_section + section));
