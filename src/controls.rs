@@ -194,6 +194,8 @@ controls! {
             "After a hard increment and the first failure; its square after the second; one over its square is how much longer the next jump is tried.";
         short_increment: f64 = 0.00390625, [1e-9, 1.0], "the scene's largest increment",
             "Below, a shorter one hardly serves, and a jump is tried: what sticks is then carried along by so little that the jump does not disturb its friction.";
+        stability_checks: usize = 20, [1, 1000000], "judgements in a step",
+            "Where friction makes the tangent unsymmetric stability takes a factorization more: in steps of so many increments in each, in longer ones as often, and where the determinant changes its sign. In each of 100 increments it takes half the time of a disk that turns in a plate, which solves with the factors of earlier increments.";
         busy_share: f64 = 0.25, [0.0, 1.0], "contact nodes",
             "Where more of them change sides the next increment is not longer.";
         busy_turn: f64 = 0.3, [0.01, 10.0], "slip over the radius of curvature, radians",
@@ -256,6 +258,8 @@ controls! {
             "Share of it that patches take with two passes. Smooth surfaces that share the whole of it may curve together without any node entering the other side: on flat faces the conditions of two passes would depend on each other: with all of it the patch test takes 11 iterations for 4, and is off by 4e-4.";
         repeat_distance: f64 = 0.05, [0.0, 0.45], "shortest edge of the master patch",
             "A slave node of a second pass that is nearer to a node of the master leaves the contact to that one, up to twice as far away: the same condition twice would leave open how the two share the force.";
+        creep: f64 = 1e-6, [1e-12, 1e-3], "friction force, with each longest edge of the slave facets that a node slips in an increment",
+            "Of increments in which friction alone holds a body and all of it slips to both sides, as a ring that is crushed between two plates: where it is then only this tells. No node may slip by more than an edge, so that friction is off by no more than this share. Below 1e-9 rounding would tell.";
         friction_steep: f64 = 0.5, [0.0, 0.7], "share of a velocity that is normal to the contacts",
             "Below, friction is what holds a body: that of a wedge of 30 degrees. Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips; and what has lost its friction is let go, though it still touches.";
     }

@@ -194,6 +194,25 @@ fn want_of_memory_ends_a_run_at_once() {
     }
 }
 
+/// Between what MUMPS 5.5 takes of memory for the factors of this block and what it takes beside them.
+#[test]
+fn factors_go_to_files_where_memory_ends() {
+    let bench = Bench::new(&scene());
+    let larger = ["solver.linear=direct", "body.block.block.elements=[14, 14, 14]", "step.press.increments=2"];
+    let larger = larger.map(|set| ["--set", set]).concat();
+    for (ranks, limit) in [(1, "40"), (2, "48")] {
+        let plain = bench.solve(ranks, &larger);
+        let run = bench.solve(ranks, &[&larger[..], &["--", "-mat_mumps_icntl_23", limit]].concat());
+        assert!(!plain.log().contains("factors, which are kept in files"), "{}", plain.log());
+        assert_eq!(run.log().matches("factors, which are kept in files").count(), 1, "{}", run.log());
+        assert_eq!(run.summary()["linear_solver"], "MUMPS LU, SCOTCH, factors in files");
+        assert_small("forces", plain.history().difference(&run.history()), 1e-9);
+        let files = std::fs::read_dir(&run.out).unwrap().map(|file| file.unwrap().file_name());
+        let left: Vec<_> = files.filter(|name| name.to_string_lossy().contains("mumps")).collect();
+        assert!(left.is_empty(), "{left:?}");
+    }
+}
+
 #[test]
 fn quiet_hides_no_warning() {
     let bench = Bench::new(&scene().replace("point = [0.0, 0.0, 2.0]", "point = [0.0, 0.0, 1.8]"));

@@ -477,3 +477,81 @@ fn what_friction_alone_holds_is_not_thrown() {
         assert_small(column, run.history().last(column), 0.02);
     }
 }
+
+/// A body between two plates with friction, `p` above and `q` below: each presses on a set, at a height.
+fn between_plates(block: &str, [above, below]: [(&str, f64); 2], steps: &str) -> Bench {
+    let ((high, top), (low, bottom)) = (above, below);
+    Bench::new(&format!(
+        r#"
+        [body.s]
+        material = "m"
+        element = "hex8-eas"
+        plane_strain = true
+        block = {block}
+        [material.m]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.p]
+        plane = {{ point = [0.0, {top:?}, 0.0], normal = [0.0, -1.0, 0.0] }}
+        [tool.q]
+        plane = {{ point = [0.0, {bottom:?}, 0.0], normal = [0.0, 1.0, 0.0] }}
+        [contact]
+        c = {{ slave = "{high}", master = "p", friction = 0.2 }}
+        d = {{ slave = "{low}", master = "q", friction = 0.2 }}
+        {steps}
+        "#
+    ))
+}
+
+/// A ring that is crushed between two plates and held along x by their friction alone: at times all nodes that touch slip
+/// outwards, and equilibrium does not say where it is. Found without a cut, with the force of a ring that a soft spring holds,
+/// in the middle, to the ends of what friction of 1e-6 an edge more makes of the slips.
+#[test]
+fn a_ring_that_slips_to_both_sides_stays() {
+    let block = "{ sector = { radii = [9.0, 10.0], angles = [-90, 270], length = 1.0 }, elements = [2, 36, 1] }";
+    let bench = between_plates(
+        block,
+        [("s.rmax", 10.0), ("s.rmax", -10.0)],
+        r#"
+        [[step]]
+        increments = 16
+        move = [{ target = "p", by = [0.0, -8.0, 0.0] }, { target = "q", by = [0.0, 8.0, 0.0] }]
+        [output]
+        history = ["s"]
+        "#,
+    );
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let history = run.history();
+        assert_eq!(run.summary()["cutbacks"], 0, "{}", run.log());
+        assert_close("force", history.last("p.fy"), -9.5839, 1e-5);
+        assert_small("aside", history.last("s.ux"), 1e-3);
+        assert_small("balance", history.last("p.fx") + history.last("q.fx"), 1e-8);
+    }
+}
+
+/// A strip between plates that is pulled by more than their friction: what slips to one side is let go.
+#[test]
+fn a_strip_that_is_pulled_off_is_let_go() {
+    let bench = between_plates(
+        "{ box = { size = [2.0, 1.0, 1.0] }, elements = [8, 4, 1] }",
+        [("s.ymax", 1.0), ("s.ymin", 0.0)],
+        r#"
+        [[step]]
+        increments = 2
+        move = [{ target = "p", by = [0.0, -0.02, 0.0] }]
+        [[step]]
+        increments = 10
+        force = [{ target = "s.xmax", total = [2.0, 0.0, 0.0] }]
+        keep = true
+        "#,
+    );
+    let run = bench.run(1, &[]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let (history, friction) = (run.history(), 0.2);
+    let pulled = 2.0 * (history.last("time") - 1.0);
+    let most = -2.0 * friction * history.last("p.fy");
+    assert!(pulled <= most * (1.0 + 1e-6) && pulled > 0.9 * most, "{pulled} of {most}: {}", run.stderr);
+    assert!(run.stderr.contains("% of the friction that it can"), "{}", run.stderr);
+}

@@ -25,7 +25,7 @@ mod vector;
 
 pub use error::Error;
 pub use linear::{
-    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE,
+    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, Negative, RESIDUAL_TOLERANCE,
 };
 pub use matrix::Matrix;
 pub use memory::{address_space_left, enough_to_start};

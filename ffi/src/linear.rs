@@ -18,6 +18,7 @@ use std::time::Instant;
 use crate::error::{Error, check, forget};
 use crate::krylov::{Iterated, Krylov, Preconditioner};
 use crate::matrix::{Matrix, Version};
+use crate::memory::left_for_each;
 use crate::multigrid::{Multigrid, Node, Unknowns};
 use crate::runtime::Petsc;
 use crate::sys;
@@ -47,6 +48,8 @@ const LDLT_ORDERING: i32 = 12;
 const SCALAPACK_ROOT: i32 = 13;
 /// Workspace beyond the estimate, in percent.
 const WORKSPACE: i32 = 14;
+/// Factors in files.
+const OUT_OF_CORE: i32 = 22;
 const NULL_PIVOTS: i32 = 24;
 const ANALYSIS: i32 = 28;
 const DETERMINANT: i32 = 33;
@@ -160,7 +163,7 @@ pub struct LinearStatistics {
     pub relative_residual: f64,
     /// Null pivots of the last factorization: redundant equations, if the residual is small all the same.
     pub null_pivots: usize,
-    /// How many eigenvalues of the last matrix that was factored are negative.
+    /// How many eigenvalues of the matrix of the last system are negative, if it was factored.
     pub negative: Negative,
     /// Factorizations repeated with pivots that MUMPS had taken for null, and that the solution needed.
     pub small_pivots: usize,
@@ -171,6 +174,8 @@ pub struct LinearStatistics {
     pub reused: usize,
     /// Systems that the iterative solver was tried on in vain, and that were factored.
     pub unsolved: usize,
+    /// Factors are kept in files, for memory does not suffice for them.
+    pub out_of_core: bool,
     /// Time for setting multigrid up, and for iterating, applications of factors excepted, s.
     pub set_up_s: f64,
     pub iterate_s: f64,
@@ -193,6 +198,7 @@ impl LinearStatistics {
             krylov_iterations: self.krylov_iterations + later.krylov_iterations,
             reused: self.reused + later.reused,
             unsolved: self.unsolved + later.unsolved,
+            out_of_core: self.out_of_core || later.out_of_core,
             set_up_s: self.set_up_s + later.set_up_s,
             iterate_s: self.iterate_s + later.iterate_s,
         }
@@ -244,6 +250,8 @@ pub struct LinearSolver<'p> {
     factorization: Factorization,
     /// Workspace beyond the estimate, in percent, since the default or the user's has not sufficed.
     workspace: Option<i32>,
+    /// Where factors may be kept in files.
+    folder: Option<String>,
     factor: Option<Factor<'p>>,
     /// Solves with the factors of an earlier matrix, if it may.
     reuse: Option<Reuse<'p>>,
@@ -284,6 +292,7 @@ impl<'p> LinearSolver<'p> {
             petsc,
             factorization,
             workspace: None,
+            folder: None,
             factor: None,
             reuse: None,
             multigrid: None,
@@ -299,6 +308,22 @@ impl<'p> LinearSolver<'p> {
     pub fn reuse_factors(&mut self, least_worth: usize) -> Result<(), Error> {
         self.reuse = Some(Reuse { krylov: Krylov::new(self.petsc)?, least_worth, in_vain: 0, pause: 0 });
         Ok(())
+    }
+
+    /// What pivots have told is of no more use.
+    pub(crate) fn forget_pivots(&mut self) {
+        (self.statistics.null_pivots, self.statistics.negative) = (0, Negative::Unknown);
+    }
+
+    /// Gives the memory of factors back, if it holds any.
+    pub(crate) fn forget_factors(&mut self) -> bool {
+        self.factor.take().is_some()
+    }
+
+    /// Where memory does not suffice for factors they are kept in files of this folder from now on, in vain if they are more than
+    /// the disk has.
+    pub fn keep_in(&mut self, folder: &str) {
+        self.folder = Some(folder.into());
     }
 
     /// From now on tries to solve systems iteratively, of which the rows belong to these unknowns; what it cannot is solved
@@ -404,7 +429,7 @@ impl<'p> LinearSolver<'p> {
             if let Some(relative_residual) = solved {
                 self.in_vain = 0;
                 self.statistics.relative_residual = relative_residual;
-                (self.statistics.null_pivots, self.statistics.negative) = (0, Negative::Unknown);
+                self.forget_pivots();
                 return Ok(());
             }
             self.in_vain += 1;
@@ -421,7 +446,7 @@ impl<'p> LinearSolver<'p> {
             let replaced = self.statistics;
             if factor.keep_pivots(matrix, self.factorization)? {
                 self.statistics.factorizations += 1;
-                (self.statistics.null_pivots, self.statistics.negative) = (0, Negative::Unknown);
+                self.forget_pivots();
                 // SAFETY: as for this function.
                 let kept = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
                 if kept.is_ok() {
@@ -471,7 +496,33 @@ impl<'p> LinearSolver<'p> {
         self.statistics.krylov_iterations += iterations;
         self.statistics.relative_residual = solved.unwrap_or_default();
         self.statistics.reused += usize::from(solved.is_some());
+        if solved.is_some() {
+            self.statistics.negative = Negative::Unknown;
+        }
         Ok(solved.is_some())
+    }
+
+    /// How many eigenvalues of a matrix are negative, as far as its factors tell; of one that cannot be factored nothing is known.
+    /// `None` where memory does not suffice for factors, which do not go to files for this. Collective.
+    pub fn negative_eigenvalues(&mut self, matrix: &Matrix) -> Result<Option<Negative>, Error> {
+        match self.count_negative(matrix) {
+            Ok(negative) => Ok(negative),
+            Err(LinearError::Failure(LinearFailure::Memory { .. })) => Ok(None),
+            Err(LinearError::Failure(_)) => Ok(Some(Negative::Unknown)),
+            Err(LinearError::Error(error)) => Err(error),
+        }
+    }
+
+    fn count_negative(&mut self, matrix: &Matrix) -> Result<Option<Negative>, LinearError> {
+        if self.factor.as_ref().is_none_or(|factor| factor.pattern != matrix.version().pattern) {
+            let factor = self.analysed(matrix)?;
+            if self.lacks_memory(&factor)? {
+                return Ok(None);
+            }
+            self.factor = Some(factor);
+        }
+        self.factor = Some(self.factored(matrix)?);
+        Ok(Some(self.statistics.negative))
     }
 
     /// What A, with null pivots replaced in its factors, does not give back of `z`: z - A⁺ A z, which is in the null space of
@@ -499,7 +550,10 @@ impl<'p> LinearSolver<'p> {
             return Err(LinearFailure::NotFinite("matrix").into());
         }
         let kept = self.factor.take().filter(|factor| factor.pattern == version.pattern);
-        let mut factor = kept.map_or_else(|| self.analysed(matrix), Ok)?;
+        let mut factor = match kept {
+            Some(factor) => factor,
+            None => self.placed(matrix)?,
+        };
         for retry in 0.. {
             self.statistics.factorizations += 1;
             match factor.factor(matrix, self.factorization)? {
@@ -513,6 +567,11 @@ impl<'p> LinearSolver<'p> {
                     drop(factor);
                     factor = self.analysed(matrix)?;
                 }
+                Answer::Failed(LinearFailure::Memory { .. }) if self.may_go_to_disk() => {
+                    drop(factor);
+                    self.statistics.out_of_core = true;
+                    factor = self.analysed(matrix)?;
+                }
                 Answer::MoreWorkspace(failure) | Answer::Failed(failure) => return Err(failure.into()),
             }
         }
@@ -523,12 +582,43 @@ impl<'p> LinearSolver<'p> {
 
     /// Analyses the pattern of the matrix. Collective.
     fn analysed(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
+        const FOLDER: &str = "mat_mumps_ooc_tmpdir";
         self.statistics.analyses += 1;
+        if let Some(folder) = self.folder.as_ref().filter(|_| self.statistics.out_of_core)
+            && !self.petsc.has_option(FOLDER)?
+        {
+            self.petsc.option(FOLDER, folder)?;
+        }
         let mut factor = Factor::analyse(self.petsc, matrix, self.factorization)?;
         if let Some(workspace) = self.workspace {
             factor.set_control(WORKSPACE, workspace)?;
         }
+        if self.statistics.out_of_core {
+            factor.set_control(OUT_OF_CORE, 1)?;
+        }
         Ok(factor)
+    }
+
+    /// The same, with factors in files if memory does not suffice for them. Collective.
+    fn placed(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
+        let factor = self.analysed(matrix)?;
+        if !self.may_go_to_disk() || !self.lacks_memory(&factor)? {
+            return Ok(factor);
+        }
+        drop(factor);
+        self.statistics.out_of_core = true;
+        self.analysed(matrix)
+    }
+
+    fn may_go_to_disk(&self) -> bool {
+        self.folder.is_some() && !self.statistics.out_of_core
+    }
+
+    /// Whether some rank has less memory left than MUMPS foresees for the one that takes most. Collective.
+    fn lacks_memory(&self, factor: &Factor) -> Result<bool, Error> {
+        let wanted = factor.infog(16)?.max(0) as u64 * 1_000_000;
+        let left = left_for_each(self.petsc.own());
+        Ok(self.petsc.any(left.is_some_and(|left| left < wanted)))
     }
 }
 
@@ -754,8 +844,10 @@ impl<'p> Factor<'p> {
         Ok(match (self.infog(1)?, self.infog(2)?) {
             (one @ (-6 | -10), two) => LinearFailure::Singular(one, two),
             // No memory for integers, for reals; workspace that more of it did not cure; the user's limit, ICNTL(23).
-            (code @ (-7 | -8 | -9 | -11 | -13 | -14 | -17 | -19 | -20), two) => {
-                let (missing, estimate) = (megabytes(two), self.infog(16)?.max(0) as u64);
+            // Or no room for files.
+            (code @ (-7 | -8 | -9 | -11 | -13 | -14 | -17 | -19 | -20 | -90), two) => {
+                let missing = if code == -90 { 0 } else { megabytes(two) };
+                let estimate = self.infog(16)?.max(0) as u64;
                 LinearFailure::Memory { code, missing, estimate }
             }
             (one, two) => LinearFailure::Mumps(one, two),

@@ -117,6 +117,21 @@ impl<'p> Matrix<'p> {
         Ok(rows as usize)
     }
 
+    /// (A + Aᵀ) / 2, of which the values cannot be updated. As long as the pattern of A stands, that of this is one and the
+    /// same to solvers. Collective.
+    pub fn symmetric_part(&self) -> Result<Self, Error> {
+        let mut raw = null_mut();
+        // SAFETY: a live matrix and a place for the handle of its transpose, to which the matrix, of the same layout, is added.
+        check(unsafe { sys::MatTranspose(self.raw, sys::MAT_INITIAL_MATRIX, &mut raw) })?;
+        let mut part = Self { raw, symmetric: false, local_entries: 0, ..*self };
+        // SAFETY: as above.
+        check(unsafe { sys::MatAXPY(raw, 1.0, self.raw, sys::DIFFERENT_NONZERO_PATTERN) })?;
+        // SAFETY: a live matrix.
+        check(unsafe { sys::MatScale(raw, 0.5) })?;
+        part.set_symmetric(true)?;
+        Ok(part)
+    }
+
     /// y = A x. Collective.
     pub fn multiply(&self, x: &Vector, y: &mut Vector) -> Result<(), Error> {
         self.require_layout(&[x, y])?;
@@ -153,9 +168,7 @@ impl<'p> Matrix<'p> {
 
     /// Whether the values of all ranks are finite. Collective.
     pub(crate) fn is_finite_everywhere(&self) -> bool {
-        let (mine, mut all) = (i32::from(self.finite), 0);
-        self.petsc.own().all_reduce_into(&mine, &mut all, SystemOperation::min());
-        all == 1
+        !self.petsc.any(!self.finite)
     }
 
     pub(crate) fn raw(&self) -> sys::Mat {

@@ -29,6 +29,28 @@ fn left(limits: &str, status: &str) -> Option<u64> {
     Some(limit.saturating_sub(number(status, "VmSize:").unwrap_or(0) << 10))
 }
 
+/// Memory that each rank may still take, bytes, where the machine or a container's limit tells: what is free, by the ranks that
+/// share it. Collective.
+pub(crate) fn left_for_each(comm: &SimpleCommunicator) -> Option<u64> {
+    let sharing = comm.split_shared(0).size() as u64;
+    let read = |file: &str| read_to_string(file).unwrap_or_default();
+    let number = |file: &str| read(file).trim().parse::<u64>().ok();
+    let of_group = |most: &str, taken: &str| Some(number(most)?.saturating_sub(number(taken)?));
+    let shared = [
+        free(&read("/proc/meminfo")),
+        of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
+        of_group("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+    ];
+    let shared = shared.into_iter().flatten().min().map(|bytes| bytes / sharing);
+    shared.into_iter().chain(address_space_left()).min()
+}
+
+/// What of /proc/meminfo can be had, bytes.
+fn free(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()? << 10)
+}
+
 /// What is to be said before MPI starts if less is left than the program cannot do without. MPI would fail to load its
 /// components with less, and not say why, or crash.
 pub fn enough_to_start() -> Result<(), String> {
@@ -70,7 +92,7 @@ pub(crate) fn settle_blas() -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::left;
+    use super::{free, left};
 
     #[test]
     fn what_is_left_is_the_limit_less_what_is_taken() {
@@ -80,5 +102,11 @@ mod tests {
         assert_eq!(left(&limits("1024"), status), Some(0));
         assert_eq!(left(&limits("unlimited"), status), None);
         assert_eq!(left("", status), None);
+    }
+
+    #[test]
+    fn what_is_free_is_read() {
+        assert_eq!(free("MemTotal: 9 kB\nMemFree: 1 kB\nMemAvailable:    8 kB\n"), Some(8192));
+        assert_eq!(free("MemTotal: 9 kB\n"), None);
     }
 }

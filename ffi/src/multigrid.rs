@@ -399,9 +399,8 @@ impl<'p> Reduced<'p> {
             check(sys::PCSetOperators(amg, reduced.raw(), reduced.raw()))?;
             check(sys::PCSetFromOptions(amg))?;
         }
-        let (multipliers, mut has_multipliers) = (i32::from(!whole.lent_rows.is_empty()), 0);
-        petsc.own().all_reduce_into(&multipliers, &mut has_multipliers, SystemOperation::max());
-        let couplings = if has_multipliers > 0 { Some(Couplings::new(petsc, &whole, unknowns)?) } else { None };
+        let has_multipliers = petsc.any(!whole.lent_rows.is_empty());
+        let couplings = if has_multipliers { Some(Couplings::new(petsc, &whole, unknowns)?) } else { None };
         let of_reduced = rows.len();
         Ok(Self {
             pattern: matrix.version().pattern,

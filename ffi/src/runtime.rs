@@ -7,6 +7,7 @@ use std::mem::{MaybeUninit, forget};
 use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use mpi::collective::SystemOperation;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 
@@ -135,6 +136,13 @@ impl<'c> Petsc<'c> {
     /// Collective.
     pub fn agree<T>(&self, mine: Result<T, String>) -> Result<T, Error> {
         agree::agree(&self.own, mine)
+    }
+
+    /// Whether the condition holds on any rank. Collective.
+    pub(crate) fn any(&self, mine: bool) -> bool {
+        let mut any = false;
+        self.own.all_reduce_into(&mine, &mut any, SystemOperation::logical_or());
+        any
     }
 
     /// An error on all ranks unless the condition holds on all. Collective.

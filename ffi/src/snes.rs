@@ -15,7 +15,7 @@ use std::ptr::{null, null_mut};
 use crate::agree::agree_on_call;
 use crate::error::{Error, check, forget, owned};
 use crate::linear::{
-    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, RESIDUAL_TOLERANCE,
+    Factorization, Factors, LinearError, LinearFailure, LinearSolver, LinearStatistics, Negative, RESIDUAL_TOLERANCE,
 };
 use crate::matrix::Matrix;
 use crate::multigrid::{Node, Unknowns};
@@ -140,6 +140,8 @@ pub struct Snes<'p> {
     residual: Vector<'p>,
     matrix: Matrix<'p>,
     linear: LinearSolver<'p>,
+    /// Factors matrices that are not solved with, in this way.
+    judge: Option<(Factorization, LinearSolver<'p>)>,
 }
 
 impl<'p> Snes<'p> {
@@ -148,7 +150,7 @@ impl<'p> Snes<'p> {
         let residual = Vector::zeros(petsc, matrix.local_rows())?;
         let raw = create(petsc)?;
         let linear = LinearSolver::new(petsc, factorization);
-        let snes = Self { petsc, raw, residual, matrix, linear };
+        let snes = Self { petsc, raw, residual, matrix, linear, judge: None };
         snes.configure()?;
         Ok(snes)
     }
@@ -157,6 +159,7 @@ impl<'p> Snes<'p> {
     /// learnt of how such systems are best solved stays, and so do the statistics. Collective.
     pub fn renew(&mut self, matrix: Matrix<'p>, unknowns: impl FnOnce() -> Unknowns) -> Result<(), Error> {
         self.linear.renew(unknowns)?;
+        self.judge = None;
         self.residual = Vector::zeros(self.petsc, matrix.local_rows())?;
         let mut old = std::mem::replace(&mut self.raw, create(self.petsc)?);
         // SAFETY: a live solver that nobody else holds.
@@ -223,6 +226,16 @@ impl<'p> Snes<'p> {
         self.linear.reuse_factors(least_worth)
     }
 
+    /// Begins with something new: what the pivots of the last J have told is of no more use.
+    pub fn forget_pivots(&mut self) {
+        self.linear.forget_pivots();
+    }
+
+    /// As [`LinearSolver::keep_in`].
+    pub fn keep_in(&mut self, folder: &str) {
+        self.linear.keep_in(folder);
+    }
+
     /// As [`LinearSolver::iterate`]. Collective.
     pub fn iterate(&mut self, unknowns: Unknowns, patience: usize) -> Result<(), Error> {
         self.linear.iterate(unknowns, patience)
@@ -241,6 +254,27 @@ impl<'p> Snes<'p> {
     /// As [`LinearSolver::place`].
     pub fn place(&mut self, nodes: impl FnOnce() -> Vec<Node>) {
         self.linear.place(nodes);
+    }
+
+    /// How many eigenvalues of a matrix in the pattern of J are negative, or of its symmetric part, which is factored to LDLᵀ.
+    /// It takes the place of J until that is computed again. Where memory does not suffice for factors of both, those of J go.
+    /// Collective.
+    pub fn negative_eigenvalues(&mut self, values: &[f64], factorization: Factorization) -> Result<Negative, Error> {
+        self.matrix.update(values)?;
+        let part = match factorization {
+            Factorization::Ldlt if !self.matrix.is_symmetric() => Some(self.matrix.symmetric_part()?),
+            _ => None,
+        };
+        let matrix = part.as_ref().unwrap_or(&self.matrix);
+        let kept = self.judge.take().filter(|(kind, _)| *kind == factorization);
+        let (_, mut judge) = kept.unwrap_or_else(|| (factorization, LinearSolver::new(self.petsc, factorization)));
+        if let Some(negative) = judge.negative_eigenvalues(matrix)? {
+            self.judge = Some((factorization, judge));
+            return Ok(negative);
+        }
+        // The next factors of J will want the memory again.
+        let negative = if self.linear.forget_factors() { judge.negative_eigenvalues(matrix)? } else { None };
+        Ok(negative.unwrap_or(Negative::Unknown))
     }
 
     /// As [`LinearSolver::null_part`], of the last J. Collective.

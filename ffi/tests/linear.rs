@@ -3,7 +3,9 @@
 mod common;
 use common::*;
 
-use petsc::{Factorization, LinearError, LinearFailure, LinearSolver, Matrix, Multipliers, Node, Petsc, Unknowns};
+use petsc::{
+    Factorization, LinearError, LinearFailure, LinearSolver, Matrix, Multipliers, Negative, Node, Petsc, Unknowns,
+};
 
 /// Solves for a known solution and returns its largest error.
 fn error_of_solution(petsc: &Petsc, solver: &mut LinearSolver, a: &Matrix, dense: &[Vec<f64>]) -> f64 {
@@ -209,6 +211,24 @@ fn negative_eigenvalues_are_told() {
                 assert!(!negative.is_not(told), "{count}: {negative:?}");
                 assert!(negative.is_not(told + 1), "{count}: {negative:?}");
             }
+        }
+    });
+}
+
+/// (A + Aᵀ) / 2 of a matrix with a skew part is the one without it, also where the pattern is not symmetric.
+#[test]
+fn the_symmetric_part_is_judged() {
+    with_petsc("the_symmetric_part_is_judged", &[1, 2, 3], "", |petsc| {
+        for count in [0, 1, 2] {
+            let mut dense = saddle_point(10, 2);
+            (0..count).for_each(|i| dense[4 * i][4 * i] -= 1e6);
+            for (i, j) in [(0, 9), (3, 5), (2, 11)] {
+                (dense[i][j], dense[j][i]) = (dense[i][j] + dense[j][i], 0.0);
+            }
+            let part = matrix(petsc, &dense).symmetric_part().unwrap();
+            let mut solver = LinearSolver::new(petsc, Factorization::Ldlt);
+            let negative = solver.negative_eigenvalues(&part).unwrap();
+            assert_eq!(negative, Some(Negative::Count(2 + count)));
         }
     });
 }

@@ -187,6 +187,61 @@ every = 100
 history = ["low.xmin", "high.xmin"]
 """
 
+# A ring that is crushed between two plates, of which the friction alone holds it.
+RING = """
+[body.ring]
+material = "soft"
+plane_strain = true
+element = "hex8-eas"
+block = { sector = { radii = [9.0, 10.0], angles = [-90, 270], length = 1.0 }, elements = [2, 36, 1] }
+[material.soft]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.high]
+plane = { point = [0.0, 10.0, 0.0], normal = [0.0, -1.0, 0.0] }
+[tool.low]
+plane = { point = [0.0, -10.0, 0.0], normal = [0.0, 1.0, 0.0] }
+[contact.above]
+slave = "ring.rmax"
+master = "high"
+friction = 0.2
+[contact.below]
+slave = "ring.rmax"
+master = "low"
+friction = 0.2
+[[step]]
+increments = 16
+move = [{ target = "high", by = [0.0, -8.0, 0.0] }, { target = "low", by = [0.0, 8.0, 0.0] }]
+[output]
+every = 100
+"""
+
+# A square column that buckles under a rough plate.
+COLUMN = """
+[body.column]
+material = "soft"
+element = "hex8-eas"
+block = { box = { size = [1.0, 1.0, 20.0] }, elements = [2, 2, 20] }
+[material.soft]
+model = "neo-hookean"
+young = 1000.0
+poisson = 0.3
+[tool.plate]
+plane = { point = [0.0, 0.0, 20.0], normal = [0.0, 0.0, -1.0] }
+[contact.top]
+slave = "column.zmax"
+master = "plate"
+friction = 0.5
+[[step]]
+increments = 5
+fix = [{ set = "column.zmin" }]
+move = [{ target = "plate", by = [0.0, 0.0, -0.5] }]
+force = [{ target = "column.xmax", total = [0.05, 0.02, 0.0] }]
+[output]
+every = 100
+"""
+
 # A block between platens as wide as itself.
 PLATEN = """
 [body.block]
@@ -236,6 +291,8 @@ SCENES = {
     "punch": (PUNCH, [], "between sharp"),
     "sheet": (SHEET, [], "central failing"),
     "leaves": (LEAVES, [], "lagrange failing"),
+    "ring": (RING, [], "crushed"),
+    "column": (COLUMN, [], "buckling"),
     "ironing-deformable": ("ironing-deformable", ["body.slab.block.elements=[60, 10, 1]", "step.press.increments=4",
                                                   "step.slide.increments=4", "step.slide.move.0.by=[4.0, 0.0, 0.0]"],
                            "body kinks"),
@@ -275,6 +332,7 @@ USED = [
     ("soft_augmentation", "failing driven"), ("end_*", "kinks"),
     ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),
     ("extrapolate*", "plain faceted sharp plastic self"), ("augmentation", "plain sharp self driven lagrange"),
+    ("creep", "crushed"), ("stability_checks", "buckling crushed"),
     ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"),
     ("*", "at-once sharp self plastic faceted"),
 ]

@@ -374,7 +374,12 @@ impl Conditions {
     pub fn is_symmetric(&self, model: &Model) -> bool {
         let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.tangent);
         let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
-        conservative && model.sections.iter().all(|section| section.element != Formulation::Hex8Fbar)
+        conservative && self.has_symmetric_bodies(model)
+    }
+
+    /// Whether the tangents of all elements are symmetric: those of F-bar are not.
+    pub fn has_symmetric_bodies(&self, model: &Model) -> bool {
+        model.sections.iter().all(|section| section.element != Formulation::Hex8Fbar)
     }
 
     fn add_body_forces(&mut self, model: &Model, step: &Step) {

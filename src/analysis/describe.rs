@@ -179,6 +179,13 @@ pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
     }
 }
 
+/// Says where factors are that memory does not suffice for.
+pub fn out_of_core(step: &str) -> String {
+    format!(
+        "  step `{step}`: memory does not suffice for the factors, which are kept in files of the folder of the run"
+    )
+}
+
 /// Warns of an equilibrium that the least push would end.
 pub fn unstable(step: &str, time: f64) -> String {
     format!(
@@ -270,6 +277,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
     let next = match remedy {
         Remedy::Cut => "in a shorter one",
         Remedy::Follow => "with what touches going along at first",
+        Remedy::Creep => "with friction that grows a little with slip",
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") of contacts whose conditions may say what others say",
         Remedy::Ease => "with lower penalties of held multipliers",

@@ -36,7 +36,7 @@ fn out_of_memory((step, time): (&str, f64), failure: &LinearFailure, iterates: b
     };
     Error::System(format!(
         "step `{step}`, after time {time:.6}: {failure}\n  \
-         help: run on more memory, or machines, or with fewer unknowns; {other}; `-- -mat_mumps_icntl_14 20` reserves less, \
-         `-- -mat_mumps_icntl_22 1` keeps the factors on disk"
+         help: run on more memory, or machines, or with fewer unknowns, and with room for the factors in the folder of the run; \
+         {other}; `-- -mat_mumps_icntl_14 20` reserves less"
     ))
 }

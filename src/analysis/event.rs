@@ -40,6 +40,8 @@ pub enum Remedy {
     Cut,
     /// What touches goes along with its master in the first iteration.
     Follow,
+    /// Friction grows a little with slip.
+    Creep,
     /// Constraints give way before they are tightened.
     Yield,
     /// Multipliers of contacts that make the same conditions are held.

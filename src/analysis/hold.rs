@@ -7,6 +7,7 @@ use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Slave, Status, Trial};
 use crate::failure::Cause;
+use crate::parallel::any;
 
 /// What a contact holds of a node that touches.
 #[derive(Clone, Copy, PartialEq)]
@@ -87,6 +88,8 @@ impl Simulation<'_> {
         let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {
             _ if !rubs(p) || !bears(p, slave) => Hold::Normal,
             Status::Stick => Hold::Firm,
+            // What has slipped far may have been let go.
+            _ if slave.law.creep > 0.0 && slave.trial.slip.norm() <= self.model.pairs[p].facet_size => Hold::Firm,
             _ => Hold::Across,
         };
         // As if all stuck that rubs, and that does not, which is not asked here.
@@ -102,7 +105,12 @@ impl Simulation<'_> {
         match free {
             None => Attempt::Converged(converged),
             Some(free) => {
-                let reason = format!("{} can {}, for no contact holds it any more,", free.who, free.motion());
+                let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
+                let why = match any(self.comm, slaves.any(Slave::rubs)) {
+                    true => "what touches slips, and no contact holds it",
+                    false => "no contact holds it any more",
+                };
+                let reason = format!("{} can {}, for {why},", free.who, free.motion());
                 Attempt::Failed(converged.refused(Cause::Loose, reason))
             }
         }

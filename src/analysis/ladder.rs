@@ -18,6 +18,8 @@
 //!    Elsewhere constraints give way until they are tightened. Once that has helped, it is the way of the step. In
 //!    self-contact, where they give way always, by more, and wherever an increment has failed: nodes that almost meet send
 //!    each other to and fro.
+//!    Where friction alone holds a body, and all of it slips, equilibrium does not say where it is: friction grows a little with
+//!    slip then, and in the rest of the step if that has helped.
 //! 3. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
 //!    balance, for a few iterations at most, and slips only then; with the automatic penalty, too, where another one is
 //!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
@@ -95,6 +97,8 @@ pub struct Tries {
     yields: Option<bool>,
     /// What touches goes along in the first iteration; `None` when it did not help in this increment.
     follows: Option<bool>,
+    /// Friction grows a little with slip; `None` when it did not help in this increment.
+    creeps: Option<bool>,
     way: Way,
     /// Penalties are lower.
     soft: bool,
@@ -133,7 +137,21 @@ pub struct Means {
     pub jumps: usize,
 }
 
-crate::words!(Tries { can_yield, yields, follows, way, soft, sets, central, turned, sorted, failures, jumps, jumped });
+crate::words!(Tries {
+    can_yield,
+    yields,
+    follows,
+    creeps,
+    way,
+    soft,
+    sets,
+    central,
+    turned,
+    sorted,
+    failures,
+    jumps,
+    jumped
+});
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
 impl Words for Way {
@@ -173,6 +191,7 @@ impl Ladder {
             can_yield: Yields::Never,
             yields: Some(false),
             follows: Some(false),
+            creeps: Some(false),
             way: Way::Newton { settle: false },
             soft: false,
             sets: false,
@@ -238,6 +257,7 @@ impl Ladder {
             automatic: self.is_remedy() || self.yields(),
             soft: self.is_soft(),
             clings: self.tries.follows == Some(true),
+            creeps: self.tries.creeps == Some(true),
             central: self.is_central(),
             yields: self.yields(),
             again: self.tries.failures > 0,
@@ -268,6 +288,7 @@ impl Ladder {
         let found = Found { way: self.way(), failures: self.tries.failures };
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
         self.tries.follows = Some(self.tries.follows == Some(true));
+        self.tries.creeps = Some(self.tries.creeps == Some(true));
         self.tries.jumped = if self.tries.way == Way::Jump {
             self.tries.jumped + self.controls.jump_weight
         } else {
@@ -288,6 +309,11 @@ impl Ladder {
             self.tries.failures += 1;
             increments.cut(end, false);
             return Some(Remedy::Cut);
+        }
+        // Friction alone holds something, and does not say where.
+        let is_open = self.settles && (cause == Cause::Loose || cause.is_linear());
+        if is_open && is_new(&mut self.tries.creeps, true) {
+            return Some(Remedy::Creep);
         }
         // What fails by sets says nothing of what else may help.
         let by_sets = std::mem::take(&mut self.tries.sets) && self.means.sort && self.tries.way != Way::Jump;
@@ -321,12 +347,8 @@ impl Ladder {
             self.tries.failures += 1;
             return Some(Remedy::Hold);
         }
-        if cause == Cause::Singular {
-            let follows = std::mem::take(&mut self.tries.follows);
-            if self.means.soften && follows == Some(false) {
-                self.tries.follows = Some(true);
-                return Some(Remedy::Follow);
-            }
+        if cause == Cause::Singular && is_new(&mut self.tries.follows, self.means.soften) {
+            return Some(Remedy::Follow);
         }
         if self.tries.can_yield.after(cause) && self.tries.yields == Some(false) {
             self.tries.yields = Some(true);
@@ -391,6 +413,13 @@ impl Ladder {
         increments.cut(end, self.tries.failures > 1);
         Some(Remedy::Cut)
     }
+}
+
+/// Whether a remedy is begun, which it is if it `may` be and was not on; one that was has not helped in this increment.
+fn is_new(tried: &mut Option<bool>, may: bool) -> bool {
+    let is_new = may && *tried == Some(false);
+    *tried = is_new.then_some(true);
+    is_new
 }
 
 #[cfg(test)]

@@ -54,6 +54,7 @@ pub fn run(comm: &SimpleCommunicator, petsc: &Petsc, scene: &Scene, options: &Op
     let mut simulation = Simulation::new(comm, petsc, scene)?;
     let size = Size::new(comm, scene, simulation.model(), begun.elapsed().as_secs_f64());
     let folder = open(comm, options)?;
+    simulation.keep_factors_in(folder.path());
     let mut recorder = Recorder::new(&folder, &mut simulation, (scene, options), size)?;
     let outcome = recorder.steps(&mut simulation);
     let mut summary = Summary { carried: simulation.carried(), ..simulation.summary() };

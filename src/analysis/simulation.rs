@@ -15,6 +15,7 @@ use crate::scene::{Enforcement, Scene, Step};
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
+use std::path::Path;
 
 /// A simulation in progress. All ranks make the same calls at the same time; what they are given must be the same.
 ///
@@ -60,6 +61,8 @@ pub struct Simulation<'a> {
     pub(super) phases: Phases,
     pub(super) summary: Summary,
     gaps: Vec<String>,
+    /// Where factors may be kept in files.
+    pub(super) scratch: Option<String>,
     /// Of the increment that could not be found, after [`Self::advance`] has failed so.
     pub(super) last_iterate: Option<Box<LastIterate>>,
 }
@@ -95,11 +98,17 @@ impl<'a> Simulation<'a> {
             phases,
             summary,
             gaps,
+            scratch: None,
             last_iterate: None,
         };
         simulation.look_around();
         simulation.begin_watch();
         Ok(simulation)
+    }
+
+    /// From the next step on factors that memory does not suffice for are kept in files of this folder, the same on all ranks.
+    pub fn keep_factors_in(&mut self, folder: &Path) {
+        self.scratch = folder.to_str().map(Into::into);
     }
 
     pub fn comm(&self) -> &'a SimpleCommunicator {

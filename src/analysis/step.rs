@@ -3,10 +3,12 @@
 //! - [`attempt`]: one attempt at an increment
 //! - [`accept`]: what becomes of one that has converged
 //! - [`retry`]: and of one that has failed
+//! - [`stability`]: whether what was found is stable
 
 mod accept;
 mod attempt;
 mod retry;
+mod stability;
 
 use super::conditions::Conditions;
 use super::cost::size::Systems;
@@ -16,7 +18,7 @@ use super::newton::Share;
 use super::state::Progress;
 use super::{Event, Increment, Observer, Remedy, Retried, Simulation, cost, describe, ending};
 use crate::Vec3;
-use crate::contact::{Pair, Pose, Slave, Status};
+use crate::contact::{Pair, Pose};
 use crate::error::Result;
 use crate::failure::Cause;
 use crate::interrupt;
@@ -29,6 +31,7 @@ use crate::system::{DofMap, Pattern};
 use attempt::Failed;
 pub(super) use attempt::{Attempt, Converged};
 use petsc::{Factorization, LinearStatistics, Matrix, Petsc, Snes, Vector};
+use stability::Judged;
 use std::time::Instant;
 
 /// A step under way: what stays the same over it, and how far it is.
@@ -38,6 +41,8 @@ pub(super) struct Frame {
     pub(super) pattern: Pattern,
     /// Supports alone do not hold every body and force-driven tool.
     pub(super) hangs: bool,
+    /// Where stability was judged last.
+    judged: Option<Judged>,
     /// Failed increments say more of Newton's method than of its remedies: the last such.
     plain: Option<Failed>,
 }
@@ -61,6 +66,7 @@ pub(super) struct Told {
     null_pivots: bool,
     unstable: bool,
     unsolved: bool,
+    out_of_core: bool,
     impatience: bool,
 }
 
@@ -177,8 +183,11 @@ impl<'a> Simulation<'a> {
             Linear::Reuse => snes.reuse_factors(cost::least_worth(linear))?,
             Linear::Direct | Linear::Auto => {}
         }
+        if let Some(folder) = &self.scratch {
+            snes.keep_in(folder);
+        }
         let x = Vector::zeros(self.petsc, dofs.count)?;
-        let mut frame = Frame { progress, dofs, pattern, hangs: false, plain: None };
+        let mut frame = Frame { progress, dofs, pattern, hangs: false, judged: None, plain: None };
         frame.hangs = self.hangs(&frame);
         let (is_blind, before) = (solver == Linear::Iterative, self.summary.linear);
         self.running = Some(Running { frame, snes, x, systems, is_blind, before, told: Told::default() });
@@ -228,9 +237,11 @@ impl<'a> Simulation<'a> {
             };
             self.summary.linear = running.before.and(&snes.linear_statistics());
             // Of the last factorization.
-            let LinearStatistics { null_pivots: redundant, negative, .. } = snes.linear_statistics();
-            // One for each multiplier, and none else, where what was found is stable.
-            let is_unstable = negative.is_not(frame.dofs.total_multipliers as usize) && self.is_plain();
+            let LinearStatistics { null_pivots: redundant, .. } = snes.linear_statistics();
+            // One negative eigenvalue for each multiplier, and none else, where what was found is stable.
+            let multipliers = frame.dofs.total_multipliers as usize;
+            let is_unstable =
+                matches!(&outcome, Attempt::Converged(converged) if converged.negative.is_not(multipliers));
             let may_be_shorter = frame.progress.ladder.way() != Way::Jump && !frame.progress.increments.is_short(end);
             match outcome {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
@@ -274,14 +285,6 @@ impl<'a> Simulation<'a> {
         Ok(None)
     }
 
-    /// Whether pivots tell of stability: no node slips with friction, whose matrix is far from symmetric, and nothing meets
-    /// itself, where conditions repeat each other and give way. Collective.
-    fn is_plain(&self) -> bool {
-        let slips = |slave: &Slave| slave.trial.status == Status::Slip && slave.law.friction > 0.0;
-        let blurs = |pair: &Pair| pair.is_self() || pair.slaves.iter().any(slips);
-        !any(self.comm, self.model.pairs.iter().any(blurs))
-    }
-
     /// Says once in a step what is to be known of its linear systems. Collective.
     fn tell_of_solver(
         &mut self,
@@ -290,7 +293,11 @@ impl<'a> Simulation<'a> {
         told: &mut Told,
         observer: &mut Observer,
     ) -> Result<()> {
-        let LinearStatistics { null_pivots, unsolved, .. } = snes.linear_statistics();
+        let LinearStatistics { null_pivots, unsolved, out_of_core, .. } = snes.linear_statistics();
+        if out_of_core && !std::mem::replace(&mut told.out_of_core, true) {
+            self.summary.linear_solver += ", factors in files";
+            observer(&Event::Detail(&describe::out_of_core(frame.name())))?;
+        }
         if unsolved > 0 && !std::mem::replace(&mut told.unsolved, true) {
             self.warn(describe::unsolved(frame.name()), observer)?;
         }

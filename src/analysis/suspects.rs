@@ -1,11 +1,46 @@
 //! What of its contacts may be why an increment has no solution: roles, discretizations, methods and tangents that fail
 //! where others do not.
 
-use crate::contact::{Discretization, Tangent, guidance};
+use crate::contact::{Discretization, Pair, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
+use crate::parallel::sum;
 use crate::scene::{Contact, Enforcement, Scene};
 use mpi::topology::SimpleCommunicator;
+
+/// Share of the friction that contacts can bear from which they hardly hold what they hold.
+const SPENT: f64 = 0.95;
+
+/// What the last converged increment tells of contacts that hold something: that they have not begun, or bear all the friction
+/// that they can. Collective.
+pub fn holding(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
+    model.pairs.iter().filter_map(|pair| of_hold(comm, pair)).collect()
+}
+
+fn of_hold(comm: &SimpleCommunicator, pair: &Pair) -> Option<String> {
+    let mut sums = [0.0; 3];
+    let touching = pair.slaves.iter().map(|slave| &slave.accepted).filter(|at| at.status != Status::Gap);
+    for (at, normal) in touching.filter_map(|at| Some((at, at.projection?.normal))) {
+        let pressed = at.force.dot(&normal).abs();
+        sums = [sums[0] + 1.0, sums[1] + at.traction().norm(), sums[2] + pair.friction * pressed];
+    }
+    sum(comm, &mut sums);
+    let ([count, along, most], name) = (sums, &pair.name);
+    if count == 0.0 && pair.faces.is_some() {
+        return Some(format!(
+            "contact `{name}` is from segment to segment and feels the mean gap around a node, which is open: let the first \
+             increment close it, or take `discretization = \"one-pass\"`"
+        ));
+    }
+    let share = 100.0 * along / most;
+    let is_spent = most > 0.0 && along >= SPENT * most;
+    is_spent.then(|| {
+        format!(
+            "contact `{name}` bears {share:.1} % of the friction that it can, and friction must hold something here: lower what \
+             pushes it along, `move` it, or end the step before"
+        )
+    })
+}
 
 /// What to change in the contacts of the `body` where an increment failed, of all bodies where that is not known. Collective.
 pub fn remedies(

@@ -33,6 +33,10 @@
 //! and what touches would have another force than its multiplier. With these penalties, and no others, the frictionless
 //! tangent stays symmetric.
 //!
+//! Where friction alone holds a body and all of it slips, to both sides, equilibrium does not say where the body is: between
+//! the slips of an increment every place is right. Friction may then grow by a share ϰ of itself with the length of the slip
+//! since the last converged increment, μ (1 + ϰ |g_t|) for μ, which is least in the middle.
+//!
 //! On the way to a solution the normal force may be that of the central path of interior-point methods, with a parameter θ
 //! (Chen and Harker, SIAM J. Matrix Anal. Appl. 14 (1993) 1168-1190; Kanzow, SIAM J. Matrix Anal. Appl. 17 (1996) 851-868):
 //!
@@ -101,6 +105,9 @@ pub struct Law {
     pub compliance: Compliance,
     /// θ of the central path, N; 0 for the law itself.
     pub barrier: f64,
+    /// By what share friction grows with the length of the slip, 1/length: where all slips, it holds the mean place of what
+    /// slips to and fro.
+    pub creep: f64,
 }
 
 impl Law {
@@ -128,6 +135,7 @@ pub const LAW: Law = Law {
     clings: false,
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
     barrier: 0.0,
+    creep: 0.0,
 };
 
 /// By how much the constraint of a multiplier gives way: where several nodes or masters make the same condition, only this
@@ -347,7 +355,8 @@ fn frictional(
     let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
     let combined = multiplier + held + path * law.tangential;
     let lambda_t = tangential * combined;
-    let (size, friction) = (lambda_t.norm(), law.friction * lean);
+    let (way, size) = (slip.norm(), lambda_t.norm());
+    let friction = law.friction * lean * (1.0 + law.creep * way);
     let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
     let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
@@ -361,7 +370,9 @@ fn frictional(
         None => Status::Slip,
     };
     let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;
-    let t_by_normal = -n * (turn * combined).transpose() - turn * n.dot(&combined);
+    // Of the part along the section.
+    let by_normal = |v: &Vec3| -n * (turn * v).transpose() - turn * n.dot(v);
+    let t_by_normal = by_normal(&combined);
     let (force, mut by, by_held) = match status {
         Status::Gap => return gap(law, multiplier, slip),
         Status::Stick => {
@@ -378,10 +389,17 @@ fn frictional(
             let direction = n - friction * t;
             let rotation = (Mat3::identity() - t * t.transpose()) * (bound / size);
             let leaning = t * n.transpose() * (friction * lambda_n * lean);
+            // With what friction grows by with the slip; in the first iteration there may be none, but where it would go.
+            let along = if way > 0.0 { slip / way } else { t };
+            let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
             let by = Slopes {
                 gap: direction * (law.normal * lean * share),
-                normal: direction * n_by_normal.transpose() + turn * lambda_n + rotation * t_by_normal + leaning,
-                path: rotation * tangential * law.tangential,
+                normal: direction * n_by_normal.transpose()
+                    + turn * lambda_n
+                    + rotation * t_by_normal
+                    + leaning
+                    + growth * by_normal(&path),
+                path: (rotation * law.tangential + growth) * tangential,
                 multiplier: direction * n.transpose() * share + rotation * tangential,
             };
             (direction * lambda_n, by, rotation * tangential)

@@ -4,8 +4,9 @@ use super::element::{Contact, Element, Method, Opposite, Origin, Portion, Site, 
 use super::master::{Ground, SlipOrigin};
 use super::moves::{Movement, alike};
 use super::segment::{Segments, Share};
-use super::{Guide, Mover, Multiplier, Pair, Response, Slave, touching};
+use super::{Guide, Mover, Multiplier, Pair, Response, Slave, Status, Tangent, touching};
 use crate::surface::Projection;
+use crate::surface::moving::Transfer;
 use crate::{Mat3, Vec3};
 
 /// What the element of a slave node was evaluated with, kept for its tangent.
@@ -108,6 +109,33 @@ impl Meeting {
         }
         let method = Method { law: slave.law, transfer: ground.transfer(), tangent };
         Self { method, multiplier, carried, contact, guide }
+    }
+
+    /// The same where all that touches sticks where it is, with the force that it has at a solution, and the exact tangent of a
+    /// transfer that has a potential. `None` where points of faces slip with friction.
+    pub fn stuck(&self, status: Status) -> Option<Self> {
+        let mut stuck = self.clone();
+        stuck.method.tangent = Tangent::Exact;
+        // Others are nearly symmetric, but not against steep penalties.
+        stuck.method.transfer = Transfer::Variational;
+        let Some((p, touch)) = stuck.contact.as_mut().filter(|_| self.method.law.friction > 0.0) else {
+            return Some(stuck);
+        };
+        match touch {
+            Touch::Faces(_) if status == Status::Slip => return None,
+            Touch::Faces(_) => return Some(stuck),
+            Touch::Node(SlipOrigin::Fixed(place)) => *place = p.point,
+            Touch::Node(SlipOrigin::Carried(id, xi)) => (*id, *xi) = (p.patch, p.xi),
+        }
+        stuck.method.law.rough = true;
+        stuck.carried = Vec3::zeros();
+        match &mut stuck.multiplier {
+            Multiplier::Augmented(_) => {}
+            Multiplier::Force(_, set) if *set == Status::Slip => *set = Status::Stick,
+            Multiplier::Force(..) => {}
+            Multiplier::Held { tangential, force, .. } => *tangential = *force - p.normal * p.normal.dot(force),
+        }
+        Some(stuck)
     }
 
     /// The patches of the master on which the element of a slave node has nodes; with friction those of slip origins, too.

@@ -23,6 +23,8 @@ pub struct Manner {
     pub soft: bool,
     /// What touched goes along with its master in the first iteration, wherever that goes.
     pub clings: bool,
+    /// Friction grows by `creep` of the [`Controls`] with each facet of slip.
+    pub creeps: bool,
     /// Along the central path.
     pub central: bool,
     /// It has failed before: what goes to and fro over a kink keeps to its side at the first return.
@@ -146,6 +148,7 @@ impl Slave {
             clings: false,
             compliance,
             barrier: 0.0,
+            creep: 0.0,
         };
         let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
@@ -188,8 +191,13 @@ impl Slave {
         self.law.normal.min(self.automatic)
     }
 
-    /// Begins an increment from the last converged one.
-    pub fn begin(&mut self, manner: &Manner, controls: &Controls) {
+    /// Whether it slips at the iterate, with friction.
+    pub fn rubs(&self) -> bool {
+        self.trial.status == Status::Slip && self.law.friction > 0.0
+    }
+
+    /// Begins an increment from the last converged one, on facets of this size.
+    pub fn begin(&mut self, manner: &Manner, controls: &Controls, facet_size: f64) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
         let returns = if self.committed.keeps { patience } else { 0 };
@@ -200,6 +208,7 @@ impl Slave {
         let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.barrier = 0.0;
+        self.law.creep = if manner.creeps { controls.creep / facet_size } else { 0.0 };
         self.law.clings = manner.clings && status != Status::Gap;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
         let slack = match (self.repeats, manner.yields) {

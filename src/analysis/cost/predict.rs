@@ -71,6 +71,9 @@ const ENTRY: f64 = 62.0;
 const OF_FACTORS: f64 = 9.5;
 const ON_SEVERAL: f64 = 1.25;
 const OF_MULTIGRID: f64 = 48.0;
+/// Of the symmetric matrix by which stability is judged with friction; its own factors are half as many as those of the tangent.
+/// Without friction it is the tangent itself, which tells by its factors unless old ones serve.
+const JUDGED: f64 = 46.0;
 const VECTOR: f64 = 8.0;
 /// Entries over n log n, operations over n^(3/2), of a symmetric matrix in a plane and in a sheet; over n^(4/3) and n^2 in
 /// space.
@@ -114,7 +117,15 @@ impl Prediction {
         let several = if size.ranks > 1.0 { ON_SEVERAL } else { 1.0 };
         let vectors = |iterations: f64| 1e-6 * 2.0 * VECTOR * iterations * systems.unknowns;
         let common = size.megabytes + AT_WORK * size.ranks + 1e-6 * ENTRY * systems.entries;
-        let factors = 1e-6 * OF_FACTORS * several * systems.factored(size).entries + vectors(course.old);
+        let of_factors = 1e-6 * OF_FACTORS * several * systems.factored(size).entries;
+        let judged = match course.solver {
+            Linear::Iterative => 0.0,
+            _ if size.meets_itself => 0.0,
+            _ if size.rubs => 0.5 * of_factors + 1e-6 * JUDGED * systems.entries,
+            Linear::Reuse => of_factors,
+            _ => 0.0,
+        };
+        let factors = of_factors + judged + vectors(course.old);
         let multigrid = 1e-6 * OF_MULTIGRID * systems.entries + vectors(course.cycles);
         let (memory, fallback) = match course.solver {
             Linear::Iterative if course.hands_over => (factors + multigrid, 0.0),

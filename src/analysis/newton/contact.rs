@@ -201,11 +201,11 @@ impl Newton<'_> {
         self.touching.nodes = pairs.iter().map(|pair| of_pair(pair.master)).collect();
     }
 
-    /// Builds the pattern anew if some contact has come to where it does not provide for. Says whether. Collective.
-    pub(super) fn widen_pattern(&mut self) -> Result<bool> {
+    /// Whether some contact has come to where the pattern does not provide for. Collective.
+    fn lacks_pattern(&self) -> bool {
         let Model { masters, pairs, .. } = &*self.system.model;
         if masters.surfaces.is_empty() {
-            return Ok(false);
+            return false;
         }
         let mut lacks = false;
         for (p, pair) in pairs.iter().enumerate() {
@@ -217,12 +217,32 @@ impl Newton<'_> {
                 lacks |= patches.any(is_new);
             }
         }
-        let widen = any(self.system.comm, lacks);
+        any(self.system.comm, lacks)
+    }
+
+    /// Builds the pattern anew if it lacks something. Says whether. Collective.
+    pub(super) fn widen_pattern(&mut self) -> Result<bool> {
+        let widen = self.lacks_pattern();
         if widen {
             self.renew_pattern()?;
             self.course.rebuilds += 1;
         }
         Ok(widen)
+    }
+
+    /// Has all that touches stick where it is. Says whether what would be left of the pattern is provided for. Collective.
+    pub(super) fn stick(&mut self) -> bool {
+        let mut meetings = std::mem::take(&mut self.touching.meetings);
+        let mut slips = false;
+        for (pair, meetings) in self.system.model.pairs.iter().zip(&mut meetings) {
+            for (slave, meeting) in pair.slaves.iter().zip(meetings) {
+                let stuck = meeting.as_ref().map(|meeting| meeting.stuck(slave.trial.status));
+                slips |= matches!(stuck, Some(None));
+                *meeting = stuck.flatten();
+            }
+        }
+        self.touching.meetings = meetings;
+        !any(self.system.comm, slips) && !self.lacks_pattern()
     }
 
     /// Builds the pattern anew around where all is. Collective.
@@ -243,8 +263,8 @@ impl Newton<'_> {
         self.touching.workspace.evaluate(&ground, (meeting, &pairs[p].slaves[s]), segments, false).constraint
     }
 
-    /// Tangents of the contact elements. Collective.
-    pub(super) fn add_contact_tangent(&mut self) {
+    /// Tangents of the contact elements; with held multipliers slave nodes learn from them how their forces change. Collective.
+    pub(super) fn add_contact_tangent(&mut self, learns: bool) {
         let (dofs, pattern, values) = (&*self.system.dofs, &*self.system.pattern, &mut self.values);
         let mut foreign = vec![0.0; pattern.foreign.len()];
         let Model { part, masters, pairs, .. } = &mut *self.system.model;
@@ -260,7 +280,7 @@ impl Newton<'_> {
                 let segments = self.touching.segments[p].as_ref();
                 let e = workspace.evaluate(&ground, (meeting, slave), segments, true);
                 let multiplier = dofs.multiplier[p][s];
-                if pair.method.holds_multipliers() {
+                if learns && pair.method.holds_multipliers() {
                     workspace.learn(slave, &e, &ground, place);
                 }
                 if dofs.is_inclined {

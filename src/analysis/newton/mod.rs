@@ -215,8 +215,8 @@ impl<'a> Newton<'a> {
         let model = &mut *newton.system.model;
         model.history.go_back();
         let controls = model.controls;
-        for slave in model.pairs.iter_mut().flat_map(|p| &mut p.slaves) {
-            slave.begin(&start.manner, &controls);
+        for pair in &mut model.pairs {
+            pair.slaves.iter_mut().for_each(|slave| slave.begin(&start.manner, &controls, pair.facet_size));
         }
         note_bearers(&mut model.pairs);
         newton.learn();
@@ -329,6 +329,11 @@ impl Newton<'_> {
             self.values.fill(0.0);
             assembly::add_tangent(self.system.model, self.system.pattern, &self.found.u, &mut self.values);
         }
+        self.complete_tangent(true);
+    }
+
+    /// Adds what is not of the elements; slave nodes may learn from it.
+    fn complete_tangent(&mut self, learns: bool) {
         for (set, ramp) in &self.system.conditions.pressures {
             let system = (&*self.system.dofs, &*self.system.pattern);
             assembly::subtract_pressure_tangent(
@@ -340,12 +345,33 @@ impl Newton<'_> {
             );
         }
         if !self.system.model.is_alone() {
-            self.add_contact_tangent();
+            self.add_contact_tangent(learns);
         }
         self.add_tie_tangent();
         self.add_spring_tangent();
         self.add_spin_tangent();
         self.add_drag_tangent();
+    }
+
+    /// The Jacobian at the last evaluated point if all that touches stuck there; `None` where that is not known. The meetings are
+    /// of no use for a residual after that. Collective.
+    pub fn stuck_tangent(&mut self) -> Option<&[f64]> {
+        let begun = Instant::now();
+        let mut is_known = self.stick();
+        if is_known {
+            let Self { system, values, found, .. } = self;
+            values.fill(0.0);
+            let mut forces = vec![Vec3::zeros(); found.u.len()];
+            let tangent = Some((&*system.pattern, &mut values[..]));
+            let done = assembly::internal_forces(system.model, &found.u, &mut forces, tangent, |_, _| {});
+            is_known = !any(system.comm, done.is_err());
+        }
+        if is_known {
+            self.complete_tangent(false);
+        }
+        self.holds_elements = false;
+        self.system.phases.add(Phase::Assembly, begun.elapsed());
+        is_known.then_some(&self.values[..])
     }
 }
 

@@ -136,7 +136,7 @@ impl Simulation<'_> {
         let mut counts = [0.0, 0.0, calmed as f64];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             counts[0] += f64::from(slave.trial.status != Status::Gap);
-            counts[1] += f64::from(slave.trial.status == Status::Slip && slave.law.friction > 0.0);
+            counts[1] += f64::from(slave.rubs());
         }
         sum(self.comm, &mut counts);
         counts.map(|count| count as usize)

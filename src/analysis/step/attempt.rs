@@ -7,7 +7,7 @@ use super::super::newton::{Lost, Newton, Round, Share, Start, System};
 use super::super::state::Progress;
 use super::super::strays::Strays;
 use super::super::{Event, Iteration, Observer, Rounded, Simulation};
-use super::{Frame, matrix};
+use super::{Frame, matrix, stability};
 use crate::Vec3;
 use crate::error::Result;
 use crate::failure::Cause;
@@ -15,7 +15,7 @@ use crate::model::Model;
 use crate::output::phases::Phase;
 use crate::output::summary::Summary;
 use crate::scene::{Enforcement, Step};
-use petsc::{LinearFailure, Petsc, Reason, Snes, Vector};
+use petsc::{LinearFailure, Negative, Petsc, Reason, Snes, Vector};
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -33,6 +33,8 @@ pub struct Converged {
     pub between: Vec<Between>,
     /// What it saw of nodes that no contact names.
     pub strays: Vec<Strays>,
+    /// How many eigenvalues of the tangent are negative.
+    pub negative: Negative,
     pub effort: Effort,
 }
 
@@ -176,6 +178,8 @@ impl<'a> Simulation<'a> {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),
         }
+        // It may converge without any system.
+        snes.forget_pivots();
         let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.iterations += outcome.iterations;
@@ -195,7 +199,13 @@ impl<'a> Simulation<'a> {
         };
         note(&mut self.summary, &newton);
         Ok(match ended? {
-            None => Attempt::Converged(Box::new(converged(newton, &x.array()?))),
+            None => {
+                let negative = match drag {
+                    0.0 => stability::negative(&mut newton, snes, &mut frame.judged)?,
+                    _ => Negative::Unknown,
+                };
+                Attempt::Converged(Box::new(converged(newton, &x.array()?, negative)))
+            }
             Some(why) => Attempt::Failed(failed(newton, why, extrapolated)),
         })
     }
@@ -306,7 +316,7 @@ fn note(summary: &mut Summary, newton: &Newton) {
 }
 
 /// What is kept of a converged iterate.
-fn converged(newton: Newton, x: &[f64]) -> Converged {
+fn converged(newton: Newton, x: &[f64], negative: Negative) -> Converged {
     let (limits, limit, rounded) = (newton.limits(), newton.limit(), newton.rounded());
     let (contacts, ties, dashpots) = (newton.multipliers(x), newton.tie_forces(x), newton.damped());
     let Newton { s: end, found, course, .. } = newton;
@@ -320,6 +330,7 @@ fn converged(newton: Newton, x: &[f64]) -> Converged {
         limits,
         between: Vec::new(),
         strays: Vec::new(),
+        negative,
         effort: Effort {
             residuals: course.trace,
             changes: course.changes,

@@ -101,7 +101,10 @@ impl Simulation<'_> {
             what: String::new(),
         };
         let body = failure.place.as_ref().map(|place| place.body.as_str());
-        let remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        let mut remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        if frame.hangs {
+            remedies.extend(suspects::holding(self.comm, &self.model));
+        }
         let Progress { increments, ladder, .. } = &frame.progress;
         let smallest = !ladder.jumps_on() || increments.is_shortest(failed.end);
         let what = describe::failure(

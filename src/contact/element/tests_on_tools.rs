@@ -147,6 +147,27 @@ fn the_tangent_is_the_derivative_of_the_residual() {
     }
 }
 
+/// Friction that grows with slip, from a node that has slipped, and from one that has not yet.
+#[test]
+fn the_tangent_of_friction_that_grows_is_the_derivative_of_the_residual() {
+    let law = Law { creep: 0.7, ..LAW };
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        for (_, x, lambda, origin) in states(master).into_iter().filter(|(status, ..)| *status == Status::Slip) {
+            for multiplier in kinds(lambda) {
+                let e = element(law, &multiplier, &master.project(x), origin, &Guide::default());
+                let error = errors(law, master, x, &multiplier, origin, &Guide::default());
+                assert!(error < 2e-9, "{master:?} {multiplier:?}: {error:e}");
+                if e.response.status == Status::Slip && matches!(multiplier, Multiplier::Augmented(_)) {
+                    let (force, normal) = (e.response.force, master.project(x).normal);
+                    let pressed = -force.dot(&normal);
+                    let friction = law.friction * (1.0 + law.creep * e.response.slip.norm());
+                    assert!((force + pressed * normal).norm() - friction * pressed < 1e-12 * pressed);
+                }
+            }
+        }
+    }
+}
+
 /// Where the rest decides: with the one that is given, each status follows from another one's multiplier.
 #[test]
 fn the_tangent_of_a_constraint_that_gives_way_is_the_derivative_where_the_rest_decides() {

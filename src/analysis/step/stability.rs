@@ -1,0 +1,52 @@
+//! Whether an equilibrium is stable.
+//!
+//! Of a symmetric tangent the pivots of its factors tell it, where the last system of an increment was factored. Where it was
+//! not, or friction makes the tangent unsymmetric, it is judged at the solution, with all that touches sticking where it is:
+//! friction never pushes a body on, and what is not stable with nodes that stick is not stable with nodes that slip. That
+//! takes a factorization more, and is done a few times in a step, and wherever the determinant of the tangent has another sign
+//! than at the last time: then one eigenvalue, or three, have changed theirs.
+
+use super::super::newton::{Newton, System};
+use crate::contact::{Pair, Slave};
+use crate::error::Result;
+use crate::parallel::any;
+use petsc::{Factorization, Negative, Snes};
+
+/// Where in a step stability was judged last, and what the factors of the tangent have told there.
+#[derive(Clone, Copy, Debug)]
+pub struct Judged {
+    end: f64,
+    factors: Negative,
+}
+
+/// How many eigenvalues of the tangent at a converged iterate are negative, as far as it is to be known there. Collective.
+pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged>) -> Result<Negative> {
+    let System { comm, model, dofs, conditions, .. } = &newton.system;
+    // What meets itself has conditions that repeat each other and give way.
+    if snes.iterates() || model.pairs.iter().any(Pair::is_self) {
+        return Ok(Negative::Unknown);
+    }
+    let factors = snes.linear_statistics().negative;
+    let slips = || any(comm, model.pairs.iter().flat_map(|pair| &pair.slaves).any(Slave::rubs));
+    // That of F-bar has no symmetric part to judge by.
+    let by_sign = !conditions.has_symmetric_bodies(model);
+    let tells = conditions.is_symmetric(model) || by_sign && !slips();
+    if tells && factors != Negative::Unknown {
+        return Ok(factors);
+    }
+    let interval = 1.0 / model.controls.stability_checks as f64;
+    let has_changed = |last: Negative| ![last, factors].contains(&Negative::Unknown) && last != factors;
+    let is_due = |last: Judged| newton.s >= last.end + interval || newton.s == 1.0 || has_changed(last.factors);
+    if !judged.is_none_or(is_due) {
+        return Ok(Negative::Unknown);
+    }
+    let multipliers = dofs.total_multipliers as usize;
+    let factorization = if by_sign { Factorization::Lu } else { Factorization::Ldlt };
+    let negative = match newton.stuck_tangent() {
+        Some(values) => snes.negative_eigenvalues(values, factorization)?,
+        None => Negative::Unknown,
+    };
+    // What is not stable is sought anew, and judged there.
+    *judged = Some(Judged { end: newton.s, factors }).filter(|_| !negative.is_not(multipliers));
+    Ok(negative)
+}
