@@ -248,7 +248,7 @@ fn nodes_without_a_counterpart_are_named() {
     let meaningless = check(&["contact.joint.discretization=node-to-node", "contact.joint.transfer=bilinear"]);
     assert!(meaningless.code == 2 && meaningless.stderr.contains("means nothing from node to node"));
     let coarse = check(&COARSE_SLAVE);
-    assert!(coarse.stdout.contains("`lower.top` has the coarser mesh (facets of 3.3333 against 2.0000"));
+    assert!(coarse.stdout.contains("`lower.top` has the coarser mesh (facets of 3.3333e0 against 2.0000e0"));
     let stiff = [
         &FINE_SLAVE[..],
         &["material.hard={ model = \"neo-hookean\", young = 200.0, poisson = 0.3 }", "body.upper.material=hard"],

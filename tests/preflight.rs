@@ -295,7 +295,7 @@ move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
         &on("6, 6", "100.0", ""),
         &[
             "scene.toml:",
-            "contact `c`: the facets of `low.zmax`, 2.0000 long, are too coarse for those of its master `high.zmin`, 0.3333 long",
+            "contact `c`: the facets of `low.zmax`, 2.0000e0 long, are too coarse for those of its master `high.zmin`, 3.3333e-1 long",
         ],
     );
     warned(&on("4, 4", "100.0", ""), &["`low.zmax` has the coarser mesh"]);

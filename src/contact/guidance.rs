@@ -68,7 +68,7 @@ fn reason(slave: &Side, master: &Side) -> Option<String> {
         None
     } else if slave.facet_size > CLEARLY * master.facet_size {
         let (coarse, fine) = (slave.facet_size, master.facet_size);
-        Some(format!("`{s}` has the coarser mesh (facets of {coarse:.4} against {fine:.4} of the master)"))
+        Some(format!("`{s}` has the coarser mesh (facets of {coarse:.4e} against {fine:.4e} of the master)"))
     } else if master.facet_size > CLEARLY * slave.facet_size {
         None
     } else if slave.bulge < FLAT && master.bulge > ROUND {
@@ -124,7 +124,7 @@ pub fn wrong_way_round(
         let (slave, master) = (side(0), side(1));
         if is_hopeless(&slave, &master) {
             let what = format!(
-                "contact `{}`: the facets of `{}`, {:.4} long, are too coarse for those of its master `{}`, {:.4} long: nodes of \
+                "contact `{}`: the facets of `{}`, {:.4e} long, are too coarse for those of its master `{}`, {:.4e} long: nodes of \
                  the master would go through between the slave's, which alone are kept out",
                 contact.name.value, slave.name, slave.facet_size, master.name, master.facet_size
             );
