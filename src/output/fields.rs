@@ -10,8 +10,8 @@
 //! increments/NUMBER/GRID/node/FIELD, .../cell/FIELD
 //! ```
 //!
-//! The HDF5 file is closed after every increment, and only then the XDMF file is replaced by one that knows the increment,
-//! so that a kill at any time leaves a file that opens up to the last complete increment.
+//! The HDF5 file is changed as a whole with every increment ([`journal`]), and only then the XDMF file is replaced by one that
+//! knows the increment, so that a kill at any time leaves a file that opens up to the last complete increment.
 
 use super::rows::{Rows, Share};
 use super::xdmf::{self, Reference, XdmfField, XdmfGrid};
@@ -19,10 +19,10 @@ use super::{OutputFolder, cannot_go_on, cannot_write, one_line, remove, replace,
 use crate::error::{Error, Result};
 use crate::mesh::MOST_NODES;
 use crate::parallel::agree;
-use hdf5::{File, FileBuilder, OpenMode};
+use hdf5::File;
+use journal::Change;
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
@@ -288,20 +288,17 @@ impl Fields {
     }
 }
 
-/// Adds datasets to a file: rank 0 creates each, and writes the rows of all ranks.
+/// Adds datasets to a file: rank 0 creates each, and writes the rows of all ranks. All are added or none.
 pub(super) fn append(path: &Path, comm: &impl Communicator, reals: &[Rows<f64>], integers: &[Rows<i64>]) -> Result<()> {
-    let bytes = reals.iter().map(Rows::size).chain(integers.iter().map(Rows::size)).sum();
-    let mut file = on_root(comm, || {
-        make_room(path, bytes).map_err(|error| cannot_write(path, error))?;
-        open(path, OpenMode::ReadWrite)
-    })?;
+    let change = on_root(comm, || Change::begin(path).map_err(|error| cannot_write(path, error)))?;
+    let file = change.as_ref().map(Change::file);
     // The first error of rank 0; what the others send is taken all the same.
     let mut written = Ok(());
-    reals.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
-    integers.iter().for_each(|rows| rows.add(comm, file.as_ref(), &mut written));
+    reals.iter().for_each(|rows| rows.add(comm, file, &mut written));
+    integers.iter().for_each(|rows| rows.add(comm, file, &mut written));
     on_root(comm, || {
-        let closed = file.take().map_or(Ok(()), File::close);
-        written.and(closed).map_err(|error| cannot_write(path, error))
+        written.map_err(|error| cannot_write(path, error))?;
+        change.map_or(Ok(()), Change::commit).map_err(|error| cannot_write(path, error))
     })?;
     Ok(())
 }
@@ -309,8 +306,8 @@ pub(super) fn append(path: &Path, comm: &impl Communicator, reals: &[Rows<f64>],
 /// Starts an empty file. Collective.
 pub(super) fn create(path: &Path, comm: &impl Communicator) -> Result<()> {
     let created = on_root(comm, || {
-        let file = open(path, OpenMode::Create)?;
-        file.close().map_err(|error| cannot_write(path, error))
+        remove(&journal::journal(path)).map_err(|error| cannot_write(path, error))?;
+        File::create(path).and_then(File::close).map_err(|error| cannot_write(path, error))
     });
     created.map(|_| ())
 }
@@ -318,25 +315,6 @@ pub(super) fn create(path: &Path, comm: &impl Communicator) -> Result<()> {
 /// What `work` gives on rank 0, and nothing on the others; its error on all.
 pub(super) fn on_root<T>(comm: &impl Communicator, work: impl FnOnce() -> Result<T>) -> Result<Option<T>> {
     agree(comm, if comm.rank() == 0 { work().map(Some) } else { Ok(None) })
-}
-
-/// Fills the file to the length that it can get at most with so many more bytes; closing it cuts it to its length.
-///
-/// A full disk is then met before the file is touched: HDF5 can neither close a file that it cannot write nor forget
-/// it. And HDF5 refuses a file shorter than its tables say, which a kill amid the close could otherwise leave.
-fn make_room(path: &Path, bytes: u64) -> std::io::Result<()> {
-    let mut disk = std::fs::OpenOptions::new().append(true).open(path)?;
-    let before = disk.metadata()?.len();
-    let filled = std::io::copy(&mut std::io::repeat(0).take(bytes), &mut disk);
-    if filled.is_err() {
-        disk.set_len(before)?;
-    }
-    filled.map(|_| ())
-}
-
-/// Opens a file on this rank alone.
-fn open(path: &Path, mode: OpenMode) -> Result<File> {
-    FileBuilder::new().open_as(path, mode).map_err(|error| cannot_write(path, error))
 }
 
 impl CellShape {
@@ -387,6 +365,7 @@ impl Cell {
 /// Takes what was written after so many increments out of both files, all of it without a number; gives the XDMF text of what
 /// stays.
 fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Result<String, String> {
+    journal::recover(h5).map_err(|error| error.to_string())?;
     let begins = || File::open(h5).map(|file| file.link_exists("increments/000000")).map_err(|error| error.to_string());
     // With the state at time 0.
     let kept = written.map_or(Ok(0), |written| begins().map(|begins| written + usize::from(begins)))?;
@@ -397,8 +376,8 @@ fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Resul
         0 => remove(xdmf).map_err(|error| error.to_string())?,
         _ => replace(xdmf, &xdmf::document(increments)).map_err(|error| error.to_string())?,
     }
-    let file = File::open_rw(h5).map_err(|error| error.to_string())?;
-    let cut = || -> hdf5::Result<usize> {
+    let change = Change::begin(h5).map_err(|error| error.to_string())?;
+    let cut = |file: &File| -> hdf5::Result<usize> {
         if !file.link_exists("increments") {
             return Ok(0);
         }
@@ -408,7 +387,8 @@ fn cut_off(h5: &Path, xdmf: &Path, written: Option<usize>) -> std::result::Resul
         names.iter().filter(later).try_for_each(|name| group.unlink(name))?;
         Ok(group.len() as usize)
     };
-    let left = cut().and_then(|left| file.close().map(|()| left)).map_err(|error| error.to_string())?;
+    let left = cut(change.file()).map_err(|error| error.to_string())?;
+    change.commit().map_err(|error| error.to_string())?;
     if left == kept { Ok(increments.to_string()) } else { Err(format!("it has {left} of {kept} times")) }
 }
 

@@ -1,7 +1,7 @@
 //! Everything a run writes into its output folder: fields for ParaView, force history, summary, log.
 //!
-//! Files that are replaced as a whole are renamed into place, the others are complete after every increment, so what
-//! stands in the folder is readable at any time, also after a kill.
+//! Files that are replaced as a whole are renamed into place, those of HDF5 change as a whole, and the others are complete
+//! after every increment, so what stands in the folder is readable at any time, also after a kill.
 
 pub mod checkpoint;
 pub mod fields;
@@ -163,8 +163,8 @@ fn make(path: &Path) -> io::Result<()> {
 
 /// Deletes what an earlier run left.
 fn clear(path: &Path, results: &[&str]) -> io::Result<()> {
-    let names = results.iter().flat_map(|name| [name.to_string(), partial(name)]);
-    names.map(|name| path.join(name)).try_for_each(|file| remove(&file))
+    let files = results.iter().flat_map(|name| [name.to_string(), partial(name)]).map(|name| path.join(name));
+    files.flat_map(|file| [journal::journal(&file), file]).try_for_each(|file| remove(&file))
 }
 
 /// Deletes a file that may not be there.
@@ -247,7 +247,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out/case");
         prepare(&path, &RUN, &[]).unwrap();
-        for name in RUN.into_iter().chain(["notes.md", "fields.xdmf.part"]) {
+        for name in
+            RUN.into_iter().chain(["notes.md", "fields.xdmf.part", "fields.h5.journal", "checkpoint.h5.part.journal"])
+        {
             fs::write(path.join(name), "old").unwrap();
         }
         prepare(&path, &RUN, &[]).unwrap();

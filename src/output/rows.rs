@@ -81,12 +81,6 @@ impl<T: H5Type> Rows<'_, T> {
         }
     }
 
-    /// Bytes that the dataset takes in the file at most, with its part in the tables.
-    pub fn size(&self) -> u64 {
-        const TABLES: u64 = 1 << 14;
-        self.share.total * (self.width * size_of::<T>()) as u64 + TABLES
-    }
-
     /// Writes the rows from `first` on.
     fn write(&self, dataset: &Dataset, values: &[T], first: u64) -> hdf5::Result<()> {
         match self.width {
