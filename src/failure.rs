@@ -22,6 +22,8 @@ pub enum Cause {
     Watch,
     /// It converged to an equilibrium that is not stable: shorter increments follow the way to another.
     Unstable,
+    /// It converged, but an element has folded over.
+    Folded,
     /// It converged, but nothing holds something any more.
     Loose,
     /// A force or torque drives a tool that nothing can hold.

@@ -68,6 +68,49 @@ fn a_crushed_block_keeps_what_converged() {
     assert!(driving < -100.0 && (borne - driving).abs() < 1e-8 * driving.abs(), "{borne} {driving}");
 }
 
+/// An edge of a cube is driven past the diagonal of the faces beside it, where the Jacobian at its nodes, (1 - 2d) at a way of d
+/// along both sides, changes its sign; those at the integration points are positive still. Increments are cut down to where that
+/// begins, and the run goes on with a word.
+#[test]
+fn an_element_that_folds_over_is_told_of() {
+    let bench = Bench::new(
+        r#"[body.cube]
+mesh = "cube.inp"
+material = "rubber"
+element = "hex8"
+
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+
+[[step]]
+name = "fold"
+increments = 10
+fix = [{ set = "cube.rest", directions = "xy" }, { set = "cube.foot", directions = "z" }]
+move = [{ target = "cube.edge", by = [-0.6, -0.6, 0.0] }]
+"#,
+    );
+    bench.write(
+        "cube.inp",
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n\
+         *ELEMENT, TYPE=C3D8, ELSET=all\n11, 1, 2, 3, 4, 5, 6, 7, 8\n*NSET, NSET=rest\n1, 2, 4, 5, 6, 8\n\
+         *NSET, NSET=foot\n1, 2, 4\n*NSET, NSET=edge\n3, 7\n",
+    );
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let summary = run.summary();
+        let warnings = summary["warnings"].as_array().unwrap();
+        let told = warnings[0].as_str().unwrap();
+        let start = "step `fold`: element 11 of body `cube` has folded over at a node at time ";
+        assert!(warnings.len() == 1 && told.starts_with(start), "{warnings:?}");
+        let time: f64 = told[start.len()..].split(',').next().unwrap().parse().unwrap();
+        let begins = 0.5 / 0.6;
+        assert!((begins..begins + 2.0 * 0.1 / 256.0).contains(&time), "{time}");
+        assert_eq!(run.history().last("time"), 1.0);
+    }
+}
+
 #[test]
 fn without_iterations_nothing_converges_and_contact_is_blamed() {
     let bench = Bench::new(&scene());

@@ -195,6 +195,14 @@ pub fn unstable(step: &str, time: f64) -> String {
     )
 }
 
+/// Of elements that lie on themselves.
+pub fn folded(step: &str, time: f64, element: &str) -> String {
+    format!(
+        "step `{step}`: {element} has folded over at a node at time {time:.6}, and lies on itself there: strains and forces \
+         beside it are not those of a body. Take another mesh there, or round off what presses on it"
+    )
+}
+
 /// Of systems that the iterative solver was tried on in vain.
 pub fn unsolved(step: &str) -> String {
     format!(

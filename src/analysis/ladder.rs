@@ -305,7 +305,7 @@ impl Ladder {
         if cause == Cause::Watch {
             return self.refuse(increments, end);
         }
-        if cause == Cause::Unstable {
+        if matches!(cause, Cause::Unstable | Cause::Folded) {
             self.tries.failures += 1;
             increments.cut(end, false);
             return Some(Remedy::Cut);

@@ -22,9 +22,9 @@ use crate::contact::{Pair, Pose};
 use crate::error::Result;
 use crate::failure::Cause;
 use crate::interrupt;
-use crate::model::Model;
+use crate::model::{Model, elements};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, word_of_largest};
+use crate::parallel::{agree, any, first_word, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
@@ -65,6 +65,7 @@ pub(super) struct Running<'a> {
 pub(super) struct Told {
     null_pivots: bool,
     unstable: bool,
+    folded: bool,
     unsolved: bool,
     out_of_core: bool,
     impatience: bool,
@@ -262,7 +263,16 @@ impl<'a> Simulation<'a> {
                     self.retry(frame, converged.refused(Cause::Unstable, reason), duration, observer)?;
                 }
                 Attempt::Converged(converged) => {
+                    let folded = self.folded(&converged);
+                    if let Some(element) = folded.as_ref().filter(|_| may_be_shorter) {
+                        let reason = format!("{element} has folded over at a node");
+                        self.retry(frame, converged.refused(Cause::Folded, reason), duration, observer)?;
+                        continue;
+                    }
                     let increment = self.accept(frame, *converged, x)?;
+                    if let Some(element) = folded.filter(|_| !std::mem::replace(&mut told.folded, true)) {
+                        self.warn(describe::folded(frame.name(), self.state.time, &element), observer)?;
+                    }
                     if is_unstable && !std::mem::replace(&mut told.unstable, true) {
                         self.warn(describe::unstable(frame.name(), self.state.time), observer)?;
                     }
@@ -283,6 +293,11 @@ impl<'a> Simulation<'a> {
             }
         }
         Ok(None)
+    }
+
+    /// An element that has folded over, in words. Collective.
+    fn folded(&self, converged: &Converged) -> Option<String> {
+        first_word(self.comm, elements::folded(&self.model, &self.state.u, &converged.u))
     }
 
     /// Says once in a step what is to be known of its linear systems. Collective.

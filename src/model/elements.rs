@@ -200,6 +200,22 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
     })
 }
 
+/// The first element of this rank that folds over at a node between two states of displacements, in words: that is positive
+/// there before, and is not after. Linear tetrahedra cannot, and of quadratic ones that is not asked.
+pub fn folded(model: &Model, before: &[Vec3], after: &[Vec3]) -> Option<String> {
+    fn folds<const N: usize>(jacobians: [[f64; N]; 2]) -> bool {
+        let [before, after] = jacobians;
+        before.into_iter().zip(after).any(|(before, after)| before > 0.0 && after <= 0.0)
+    }
+    let states = [before, after];
+    let folds = |solid: &&PartSolid| match solid.shape {
+        SolidShape::Hex8 => folds(states.map(|u| hex8::nodal_jacobians(&moved(model, solid, u)))),
+        SolidShape::Wedge6 => folds(states.map(|u| wedge6::nodal_jacobians(&moved(model, solid, u)))),
+        SolidShape::Tet4 | SolidShape::Tet10 => false,
+    };
+    model.part.solids.iter().find(folds).map(|solid| element_name(model, solid))
+}
+
 fn moved<const N: usize>(model: &Model, solid: &PartSolid, u: &[Vec3]) -> [[f64; 3]; N] {
     std::array::from_fn(|a| {
         let n = solid.nodes[a] as usize;

@@ -116,6 +116,19 @@ pub fn min_jacobian(x: &[[f64; 3]; 8]) -> f64 {
     jacobians.fold(f64::INFINITY, f64::min)
 }
 
+/// Jacobians at the nodes: an element that is not positive at one is folded over there, and lies on itself.
+pub fn nodal_jacobians(x: &[[f64; 3]; 8]) -> [f64; 8] {
+    const GRADIENTS: [Gradients<8>; 8] = {
+        let (mut gradients, mut a) = ([[[0.0; 8]; 3]; 8], 0);
+        while a < 8 {
+            gradients[a] = shape(NODES[a][0], NODES[a][1], NODES[a][2]).1;
+            a += 1;
+        }
+        gradients
+    };
+    GRADIENTS.map(|gradients| jacobian(x, &gradients).determinant())
+}
+
 /// Parameters of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.
 pub fn parameters(x: &[[f64; 3]; 8], point: &Vec3) -> Option<[f64; 3]> {
     parameters::find(x, point, [0.0; 3], |[xi, eta, zeta]| shape(xi, eta, zeta))

@@ -430,6 +430,18 @@ fn confined_compression_of_one_element() {
     }
 }
 
+/// Jacobians at nodes are the volumes that their three edges span over that of so many parameter cells of volume 1; edges join
+/// nodes that differ in one coordinate, or lie across from the right angle.
+pub(super) fn assert_edges_span<const N: usize>(jacobians: &[f64; N], (x, cell): (&Nodes<N>, &Nodes<N>), parts: f64) {
+    for a in 0..N {
+        let differ = |b: usize| (0..3).filter(|&d| cell[a][d] != cell[b][d]).count();
+        let is_edge = |b: &usize| differ(*b) == 1 || N == 6 && differ(*b) == 2 && a / 3 == b / 3;
+        let edges: Vec<Vec3> = (0..N).filter(is_edge).map(|b| Vec3::from(x[b]) - Vec3::from(x[a])).collect();
+        let [e, f, g] = edges[..] else { panic!("{}", edges.len()) };
+        assert!((jacobians[a] - e.cross(&f).dot(&g).abs() / parts).abs() < 1e-15, "{a}");
+    }
+}
+
 #[test]
 fn volumes_and_body_forces() {
     let mut random = Random::new(28);
@@ -457,6 +469,7 @@ fn volumes_and_body_forces() {
     }
     let b = random.vector(1.0);
     let x0 = add(&CUBE, &random.points(0.15));
+    assert_edges_span(&hex8::nodal_jacobians(&x0), (&x0, &CUBE), 8.0);
     let load = hex8::body_force(&x0, b);
     for i in 0..3 {
         let sum: f64 = (0..8).map(|a| load[3 * a + i]).sum();

@@ -1,6 +1,6 @@
 use super::super::testing::{Random, add, affine, derivative, relative_error, rotation};
 use super::super::voigt::to_matrix;
-use super::tests::{CUBE, HEXES, Hex, Nodes, materials, matrices, moved, tangent_error};
+use super::tests::{CUBE, HEXES, Hex, Nodes, assert_edges_span, materials, matrices, moved, tangent_error};
 use super::*;
 use crate::Vec3;
 use crate::scene::{Hardening, MaterialModel};
@@ -142,6 +142,8 @@ fn wedges_pass_the_patch_test_with_hexahedra() {
 fn volumes_points_and_body_forces() {
     let mut random = Random::new(45);
     assert!((wedge6::volume(&half()) - 0.5).abs() < 1e-15 && (wedge6::min_jacobian(&half()) - 0.5).abs() < 1e-15);
+    let x = case(&mut random).0;
+    assert_edges_span(&wedge6::nodal_jacobians(&x), (&x, &half()), 2.0);
     let load = wedge6::body_force(&half(), Vec3::new(0.0, 0.0, 12.0));
     assert!(load.as_chunks::<3>().0.iter().all(|f| f[0] == 0.0 && f[1] == 0.0 && (f[2] - 1.0).abs() < 1e-15));
     // The halves of a cube with a warped diagonal plane fill it, and so do those of a hexahedron with flat ends.

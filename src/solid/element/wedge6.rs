@@ -124,6 +124,15 @@ pub fn min_jacobian(x: &[[f64; 3]; 6]) -> f64 {
     GRADIENTS.iter().map(|gradients| jacobian(x, gradients).determinant()).fold(f64::INFINITY, f64::min)
 }
 
+/// Jacobians at the nodes: an element that is not positive at one is folded over there, and lies on itself.
+pub fn nodal_jacobians(x: &[[f64; 3]; 6]) -> [f64; 6] {
+    const CORNERS: [[f64; 2]; 3] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+    std::array::from_fn(|a| {
+        let [xi, eta] = CORNERS[a % 3];
+        jacobian(x, &shape(xi, eta, if a < 3 { -1.0 } else { 1.0 }).1).determinant()
+    })
+}
+
 /// Parameters of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.
 pub fn parameters(x: &[[f64; 3]; 6], point: &Vec3) -> Option<[f64; 3]> {
     parameters::find(x, point, [1.0 / 3.0, 1.0 / 3.0, 0.0], |[xi, eta, zeta]| shape(xi, eta, zeta))
