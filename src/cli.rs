@@ -11,6 +11,7 @@ use crate::convert;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::model::Model;
+use crate::output::FACTORS;
 use crate::output::phases::Phases;
 use crate::parallel::agree;
 use crate::report;
@@ -424,6 +425,7 @@ pub fn run() -> i32 {
     // A rank alone starts no others, and needs no daemon of Open MPI for it: when the two take leave of each other, Open MPI's
     // thread now and then calls what is unloaded already, and the process ends by a signal after all is done.
     petsc::environment::set_default("OMPI_MCA_ess_singleton_isolated", "1");
+    petsc::environment::set_default("MUMPS_OOC_PREFIX", FACTORS);
     petsc::environment::leave_hdf5_at_exit();
     petsc::environment::return_freed_memory();
     if std::env::args_os().nth(1).is_some_and(|command| command == "trade" || command == "convert") {

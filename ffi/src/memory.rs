@@ -35,14 +35,23 @@ pub(crate) fn left_for_each(comm: &SimpleCommunicator) -> Option<u64> {
     let sharing = comm.split_shared(0).size() as u64;
     let read = |file: &str| read_to_string(file).unwrap_or_default();
     let number = |file: &str| read(file).trim().parse::<u64>().ok();
-    let of_group = |most: &str, taken: &str| Some(number(most)?.saturating_sub(number(taken)?));
+    let of_group = |folder: &str, [most, taken, cached]: [&str; 3]| {
+        let cached = cached_files(&read(&format!("{folder}/memory.stat")), cached);
+        Some((number(&format!("{folder}/{most}"))? + cached).saturating_sub(number(&format!("{folder}/{taken}"))?))
+    };
     let shared = [
         free(&read("/proc/meminfo")),
-        of_group("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
-        of_group("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+        of_group("/sys/fs/cgroup", ["memory.max", "memory.current", "inactive_file"]),
+        of_group("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"]),
     ];
     let shared = shared.into_iter().flatten().min().map(|bytes| bytes / sharing);
     shared.into_iter().chain(address_space_left()).min()
+}
+
+/// What a group of processes holds of files that it does not use, which goes as soon as memory is asked for, bytes.
+fn cached_files(stat: &str, key: &str) -> u64 {
+    let of_key = |line: &str| line.strip_prefix(key)?.trim().parse().ok();
+    stat.lines().find_map(of_key).unwrap_or(0)
 }
 
 /// What of /proc/meminfo can be had, bytes.
@@ -92,7 +101,7 @@ pub(crate) fn settle_blas() -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
-    use super::{free, left};
+    use super::{cached_files, free, left};
 
     #[test]
     fn what_is_left_is_the_limit_less_what_is_taken() {
@@ -108,5 +117,7 @@ mod tests {
     fn what_is_free_is_read() {
         assert_eq!(free("MemTotal: 9 kB\nMemFree: 1 kB\nMemAvailable:    8 kB\n"), Some(8192));
         assert_eq!(free("MemTotal: 9 kB\n"), None);
+        let stat = "anon 7\ninactive_anon 3\ninactive_file 4096\n";
+        assert_eq!((cached_files(stat, "inactive_file"), cached_files("", "inactive_file")), (4096, 0));
     }
 }

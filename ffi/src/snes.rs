@@ -272,8 +272,9 @@ impl<'p> Snes<'p> {
             self.judge = Some((factorization, judge));
             return Ok(negative);
         }
-        // The next factors of J will want the memory again.
-        let negative = if self.linear.forget_factors() { judge.negative_eigenvalues(matrix)? } else { None };
+        // The next factors of J will want the memory again; those in files have little.
+        let gives_way = !self.linear_statistics().out_of_core && self.linear.forget_factors();
+        let negative = if gives_way { judge.negative_eigenvalues(matrix)? } else { None };
         Ok(negative.unwrap_or(Negative::Unknown))
     }
 

@@ -43,6 +43,8 @@ pub(super) struct Frame {
     pub(super) hangs: bool,
     /// Where stability was judged last.
     judged: Option<Judged>,
+    /// A warning has said that the way is not stable; it is not judged any more.
+    is_unstable: bool,
     /// Failed increments say more of Newton's method than of its remedies: the last such.
     plain: Option<Failed>,
 }
@@ -64,7 +66,6 @@ pub(super) struct Running<'a> {
 #[derive(Default)]
 pub(super) struct Told {
     null_pivots: bool,
-    unstable: bool,
     folded: bool,
     unsolved: bool,
     out_of_core: bool,
@@ -188,7 +189,7 @@ impl<'a> Simulation<'a> {
             snes.keep_in(folder);
         }
         let x = Vector::zeros(self.petsc, dofs.count)?;
-        let mut frame = Frame { progress, dofs, pattern, hangs: false, judged: None, plain: None };
+        let mut frame = Frame { progress, dofs, pattern, hangs: false, judged: None, is_unstable: false, plain: None };
         frame.hangs = self.hangs(&frame);
         let (is_blind, before) = (solver == Linear::Iterative, self.summary.linear);
         self.running = Some(Running { frame, snes, x, systems, is_blind, before, told: Told::default() });
@@ -258,13 +259,13 @@ impl<'a> Simulation<'a> {
                     self.hold_multipliers(running)?;
                     return self.seek(running, observer);
                 }
-                Attempt::Converged(converged) if is_unstable && may_be_shorter && !told.unstable => {
+                Attempt::Converged(converged) if is_unstable && may_be_shorter => {
                     let reason = "converged to an equilibrium that is not stable".to_string();
                     self.retry(frame, converged.refused(Cause::Unstable, reason), duration, observer)?;
                 }
                 Attempt::Converged(converged) => {
                     let folded = self.folded(&converged);
-                    if let Some(element) = folded.as_ref().filter(|_| may_be_shorter) {
+                    if let Some(element) = folded.as_ref().filter(|_| may_be_shorter && !told.folded) {
                         let reason = format!("{element} has folded over at a node");
                         self.retry(frame, converged.refused(Cause::Folded, reason), duration, observer)?;
                         continue;
@@ -273,7 +274,8 @@ impl<'a> Simulation<'a> {
                     if let Some(element) = folded.filter(|_| !std::mem::replace(&mut told.folded, true)) {
                         self.warn(describe::folded(frame.name(), self.state.time, &element), observer)?;
                     }
-                    if is_unstable && !std::mem::replace(&mut told.unstable, true) {
+                    if is_unstable {
+                        frame.is_unstable = true;
                         self.warn(describe::unstable(frame.name(), self.state.time), observer)?;
                     }
                     observer(&Event::Increment(&increment))?;

@@ -128,6 +128,9 @@ impl Meeting {
             Touch::Node(SlipOrigin::Carried(id, xi)) => (*id, *xi) = (p.patch, p.xi),
         }
         stuck.method.law.rough = true;
+        // Where both sides are prescribed, nothing gives way, however they move.
+        (0..3).for_each(|d| stuck.guide.held[d] |= stuck.guide.drawn[d]);
+        stuck.guide.drawn = [false; 3];
         stuck.carried = Vec3::zeros();
         match &mut stuck.multiplier {
             Multiplier::Augmented(_) => {}

@@ -297,7 +297,8 @@ pub(super) fn append(path: &Path, comm: &impl Communicator, reals: &[Rows<f64>],
     reals.iter().for_each(|rows| rows.add(comm, file, &mut written));
     integers.iter().for_each(|rows| rows.add(comm, file, &mut written));
     on_root(comm, || {
-        written.map_err(|error| cannot_write(path, error))?;
+        let failure = change.as_ref().and_then(Change::failure);
+        written.map_err(|error| cannot_write(path, failure.unwrap_or(error.to_string())))?;
         change.map_or(Ok(()), Change::commit).map_err(|error| cannot_write(path, error))
     })?;
     Ok(())

@@ -38,6 +38,9 @@ pub const RUN: [&str; 10] = [
     checkpoint::NAME,
 ];
 
+/// How the names of MUMPS's files begin that hold the factors that memory does not; those of a killed run stay.
+pub const FACTORS: &str = "factors";
+
 /// Whether a run writes into a folder now; `None` where the file system has no locks.
 pub fn is_being_written(folder: &Path) -> Option<bool> {
     lock::is_held(folder)
@@ -146,7 +149,7 @@ fn prepare(path: &Path, results: &[&str], inputs: &[Input]) -> Result<Option<Loc
         let what = format!("the run would overwrite its own {what} {}", input.display());
         return Err(Error::input_anywhere(what, "choose another folder with --out, or rename the file"));
     }
-    clear(path, results).map_err(|error| not_writable(path, &error))?;
+    clear(path, results).and_then(|()| clear_factors(path)).map_err(|error| not_writable(path, &error))?;
     Ok(lock)
 }
 
@@ -165,6 +168,13 @@ fn make(path: &Path) -> io::Result<()> {
 fn clear(path: &Path, results: &[&str]) -> io::Result<()> {
     let files = results.iter().flat_map(|name| [name.to_string(), partial(name)]).map(|name| path.join(name));
     files.flat_map(|file| [journal::journal(&file), file]).try_for_each(|file| remove(&file))
+}
+
+/// Deletes what a run that was killed left of its factors.
+fn clear_factors(path: &Path) -> io::Result<()> {
+    let start = format!("{FACTORS}_mumps_");
+    let is_left = |file: &PathBuf| file.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&start));
+    fs::read_dir(path)?.flatten().map(|entry| entry.path()).filter(is_left).try_for_each(|file| remove(&file))
 }
 
 /// Deletes a file that may not be there.
@@ -247,9 +257,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out/case");
         prepare(&path, &RUN, &[]).unwrap();
-        for name in
-            RUN.into_iter().chain(["notes.md", "fields.xdmf.part", "fields.h5.journal", "checkpoint.h5.part.journal"])
-        {
+        for name in RUN.into_iter().chain([
+            "notes.md",
+            "fields.xdmf.part",
+            "fields.h5.journal",
+            "checkpoint.h5.part.journal",
+            "factors_mumps_0_x",
+        ]) {
             fs::write(path.join(name), "old").unwrap();
         }
         prepare(&path, &RUN, &[]).unwrap();

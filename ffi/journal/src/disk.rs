@@ -12,6 +12,16 @@ const PAGE: u64 = 4096;
 /// How a journal begins.
 const MARK: [u8; 8] = *b"journal1";
 
+type Pages = BTreeMap<u64, Page>;
+
+/// A page as it is to be.
+#[derive(Clone, Debug, PartialEq)]
+struct Page {
+    /// Checksum of what it was.
+    before: u64,
+    bytes: Vec<u8>,
+}
+
 /// A file as HDF5 sees it.
 #[derive(Debug)]
 pub struct Disk {
@@ -23,7 +33,7 @@ pub struct Disk {
     /// Bytes of the file as it is.
     length: u64,
     /// What has been written over, by the number of the page; the last page ends where the file did before.
-    pages: BTreeMap<u64, Vec<u8>>,
+    pages: Pages,
     /// The first error; nothing is written any more.
     failed: Option<io::Error>,
     /// HDF5 has closed it.
@@ -41,6 +51,16 @@ impl Disk {
     /// HDF5 has read how much of the file is its own.
     pub fn begin(&mut self) {
         self.before = self.wanted;
+        // Of what it may have written while it opened the file.
+        self.pages.retain(|number, _| number * PAGE < self.wanted);
+        if let Some((number, page)) = self.pages.iter_mut().next_back() {
+            page.bytes.truncate((self.before - number * PAGE) as usize);
+        }
+    }
+
+    /// What could not be done.
+    pub fn failure(&self) -> Option<String> {
+        self.failed.as_ref().map(ToString::to_string)
     }
 
     /// Bytes that can be read.
@@ -56,10 +76,10 @@ impl Disk {
         let end = at + bytes.len() as u64;
         for (number, page) in self.pages.range(at / PAGE..end.div_ceil(PAGE)) {
             let start = number * PAGE;
-            let (from, to) = (at.max(start), end.min(start + page.len() as u64));
+            let (from, to) = (at.max(start), end.min(start + page.bytes.len() as u64));
             if from < to {
                 bytes[(from - at) as usize..(to - at) as usize]
-                    .copy_from_slice(&page[(from - start) as usize..(to - start) as usize]);
+                    .copy_from_slice(&page.bytes[(from - start) as usize..(to - start) as usize]);
             }
         }
     }
@@ -83,13 +103,13 @@ impl Disk {
         for number in (at / PAGE..end.div_ceil(PAGE)).filter(|_| !bytes.is_empty()) {
             let start = number * PAGE;
             if !self.pages.contains_key(&number) {
-                let mut page = vec![0; PAGE.min(self.before - start) as usize];
-                read_or_zeros(&self.file, start, &mut page)?;
-                self.pages.insert(number, page);
+                let mut bytes = vec![0; PAGE.min(self.before - start) as usize];
+                read_or_zeros(&self.file, start, &mut bytes)?;
+                self.pages.insert(number, Page { before: checksum(&bytes), bytes });
             }
             let (from, to) = (at.max(start), end.min(start + PAGE));
             if let Some(page) = self.pages.get_mut(&number) {
-                page[(from - start) as usize..(to - start) as usize]
+                page.bytes[(from - start) as usize..(to - start) as usize]
                     .copy_from_slice(&bytes[(from - at) as usize..(to - at) as usize]);
             }
         }
@@ -103,35 +123,41 @@ impl Disk {
         }
     }
 
-    /// Makes what HDF5 has written the file; what is already behind its end stays unseen until then.
-    pub fn commit(&mut self, journal: &Path) -> io::Result<()> {
-        if !self.closed {
-            self.failed.get_or_insert_with(|| io::Error::other("HDF5 has not closed the file"));
-        }
-        let recorded = match self.failed.take() {
-            Some(error) => Err(error),
-            None if self.pages.is_empty() => self.file.set_len(self.wanted),
-            None => fs::write(journal, self.record()),
-        };
+    /// Takes away what has been written behind the end.
+    pub fn go_back(&mut self) {
+        let _ = self.file.set_len(self.before.min(self.length));
+    }
+
+    /// Makes what HDF5 has written the file, as it `closed` it; what is already behind its end stays unseen until then.
+    pub fn commit(&mut self, closed: io::Result<()>, journal: &Path) -> io::Result<()> {
+        let closed =
+            closed.and(if self.closed { Ok(()) } else { Err(io::Error::other("HDF5 has not closed the file")) });
+        // That of the disk comes before what HDF5 makes of it.
+        let whole = self.failed.take().map_or(closed, Err);
+        let recorded = whole.and_then(|()| match self.pages.is_empty() {
+            true => self.file.set_len(self.wanted),
+            false => fs::write(journal, self.record()),
+        });
         if recorded.is_err() {
             // Whatever came of it is no journal without its end.
             let _ = remove(journal);
-            let _ = self.file.set_len(self.before);
+            self.go_back();
         }
         recorded?;
         write_over(&self.file, &self.pages, self.wanted)?;
         remove(journal)
     }
 
-    /// The journal: mark, length before and after, numbers of pages with their bytes, checksum.
+    /// The journal: mark, length before and after, pages with their numbers and what they were, checksum.
     fn record(&self) -> Vec<u8> {
         let mut record = MARK.to_vec();
         record.extend(self.before.to_le_bytes());
         record.extend(self.wanted.to_le_bytes());
         for (number, page) in &self.pages {
             record.extend(number.to_le_bytes());
-            record.extend((page.len() as u64).to_le_bytes());
-            record.extend(page);
+            record.extend(page.before.to_le_bytes());
+            record.extend((page.bytes.len() as u64).to_le_bytes());
+            record.extend(&page.bytes);
         }
         record.extend(checksum(&record).to_le_bytes());
         record
@@ -145,15 +171,23 @@ pub fn recover(path: &Path, journal: &Path) -> io::Result<()> {
         record => record?,
     };
     if let Some((before, wanted, pages)) = parse(&record) {
-        let file = OpenOptions::new().write(true).open(path)?;
-        if file.metadata()?.len() >= before {
+        let file = OpenOptions::new().read(true).write(true).open(path)?;
+        let is_its = |(number, page): (&u64, &Page)| {
+            let mut now = vec![0; page.bytes.len()];
+            read_or_zeros(&file, number * PAGE, &mut now).map(|()| now == page.bytes || checksum(&now) == page.before)
+        };
+        let mut is_of_file = file.metadata()?.len() >= before;
+        for page in &pages {
+            is_of_file = is_of_file && is_its(page)?;
+        }
+        if is_of_file {
             write_over(&file, &pages, wanted)?;
         }
     }
     remove(journal)
 }
 
-type Recorded = (u64, u64, BTreeMap<u64, Vec<u8>>);
+type Recorded = (u64, u64, Pages);
 
 fn parse(record: &[u8]) -> Option<Recorded> {
     let (said, sum) = record.split_last_chunk::<8>()?;
@@ -169,16 +203,16 @@ fn parse(record: &[u8]) -> Option<Recorded> {
     let (before, wanted) = (number(&mut rest)?, number(&mut rest)?);
     let mut pages = BTreeMap::new();
     while !rest.is_empty() {
-        let (page, length) = (number(&mut rest)?, number(&mut rest)?);
+        let (page, before, length) = (number(&mut rest)?, number(&mut rest)?, number(&mut rest)?);
         let (bytes, left) = rest.split_at_checked(length as usize)?;
-        pages.insert(page, bytes.to_vec());
+        pages.insert(page, Page { before, bytes: bytes.to_vec() });
         rest = left;
     }
     Some((before, wanted, pages))
 }
 
-fn write_over(file: &File, pages: &BTreeMap<u64, Vec<u8>>, length: u64) -> io::Result<()> {
-    pages.iter().try_for_each(|(number, page)| file.write_all_at(page, number * PAGE))?;
+fn write_over(file: &File, pages: &Pages, length: u64) -> io::Result<()> {
+    pages.iter().try_for_each(|(number, page)| file.write_all_at(&page.bytes, number * PAGE))?;
     file.set_len(length)
 }
 
@@ -261,7 +295,7 @@ mod tests {
         // Unharmed.
         let (mut disk, _) = changed(folder.path());
         disk.closed = true;
-        disk.commit(&journal).unwrap();
+        disk.commit(Ok(()), &journal).unwrap();
         assert!(fs::read(&path).unwrap() == expected && !journal.exists());
     }
 
@@ -273,7 +307,7 @@ mod tests {
         disk.write(20_000, b"more");
         disk.closed = true;
         let journal = folder.path().join("file.journal");
-        assert_eq!(disk.commit(&journal).unwrap_err().to_string(), "given up");
+        assert_eq!(disk.commit(Ok(()), &journal).unwrap_err().to_string(), "given up");
         let old: Vec<u8> = (0..10_000u32).map(|i| (i % 251) as u8).collect();
         assert!(fs::read(folder.path().join("file")).unwrap() == old && !journal.exists());
     }
@@ -284,9 +318,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [path, journal] = ["file", "file.journal"].map(|name| folder.path().join(name));
         let (disk, _) = changed(folder.path());
-        fs::write(&journal, disk.record()).unwrap();
-        fs::write(&path, "short").unwrap();
-        recover(&path, &journal).unwrap();
-        assert!(fs::read(&path).unwrap() == b"short" && !journal.exists());
+        for other in [b"short".to_vec(), vec![7; 20_000]] {
+            fs::write(&journal, disk.record()).unwrap();
+            fs::write(&path, &other).unwrap();
+            recover(&path, &journal).unwrap();
+            assert!(fs::read(&path).unwrap() == other && !journal.exists());
+        }
     }
 }

@@ -45,13 +45,19 @@ impl Change {
         self.file.as_ref().expect("it is open until the change ends")
     }
 
+    /// What the disk could not do until now, of which HDF5 says nothing, or something else.
+    pub fn failure(&self) -> Option<String> {
+        lock(&self.disk).failure()
+    }
+
     /// Ends the change: the file is as HDF5 has it. What is open within the file must be closed.
     ///
     /// # Errors
-    /// What the disk, or HDF5 as it closed the file, could not do; the file is then as it was.
+    /// What the disk, or HDF5 as it closed the file, could not do; the file is then as it was. If the disk fails as tables are
+    /// written over, the journal stays, for [`recover`].
     pub fn commit(mut self) -> io::Result<()> {
-        self.close()?;
-        lock(&self.disk).commit(&journal(&self.path))
+        let closed = self.close();
+        lock(&self.disk).commit(closed, &journal(&self.path))
     }
 
     fn close(&mut self) -> io::Result<()> {
@@ -63,9 +69,12 @@ impl Change {
 impl Drop for Change {
     /// Takes the change back, if it has not been committed.
     fn drop(&mut self) {
-        lock(&self.disk).give_up();
-        // What HDF5 writes now goes nowhere.
-        let _ = self.close();
+        if self.file.is_some() {
+            // What HDF5 writes now goes nowhere.
+            lock(&self.disk).give_up();
+            let _ = self.close();
+            lock(&self.disk).go_back();
+        }
     }
 }
 

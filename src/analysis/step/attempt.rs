@@ -201,7 +201,7 @@ impl<'a> Simulation<'a> {
         Ok(match ended? {
             None => {
                 let negative = match drag {
-                    0.0 => stability::negative(&mut newton, snes, &mut frame.judged)?,
+                    0.0 if !frame.is_unstable => stability::negative(&mut newton, snes, &mut frame.judged)?,
                     _ => Negative::Unknown,
                 };
                 Attempt::Converged(Box::new(converged(newton, &x.array()?, negative)))

@@ -4,13 +4,14 @@
 //! not, or friction makes the tangent unsymmetric, it is judged at the solution, with all that touches sticking where it is:
 //! friction never pushes a body on, and what is not stable with nodes that stick is not stable with nodes that slip. That
 //! takes a factorization more, and is done a few times in a step, and wherever the determinant of the tangent has another sign
-//! than at the last time: then one eigenvalue, or three, have changed theirs.
+//! than at the last time: then one eigenvalue, or three, have changed theirs. An attempt that is refused for something else is
+//! made again in shorter ones, which are judged anew.
 
 use super::super::newton::{Newton, System};
 use crate::contact::{Pair, Slave};
 use crate::error::Result;
 use crate::parallel::any;
-use petsc::{Factorization, Negative, Snes};
+use petsc::{Factorization, LinearStatistics, Negative, Snes};
 
 /// Where in a step stability was judged last, and what the factors of the tangent have told there.
 #[derive(Clone, Copy, Debug)]
@@ -23,20 +24,25 @@ pub struct Judged {
 pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged>) -> Result<Negative> {
     let System { comm, model, dofs, conditions, .. } = &newton.system;
     // What meets itself has conditions that repeat each other and give way.
-    if snes.iterates() || model.pairs.iter().any(Pair::is_self) {
+    if model.pairs.iter().any(Pair::is_self) {
         return Ok(Negative::Unknown);
     }
-    let factors = snes.linear_statistics().negative;
+    let LinearStatistics { negative: factors, null_pivots, .. } = snes.linear_statistics();
     let slips = || any(comm, model.pairs.iter().flat_map(|pair| &pair.slaves).any(Slave::rubs));
-    // That of F-bar has no symmetric part to judge by.
-    let by_sign = !conditions.has_symmetric_bodies(model);
+    // That of F-bar, or of a pressure that follows, has no symmetric part to judge by.
+    let by_sign = !conditions.has_symmetric_bodies(model) || !conditions.pressures.is_empty();
     let tells = conditions.is_symmetric(model) || by_sign && !slips();
     if tells && factors != Negative::Unknown {
         return Ok(factors);
     }
+    // Where conditions repeat each other, or something is free, those that stick say no more.
+    if snes.iterates() || null_pivots > 0 {
+        return Ok(Negative::Unknown);
+    }
     let interval = 1.0 / model.controls.stability_checks as f64;
     let has_changed = |last: Negative| ![last, factors].contains(&Negative::Unknown) && last != factors;
-    let is_due = |last: Judged| newton.s >= last.end + interval || newton.s == 1.0 || has_changed(last.factors);
+    let is_later = |last: Judged| newton.s <= last.end || newton.s >= last.end + (1.0 - 1e-6) * interval;
+    let is_due = |last: Judged| is_later(last) || newton.s == 1.0 || has_changed(last.factors);
     if !judged.is_none_or(is_due) {
         return Ok(Negative::Unknown);
     }
