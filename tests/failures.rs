@@ -107,7 +107,11 @@ move = [{ target = "cube.edge", by = [-0.6, -0.6, 0.0] }]
         let time: f64 = told[start.len()..].split(',').next().unwrap().parse().unwrap();
         let begins = 0.5 / 0.6;
         assert!((begins..begins + 2.0 * 0.1 / 256.0).contains(&time), "{time}");
-        assert_eq!(run.history().last("time"), 1.0);
+        let history = run.history();
+        assert_eq!(history.last("time"), 1.0);
+        // Each that was refused counts.
+        let tried: f64 = history.column("failures").iter().sum();
+        assert!(tried > 0.0 && summary["cutbacks"] == tried as u64, "{tried} {}", summary["cutbacks"]);
     }
 }
 

@@ -60,13 +60,6 @@ pub enum Way {
     Jump,
 }
 
-/// How an increment was found, after how many failures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Found {
-    pub way: Way,
-    pub failures: usize,
-}
-
 /// When constraints of multipliers give way more than they do anyway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Yields {
@@ -284,8 +277,8 @@ impl Ladder {
     }
 
     /// The increment has converged. Says how it was found.
-    pub fn succeed(&mut self) -> Found {
-        let found = Found { way: self.way(), failures: self.tries.failures };
+    pub fn succeed(&mut self) -> Way {
+        let found = self.way();
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
         self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.creeps = Some(self.tries.creeps == Some(true));

@@ -45,6 +45,8 @@ pub(super) struct Frame {
     judged: Option<Judged>,
     /// A warning has said that the way is not stable; it is not judged any more.
     is_unstable: bool,
+    /// Tries at the increment under way that have failed or were refused.
+    failures: usize,
     /// Failed increments say more of Newton's method than of its remedies: the last such.
     plain: Option<Failed>,
 }
@@ -189,7 +191,8 @@ impl<'a> Simulation<'a> {
             snes.keep_in(folder);
         }
         let x = Vector::zeros(self.petsc, dofs.count)?;
-        let mut frame = Frame { progress, dofs, pattern, hangs: false, judged: None, is_unstable: false, plain: None };
+        let mut frame =
+            Frame { progress, dofs, pattern, hangs: false, judged: None, is_unstable: false, failures: 0, plain: None };
         frame.hangs = self.hangs(&frame);
         let (is_blind, before) = (solver == Linear::Iterative, self.summary.linear);
         self.running = Some(Running { frame, snes, x, systems, is_blind, before, told: Told::default() });
@@ -252,6 +255,7 @@ impl<'a> Simulation<'a> {
                     if frame.progress.ladder.way() != Way::Jump
                         && self.leaves_open(frame.conditions(), redundant > 0 || running.is_blind) =>
                 {
+                    frame.failures += 1;
                     let reason = "conditions of contact say what others say, or may";
                     let size = (end - done) * duration;
                     let retried = Retried { step: frame.name(), size, reason, remedy: Remedy::Hold };

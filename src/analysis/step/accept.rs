@@ -60,13 +60,13 @@ impl Simulation<'_> {
         let busy = self.is_busy();
         let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy();
-        let found = ladder.succeed();
+        let way = ladder.succeed();
         let end = converged.end;
         let iterations = converged.effort.residuals.len() - 1;
         let size = (end - increments.done) * step.duration;
         let time = *start + end * step.duration;
         increments.accept(end, iterations.div_ceil(1 + converged.effort.rounds), busy);
-        if found.way == Way::Jump {
+        if way == Way::Jump {
             increments.resume();
         }
         let ends_step = increments.next().is_none();
@@ -104,8 +104,8 @@ impl Simulation<'_> {
             changes: converged.effort.changes,
             limit: converged.effort.limit,
             rounded: converged.effort.rounded,
-            way: found.way,
-            failures: found.failures,
+            way,
+            failures: std::mem::take(&mut frame.failures),
             touching,
             slipping,
             calmed,

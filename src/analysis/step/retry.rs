@@ -28,6 +28,7 @@ impl Simulation<'_> {
         duration: f64,
         observer: &mut Observer,
     ) -> Result<Remedy> {
+        frame.failures += 1;
         let end = failed.end;
         let done = frame.progress.increments.done;
         let size = (end - done) * duration;

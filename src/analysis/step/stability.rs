@@ -8,7 +8,7 @@
 //! made again in shorter ones, which are judged anew.
 
 use super::super::newton::{Newton, System};
-use crate::contact::{Pair, Slave};
+use crate::contact::Slave;
 use crate::error::Result;
 use crate::parallel::any;
 use petsc::{Factorization, LinearStatistics, Negative, Snes};
@@ -23,8 +23,9 @@ pub struct Judged {
 /// How many eigenvalues of the tangent at a converged iterate are negative, as far as it is to be known there. Collective.
 pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged>) -> Result<Negative> {
     let System { comm, model, dofs, conditions, .. } = &newton.system;
-    // What meets itself has conditions that repeat each other and give way.
-    if model.pairs.iter().any(Pair::is_self) {
+    // What meets itself has conditions that repeat each other and give way; of nodes on nodes the stuck tangent is not that of
+    // what holds them.
+    if model.pairs.iter().any(|pair| pair.is_self() || pair.is_by_nodes() && pair.friction > 0.0) {
         return Ok(Negative::Unknown);
     }
     let LinearStatistics { negative: factors, null_pivots, .. } = snes.linear_statistics();
