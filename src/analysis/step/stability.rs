@@ -23,8 +23,8 @@ pub struct Judged {
 /// How many eigenvalues of the tangent at a converged iterate are negative, as far as it is to be known there. Collective.
 pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged>) -> Result<Negative> {
     let System { comm, model, dofs, conditions, .. } = &newton.system;
-    // What meets itself has conditions that repeat each other and give way; of nodes on nodes the stuck tangent is not that of
-    // what holds them.
+    // What meets itself has conditions that repeat each other and give way; nodes that rub on nodes have given false alarms, of
+    // which the cause is not known.
     if model.pairs.iter().any(|pair| pair.is_self() || pair.is_by_nodes() && pair.friction > 0.0) {
         return Ok(Negative::Unknown);
     }
