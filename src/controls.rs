@@ -304,6 +304,8 @@ controls! {
             "A master that is deeper in the slave between its nodes is told of at the end. The size is the diagonal where a node of the facet touches, else the edge of a square of its area, of a layer its length. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
         watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
             "The same, deeper than this, ends the run: what is between nodes is larger than what they feel.";
+        watch_slid: f64 = 0.1, [1e-3, 1.0], "force of the contact",
+            "Nodes that slide off the end of a master in an increment with more of its force are told of at the end: a facet that still reaches over the end feels it no more. One row of ten leaves a block of ten with a tenth.";
         watch_mirror: f64 = 1e-3, [1e-9, 1.0], "extent of the body across the plane",
             "How far a body may come beyond a plane of symmetry: more than rounding; what a penalty lets through that holds it off is added.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",

@@ -473,6 +473,60 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     assert_eq!(until, ["contact `c`: nothing touches the tool `t` any more since time 1.000000"]);
 }
 
+/// Two equal blocks lie flush on each other, and the upper one is drawn aside, without friction: the row of nodes at its end slides
+/// off, and a quarter of the force is lost between nodes. From segment to segment it is not.
+#[test]
+fn nodes_that_slide_off_an_end_with_much_of_the_force_are_told_of() {
+    let bench = Bench::new(
+        r#"
+[body.lower]
+material = "m"
+element = "hex8"
+block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }
+[body.upper]
+material = "m"
+element = "hex8"
+block = { box = { origin = [0.0, 0.0, 2.0], size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }
+[material.m]
+model = "hooke"
+young = 100.0
+poisson = 0.3
+[contact.c]
+slave = "lower.zmax"
+master = "upper.zmin"
+[[step]]
+name = "press"
+increments = 2
+fix = [{ set = "lower.zmin" }]
+move = [{ target = "upper.zmax", by = [0.0, 0.0, -0.2] }]
+[[step]]
+name = "draw"
+increments = 4
+fix = [{ set = "lower.zmin" }]
+move = [{ target = "upper.zmax", by = [0.1, 0.0, 0.0] }]
+[output]
+history = ["lower.zmin"]
+"#,
+    );
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let list: Vec<String> = serde_json::from_value(run.summary()["warnings"].clone()).unwrap();
+        let told = |words: &str| list.iter().filter(|warning| warning.contains(words)).count();
+        assert_eq!(
+            [told("slid off the end of `upper.zmin` with 22 %"), told("a jump took its force")],
+            [1, 1],
+            "{list:?}"
+        );
+        let force = run.history().last("lower.zmin.fz");
+        assert!(force < 18.0, "the loss that is told of: {force}");
+    }
+    let segments = bench.solve(2, &["--set", "contact.c.discretization=\"segment\""]);
+    assert!(segments.history().last("lower.zmin.fz") > 22.7 && !segments.log().contains("slid off"));
+    let refused = bench.run(1, &["--set", "contact.c.friction=1e-3"]);
+    assert_eq!(refused.code, 1, "{}", refused.log());
+    assert!(refused.stderr.contains("are past the end of `upper.zmin`, about to slide off"), "{}", refused.stderr);
+}
+
 /// A thin plate of a mesh passes over two blocks, of which the one farther away, whose contact is listed last, is too low for
 /// it: what the watch looks at for that one must not be all that it knows of the plate.
 #[test]
@@ -582,7 +636,10 @@ fn a_pad_goes_over_the_joint_of_two_masters() {
     let tables = body("left", 0.0, 4.0, 4) + &body("right", 4.0, 4.0, 4) + &contact("left") + &contact("right");
     let tie = "[tie.joint]\nslave = \"right.xmin\"\nmaster = \"left.xmax\"\n";
     let two = Bench::new(&scene(&(tables + tie), "{ set = \"left.ymin\" }, { set = \"right.ymin\" }"));
-    let [one, two] = [one.solve(1, &[]), two.solve(2, &[])].map(|run| run.history());
+    let [one, two] = [one.solve(1, &[]), two.solve(2, &[])].map(|run| {
+        assert!(!run.log().contains("slid off"), "{}", run.log());
+        run.history()
+    });
     for column in ["pad.ymax.fx", "pad.ymax.fy"] {
         assert_close(column, two.last(column), one.last(column), 1e-9);
     }

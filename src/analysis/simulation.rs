@@ -331,7 +331,7 @@ impl<'a> Simulation<'a> {
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }
-                slave.commit(pair.method, Vec3::zeros(), &ground, &position);
+                slave.commit(pair.method, Vec3::zeros(), &ground, &position, 0.0);
             }
         }
     }

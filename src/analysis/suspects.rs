@@ -42,6 +42,37 @@ fn of_hold(comm: &SimpleCommunicator, pair: &Pair) -> Option<String> {
     })
 }
 
+/// Contacts of which much hangs past an end of the master, as its last converged increment is, which the master attends to:
+/// equilibrium may end where it slides off. Collective.
+pub fn hanging(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
+    model.pairs.iter().filter_map(|pair| of_end(comm, model, pair)).collect()
+}
+
+fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<String> {
+    let ground = model.masters.of(pair.master);
+    let mut sums = [0.0; 2];
+    if pair.faces.is_none() && !pair.is_self() && !pair.is_by_nodes() {
+        for (s, slave) in pair.slaves.iter().enumerate().filter(|(_, slave)| slave.accepted.status != Status::Gap) {
+            let (at, force) = (&slave.accepted, slave.accepted.force.norm());
+            let near = ground.nearest(pair, s, &ground.seen_from(&at.position), pair.reach);
+            let aside = pair.sides().aside;
+            let hangs = near.zip(at.projection).is_some_and(|(near, at)| near.gap.abs() > at.gap.abs() + aside);
+            sums = [sums[0] + force, sums[1] + if hangs { force } else { 0.0 }];
+        }
+    }
+    sum(comm, &mut sums);
+    let share = sums[1] / sums[0];
+    (share > pair.controls.watch_slid).then(|| {
+        format!(
+            "nodes with {:.0} % of the force of contact `{}` are past the end of {}, about to slide off, and between its nodes a \
+             slave does not feel where a master ends: extend that, or take `discretization = \"segment\"`",
+            100.0 * share,
+            pair.name,
+            model.master_name(pair)
+        )
+    })
+}
+
 /// What to change in the contacts of the `body` where an increment failed, of all bodies where that is not known. Collective.
 pub fn remedies(
     comm: &SimpleCommunicator,

@@ -11,7 +11,7 @@ use super::step::{Attempt, Converged};
 use super::strays::{beyond, stray, strays};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
-use crate::contact::{Movement, Pair, Sight, Status};
+use crate::contact::{Movement, Pair, Sight, Slave, Status};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -19,6 +19,7 @@ use crate::parallel::{first_word, max, sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// What a contact did until now.
@@ -38,9 +39,44 @@ pub struct Touch {
     deepest_at: f64,
     /// How deep its nodes ever were behind the master.
     depth: f64,
+    /// The largest share of its force with which nodes slid off the master in an increment, and the largest change of its
+    /// force by a jump.
+    slid: Loss,
+    jumped: Loss,
 }
 
-crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth });
+crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth, slid, jumped });
+
+impl Touch {
+    fn force_now(&self) -> Vec3 {
+        if self.now { self.force } else { Vec3::zeros() }
+    }
+}
+
+/// A change of a contact's force that comes from its discretization, or over which there was no equilibrium.
+#[derive(Clone, Copy, Debug, Default)]
+struct Loss {
+    /// Over the larger of both forces.
+    share: f64,
+    /// Force before and after, N.
+    from: f64,
+    to: f64,
+    /// Time of the increment.
+    at: f64,
+}
+
+crate::words!(Loss { share, from, to, at });
+
+impl Loss {
+    fn new(lost: f64, [from, to]: [&Vec3; 2], at: f64) -> Self {
+        let (from, to) = (from.norm(), to.norm());
+        Self { share: if lost > 0.0 { lost / from.max(to) } else { 0.0 }, from, to, at }
+    }
+
+    fn or_larger(self, other: Self) -> Self {
+        if other.share > self.share { other } else { self }
+    }
+}
 
 /// Where all is at an increment's beginning and end.
 struct Motion<'a> {
@@ -214,11 +250,13 @@ impl Simulation<'_> {
         )
     }
 
-    /// Notes which contacts touch in an increment that was accepted, and how deep masters are between nodes. Collective.
-    pub(super) fn note_touches(&mut self, between: &[Between]) {
-        const EACH: usize = 7;
+    /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
+    /// also by a jump. Collective.
+    pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
+        const EACH: usize = 8;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
-        for pair in &self.model.pairs {
+        let slid = take_slid(&mut self.model.pairs);
+        for (pair, slid) in self.model.pairs.iter().zip(slid) {
             let (mut count, mut force, mut middle) = (0.0, Vec3::zeros(), Vec3::zeros());
             for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
                 let node = slave.node as usize;
@@ -226,7 +264,7 @@ impl Simulation<'_> {
                 force -= slave.accepted.force;
                 middle += self.model.part.points[node] + self.state.u[node];
             }
-            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z]);
+            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, slid]);
         }
         sum(self.comm, &mut sums);
         let deepest = |pair: &Pair| pair.slaves.iter().map(|slave| slave.sight.depth).fold(0.0, f64::max);
@@ -241,11 +279,17 @@ impl Simulation<'_> {
             }
         }
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
+            let forces = [&touch.force_now(), &Vec3::from_column_slice(&sums[1..4])];
+            touch.slid = touch.slid.or_larger(Loss::new(sums[7], forces, self.state.time));
+            if is_jump {
+                let change = (forces[1] - forces[0]).norm();
+                touch.jumped = touch.jumped.or_larger(Loss::new(change, forces, self.state.time));
+            }
             touch.now = sums[0] > 0.0;
             if touch.now {
                 touch.until = Some(self.state.time);
                 touch.force = Vec3::from_column_slice(&sums[1..4]);
-                touch.middle = Vec3::from_column_slice(&sums[4..]) / sums[0];
+                touch.middle = Vec3::from_column_slice(&sums[4..7]) / sums[0];
                 let tool = pair.master.tool().map(|t| &self.model.masters.tools[t]);
                 touch.on_tool = tool.map(|tool| tool.committed.inward(&touch.middle));
             }
@@ -281,6 +325,22 @@ impl Simulation<'_> {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
             }
+            if touch.slid.share > pair.controls.watch_slid {
+                let Loss { share, from, to, at } = touch.slid;
+                warnings.push(format!(
+                    "contact `{name}`: nodes slid off the end of {master} with {:.0} % of its force, which went from {from:.6e} to \
+                     {to:.6e} N (time {at:.6}): between its nodes a slave does not feel where a master ends; extend that, refine \
+                     the slave, or take `discretization = \"segment\"`",
+                    100.0 * share
+                ));
+            }
+            if touch.jumped.share > 0.0 {
+                let Loss { from, to, at, .. } = touch.jumped;
+                warnings.push(format!(
+                    "contact `{name}`: there was no equilibrium near, and a jump took its force from {from:.6e} to {to:.6e} N (time \
+                     {at:.6}, the largest): what it went through on the way is not resolved"
+                ));
+            }
             // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
             let is_of_penalty = pair.method == Enforcement::Penalty && pair.faces.is_none();
             if is_of_penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
@@ -312,6 +372,21 @@ impl Simulation<'_> {
         let way = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point) - touch.middle;
         pair.master.tool().zip(touch.on_tool).is_some_and(|at| way(at).dot(&touch.force) < 0.0)
     }
+}
+
+/// The force with which slave nodes of this rank slid off each master, N; not those that came onto another one. Forgets it.
+fn take_slid(pairs: &mut [Pair]) -> Vec<f64> {
+    let slid = |pair: &Pair| pair.slaves.iter().any(|slave| slave.committed.slid > 0.0);
+    if !pairs.iter().any(slid) {
+        return vec![0.0; pairs.len()];
+    }
+    let touching = pairs.iter().flat_map(|pair| &pair.slaves).filter(|slave| slave.accepted.status != Status::Gap);
+    let touching: BTreeSet<u32> = touching.map(|slave| slave.node).collect();
+    let take = |slave: &mut Slave| {
+        let slid = std::mem::take(&mut slave.committed.slid);
+        if touching.contains(&slave.node) { 0.0 } else { slid }
+    };
+    pairs.iter_mut().map(|pair| pair.slaves.iter_mut().map(take).sum()).collect()
 }
 
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its

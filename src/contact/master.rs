@@ -576,7 +576,7 @@ impl<'a> Ground<'a> {
     }
 
     /// The nearest point, ends included, to slave node `s` at `x` in [that frame](Self::seen_from).
-    pub(super) fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
+    pub fn nearest(&self, pair: &Pair, s: usize, x: &Vec3, reach: f64) -> Option<Projection> {
         match self {
             Self::Tool(tool) => tool.surface.nearest(x, reach),
             Self::Surface(surface, _) => surface.shapes().nearest_of(x, reach, &pair.outlook(s, x)),

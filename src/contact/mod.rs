@@ -54,7 +54,7 @@ pub use watch::Sight;
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::partition::Gather;
-use crate::surface::{Patch, Sides};
+use crate::surface::{Patch, Projection, Sides};
 use std::collections::BTreeMap;
 
 /// A contact pair on this rank: the owned nodes of a slave surface against a master.
@@ -111,6 +111,25 @@ impl Pair {
     /// What slave node `slave` can meet from `x`: within a body only what looks at it.
     pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
         Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave), facing: self.facing }
+    }
+
+    /// The force that slave node `s`, now at `position`, bore at the last converged increment, N, if it has left the master past
+    /// an end, and is behind the plane on which it was: no gap has opened, and the facets around it still reach over the end.
+    /// Otherwise what of that has not been told.
+    pub fn slid_off(&self, s: usize, ground: &Ground, position: &Vec3) -> f64 {
+        let slave = &self.slaves[s];
+        if slave.trial.projection.is_some() || self.faces.is_some() || self.is_self() || self.is_by_nodes() {
+            return 0.0;
+        }
+        let last = slave.accepted.projection.filter(|_| slave.accepted.status != Status::Gap);
+        let is_behind = |last: &Projection| {
+            let end = ground.nearest(self, s, &ground.seen_from(position), self.reach)?;
+            Some((position - ground.in_space(&end.point)).dot(&last.normal) < 0.0)
+        };
+        match last {
+            Some(last) if is_behind(&last) == Some(true) => slave.accepted.force.norm(),
+            _ => slave.committed.slid,
+        }
     }
 
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.

@@ -86,9 +86,11 @@ pub struct Committed {
     pub status: Status,
     /// What a multiplier that is no unknown begins the next increment with.
     pub held: Held,
+    /// The force with which it slid off the master, see [`super::Pair::slid_off`], until that is told.
+    pub slid: f64,
 }
 
-crate::words!(Committed { multiplier, anchor, place, warm, keeps, status, held });
+crate::words!(Committed { multiplier, anchor, place, warm, keeps, status, held, slid });
 
 /// A multiplier that is held while Newton's method runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -327,7 +329,8 @@ impl Slave {
     }
 
     /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
-    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3) {
+    /// With what force it `slid` off the master in between is noted, N.
+    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3, slid: f64) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
         self.committed = Committed {
@@ -338,6 +341,7 @@ impl Slave {
             warm: projection.map(|p| (p.patch, p.xi)),
             keeps: self.trial.keeps,
             status: self.trial.status,
+            slid,
         };
     }
 }

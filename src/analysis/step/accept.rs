@@ -40,9 +40,11 @@ impl Simulation<'_> {
         }
         for (pair, multipliers) in pairs.iter_mut().zip(&converged.forces.contacts) {
             let ground = masters.of(pair.master);
-            for (slave, multiplier) in pair.slaves.iter_mut().zip(multipliers) {
-                let node = slave.node as usize;
-                slave.commit(pair.method, *multiplier, &ground, &(part.points[node] + converged.u[node]));
+            for (s, multiplier) in multipliers.iter().enumerate() {
+                let node = pair.slaves[s].node as usize;
+                let position = part.points[node] + converged.u[node];
+                let slid = pair.slid_off(s, &ground, &position);
+                pair.slaves[s].commit(pair.method, *multiplier, &ground, &position, slid);
             }
         }
         frame.progress.offsets.clone_from(&converged.offsets);
@@ -88,7 +90,7 @@ impl Simulation<'_> {
         frame.plain = None;
         self.state.time = time;
         self.state.increments += 1;
-        self.note_touches(&converged.between);
+        self.note_touches(&converged.between, way == Way::Jump);
         self.summary.increments += 1;
         self.note_rounded(converged.effort.rounded.as_ref());
         let [touching, slipping, calmed] = self.count(converged.effort.calmed.len());

@@ -4,7 +4,7 @@ use super::super::ladder::{Way, Yields};
 use super::super::last_iterate::LastIterate;
 use super::super::newton::Lost;
 use super::super::state::Progress;
-use super::super::{Event, Observer, Remedy, Retried, Simulation, conditioning, describe, suspects};
+use super::super::{Event, Observer, Remedy, Retried, Simulation, conditioning, describe, suspects, watch};
 use super::Frame;
 use super::attempt::Failed;
 use crate::contact::{Pair, Status};
@@ -57,6 +57,9 @@ impl Simulation<'_> {
             let mut told = plain.unwrap_or(failed);
             let size = (told.end - done) * duration;
             let time = frame.progress.start + told.end * duration;
+            if told.cause.is_of_iteration() {
+                watch::attend(self.comm, &mut self.model, &self.state.u);
+            }
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
             return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
         };
@@ -103,6 +106,9 @@ impl Simulation<'_> {
         };
         let body = failure.place.as_ref().map(|place| place.body.as_str());
         let mut remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
+        if failed.cause.is_of_iteration() {
+            remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
+        }
         if frame.hangs {
             remedies.extend(suspects::holding(self.comm, &self.model));
         }
