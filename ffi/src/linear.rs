@@ -584,12 +584,15 @@ impl<'p> LinearSolver<'p> {
     fn analysed(&mut self, matrix: &Matrix) -> Result<Factor<'p>, LinearError> {
         const FOLDER: &str = "mat_mumps_ooc_tmpdir";
         self.statistics.analyses += 1;
-        if let Some(folder) = self.folder.as_ref().filter(|_| self.statistics.out_of_core)
-            && !self.petsc.has_option(FOLDER)?
-        {
-            self.petsc.option(FOLDER, folder)?;
-        }
-        let mut factor = Factor::analyse(self.petsc, matrix, self.factorization)?;
+        // The option counts for all solvers of the process, which may have other folders; a user's own counts more.
+        let folder = match &self.folder {
+            Some(folder) if self.statistics.out_of_core && !self.petsc.has_option(FOLDER)? => Some(folder),
+            _ => None,
+        };
+        folder.map(|folder| self.petsc.option(FOLDER, folder)).transpose()?;
+        let factor = Factor::analyse(self.petsc, matrix, self.factorization);
+        folder.map(|_| self.petsc.clear_option(FOLDER)).transpose()?;
+        let mut factor = factor?;
         if let Some(workspace) = self.workspace {
             factor.set_control(WORKSPACE, workspace)?;
         }

@@ -76,6 +76,13 @@ impl<'c> Petsc<'c> {
         check(unsafe { sys::PetscOptionsSetValue(null_mut(), name.as_ptr(), value.as_ptr()) })
     }
 
+    /// Takes an option back, `name` without its dash.
+    pub fn clear_option(&self, name: &str) -> Result<(), Error> {
+        let name = c_string(&format!("-{name}"))?;
+        // SAFETY: a C string, and the global options (NULL).
+        check(unsafe { sys::PetscOptionsClearValue(null_mut(), name.as_ptr()) })
+    }
+
     /// Whether an option, `name` without its dash, was given.
     pub fn has_option(&self, name: &str) -> Result<bool, Error> {
         let name = c_string(&format!("-{name}"))?;
