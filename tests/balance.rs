@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, Run, assert_small};
+use common::{Bench, Run, assert_close, assert_small};
 
 /// ```text
 ///        (O) -> x, y         A ball is pressed into a block and slides askew over it, while the block is pushed at a side and
@@ -265,5 +265,72 @@ fn moved_without_a_load() {
             "#
         ))
         .solve(1, &[]);
+    }
+}
+
+/// A soft block that its supports strain, and a stiff one that only moves, of which rounding leaves 64 ε k d of the forces,
+/// k being its stiffness and d how far it is moved, where 1e-6 k h counts, h being the size of the elements, 1.
+const SOFT_AND_STIFF: &str = r#"
+    [body.soft]
+    block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }
+    material = "soft"
+    element = "hex8"
+    [body.stiff]
+    block = { box = { origin = [4.0, 0.0, 0.0], size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }
+    material = "stiff"
+    element = "hex8"
+    [material.soft]
+    model = "neo-hookean"
+    young = 1.0
+    poisson = 0.3
+    [material.stiff]
+    model = "neo-hookean"
+    young = 2e8
+    poisson = 0.3
+    [[step]]
+    increments = 3
+    fix = [{ set = "soft.zmin" }]
+    move = [{ target = "soft.zmax", by = [0.3, 0.0, -0.4] }, { target = "stiff.zmin", by = [10.0, 5.0, 0.0] }]
+    [output]
+    every = 100
+    "#;
+
+/// `residual` and `limit` of the history are of one body: the one that is nearest to what is let through there, not the one
+/// that is let through most.
+#[test]
+fn the_residual_stands_beside_its_own_limit() {
+    let both = Bench::new(SOFT_AND_STIFF).solve(1, &[]).history();
+    let (before, after) = SOFT_AND_STIFF.split_once("[body.stiff]").unwrap();
+    let scene = format!("{before}{}", &after[after.find("[material.soft]").unwrap()..]);
+    let alone = Bench::new(&scene.replace(", { target = \"stiff.zmin\", by = [10.0, 5.0, 0.0] }", ""));
+    let alone = alone.solve(1, &[]).history();
+    assert_eq!(both.len(), 3);
+    for k in 0..3 {
+        let [one, other] = [&both, &alone].map(|history| history.column("residual")[k]);
+        assert!(one > 1e-12, "{one:e}: too little to tell");
+        assert_close("residual", one, other, 1e-2);
+        assert_eq!([both.column("limit")[k], alone.column("limit")[k]], [1e-10; 2]);
+    }
+    // Where the stiff one is all there is, it has more.
+    let scene = SOFT_AND_STIFF.replace("by = [0.3, 0.0, -0.4]", "by = [0.0, 0.0, 0.0]");
+    let stiff = Bench::new(&scene).solve(1, &[]).history();
+    assert_close("limit of what only moves", stiff.last("limit"), 64.0 * f64::EPSILON * 10.0 / 1e-6, 1e-6);
+}
+
+/// What rounding excuses stands in the summary and the log, of the increment in which it was most.
+#[test]
+fn what_rounding_excuses_is_told() {
+    for (by, of) in [("10.0", None), ("100.0", Some("body `stiff`"))] {
+        let run = Bench::new(&SOFT_AND_STIFF.replace("[10.0, 5.0, 0.0]", &format!("[{by}, 5.0, 0.0]"))).solve(1, &[]);
+        let (told, log) = (&run.summary()["rounded"], run.log());
+        assert_eq!((told["of"].as_str(), told.is_null()), (of, of.is_none()), "{told}");
+        let excused: Vec<&str> = log.lines().filter(|line| line.contains("let through")).collect();
+        assert_eq!(told["increments"].as_u64().unwrap_or(0), excused.len() as u64, "{excused:?}");
+        let Some(of) = of else { continue };
+        let [residual, limit, time] = ["residual", "limit", "time"].map(|key| told[key].as_f64().unwrap());
+        assert!(residual > 1e-10 && residual < limit, "{told}");
+        assert_close("limit", limit, 64.0 * f64::EPSILON * 100.0 * time / 1e-6, 1e-6);
+        let line = format!("    {of}: residual {residual:.1e} let through, of which rounding leaves up to {limit:.1e}");
+        assert!(excused.contains(&line.as_str()), "{line}: {excused:?}");
     }
 }

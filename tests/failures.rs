@@ -1,4 +1,5 @@
-//! Runs that fail: what is known until then is kept, the message says where and why, and nothing hangs.
+//! Runs that fail: what is known until then is kept, the message says where and why, and nothing hangs; and what is left
+//! open in runs that do not.
 
 mod common;
 
@@ -287,4 +288,100 @@ fn a_killed_rank_ends_the_job_and_leaves_readable_files() {
     for (victim, rows) in [(0, 3), (1, 5)] {
         assert!(kill_one(victim, rows) >= rows);
     }
+}
+
+/// Two cubes of one body that share an edge alone, which is a hinge: the second may hang as it likes, and no force depends on
+/// it.
+#[test]
+fn what_can_move_freely_is_told() {
+    let deck = "*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n9,2,0,1\n10,2,1,1\n11,1,0,2\n12,2,0,2\n\
+                13,2,1,2\n14,1,1,2\n*ELEMENT, TYPE=C3D8, ELSET=all\n1,1,2,3,4,5,6,7,8\n2,6,9,10,7,11,12,13,14\n\
+                *NSET, NSET=low\n1,2,3,4\n*NSET, NSET=left\n1,4,5,8\n*NSET, NSET=hung\n11,14\n";
+    let scene = r#"
+        [body.b]
+        mesh = "hinge.inp"
+        material = "m"
+        [material.m]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{ set = "b.low", directions = "yz" }]
+        move = [{ target = "b.left", by = [0.1, 0.0, 0.0] }]
+        "#;
+    let run = |scene: &str| {
+        let bench = Bench::new(scene);
+        bench.write("hinge.inp", deck);
+        bench.solve(1, &[])
+    };
+    let hinge = run(scene);
+    let said = " can move freely: no support, contact or stiffness holds it, and nothing drives it. No force depends on where it is";
+    let warning = told_once(&hinge, said);
+    assert!(warning.starts_with("step `press`: ") && warning.contains(" of node "), "{warning}");
+    // A node of the second cube beside the edge.
+    let node = warning.split(" of node ").nth(1).unwrap().split(' ').next().unwrap();
+    assert!(["9", "10", "11", "12", "13", "14"].contains(&node), "{warning}");
+    let held = run(&scene.replace("fix = [", "fix = [{ set = \"b.hung\", directions = \"x\" }, "));
+    assert_eq!(held.summary()["warnings"].as_array().unwrap().len(), 0, "{}", held.stdout);
+}
+
+/// Two plates that press on the same nodes without friction: what each bears is open, their sum is not.
+#[test]
+fn conditions_that_say_what_others_say_are_told() {
+    let plate = "plane = { point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }";
+    let scene = |plates: &[&str]| {
+        let (mut head, mut moves) = (String::new(), Vec::new());
+        for name in plates {
+            head += &format!(
+                "[tool.{name}]\n{plate}\n[contact.on_{name}]\nslave = \"b.zmax\"\nmaster = \"{name}\"\nmethod = \"lagrange\"\n"
+            );
+            moves.push(format!("{{ target = \"{name}\", by = [0.0, 0.0, -0.1] }}"));
+        }
+        format!(
+            r#"
+            [body.b]
+            block = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1] }}
+            material = "m"
+            [material.m]
+            model = "neo-hookean"
+            young = 100.0
+            poisson = 0.3
+            {head}
+            [[step]]
+            name = "press"
+            increments = 2
+            fix = [{{ set = "b.zmin" }}]
+            move = [{}]
+            "#,
+            moves.join(", ")
+        )
+    };
+    let [both, one] = [&["p", "q"][..], &["p"]].map(|plates| Bench::new(&scene(plates)).solve(1, &[]));
+    let warning = told_once(&both, " conditions say what others say (null pivots)");
+    // The nodes of the top.
+    assert_eq!(
+        warning,
+        "step `press`: 9 conditions say what others say (null pivots): what each of them bears is left to rounding, and only \
+         their sum is right"
+    );
+    assert_eq!(one.summary()["warnings"].as_array().unwrap().len(), 0, "{}", one.stdout);
+    let sum = both.history().last("p.fz") + both.history().last("q.fz");
+    common::assert_close("sum of both", sum, one.history().last("p.fz"), 1e-8);
+}
+
+/// The warning of a run that ends in order that has these words: on the terminal, in the log and in the summary, once each.
+#[track_caller]
+fn told_once(run: &Run, words: &str) -> String {
+    assert_eq!((run.code, &run.summary()["converged"]), (0, &true.into()), "{}\n{}", run.stdout, run.stderr);
+    let summary = run.summary();
+    let warnings: Vec<&str> = summary["warnings"].as_array().unwrap().iter().filter_map(|text| text.as_str()).collect();
+    let [warning] = warnings[..] else { panic!("{warnings:?}") };
+    assert!(warning.contains(words), "{warning}");
+    let line = format!("warning: {warning}");
+    for told in [&run.stdout, &run.log()] {
+        assert_eq!(told.matches(&line).count(), 1, "{line}\n{told}");
+    }
+    warning.to_string()
 }

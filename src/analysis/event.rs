@@ -85,7 +85,9 @@ pub struct Increment {
     /// Largest residual over the forces that it counts against at each iterate, and contact nodes that changed their status.
     pub residuals: Vec<f64>,
     pub changes: Vec<usize>,
-    /// Largest residual that was let through, over the forces that it counts against.
+    /// Of the body, contact or tool whose residual comes nearest to what is let through there: that residual and that limit,
+    /// both over the forces that they count against.
+    pub residual: f64,
     pub limit: f64,
     /// What was let through above the tolerance, if anything.
     pub rounded: Option<Rounded>,
@@ -99,13 +101,6 @@ pub struct Increment {
     pub calmed_node: Option<String>,
     /// It is the last of its step.
     pub ends_step: bool,
-}
-
-impl Increment {
-    /// Residual of the last iterate, over the forces that it counts against.
-    pub fn residual(&self) -> f64 {
-        self.residuals.last().copied().unwrap_or_default()
-    }
 }
 
 /// Who is told; an error ends the simulation, and must be the same on all ranks.

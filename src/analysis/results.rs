@@ -219,7 +219,7 @@ impl Results {
             Way::Newton { settle: true } => 1.0,
             Way::Jump => 2.0,
         };
-        row.extend([increment.residual(), increment.limit, increment.failures as f64, how]);
+        row.extend([increment.residual, increment.limit, increment.failures as f64, how]);
         let Increment { step, number, time, iterations, .. } = increment;
         self.history.row(comm, step, *number, *time, *iterations, &row)?;
         self.probes.add_increment(comm, model, (state, known))

@@ -39,7 +39,7 @@ use std::path::Path;
 /// simulation.begin(&scene.steps[0])?;
 /// let mut observer = |_: &Event| Ok(());
 /// while let Some(increment) = simulation.advance(&mut observer)? {
-///     assert!(increment.residual() < 1e-9);
+///     assert!(increment.residual < 1e-9);
 /// }
 /// let lid = simulation.tool("lid").expect("a tool of the scene");
 /// let bottom = simulation.set("cube.bottom").expect("a set of the scene");

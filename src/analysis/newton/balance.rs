@@ -166,6 +166,15 @@ impl Balance {
         (tolerance * self.scale(group)).max(self.limits[group])
     }
 
+    /// Of the group whose residual is the largest share of what a tolerance and rounding let through there: residual and
+    /// limit over its scale. Without residuals 0 and the tolerance.
+    pub fn nearest_to_its_limit(&self, tolerance: f64) -> [f64; 2] {
+        let of = |g: usize| [self.groups[g].residual, self.limit(g, tolerance)].map(|force| force / self.scale(g));
+        let share = |[residual, limit]: &[f64; 2]| residual / limit;
+        let all = (0..self.groups.len()).filter(|g| self.groups[*g].residual != 0.0).map(of);
+        all.max_by(|a, b| share(a).total_cmp(&share(b))).unwrap_or([0.0, tolerance])
+    }
+
     /// The largest residual that a tolerance and rounding let through, over its scale.
     pub fn limit_of_all(&self, tolerance: f64) -> f64 {
         (0..self.groups.len()).map(|g| self.limit(g, tolerance) / self.scale(g)).fold(tolerance, f64::max)
@@ -288,6 +297,11 @@ impl Newton<'_> {
     /// The largest residual that is let through, over the forces that it counts against.
     pub fn limit(&self) -> f64 {
         self.found.balance.limit_of_all(self.strategy.tolerance)
+    }
+
+    /// The residual that comes nearest to what is let through there, and that, both over the forces that they count against.
+    pub fn nearest_to_its_limit(&self) -> [f64; 2] {
+        self.found.balance.nearest_to_its_limit(self.strategy.tolerance)
     }
 
     /// The residual that is let through at each contact, N.

@@ -104,6 +104,7 @@ impl Simulation<'_> {
             rounds: converged.effort.rounds,
             residuals: converged.effort.residuals,
             changes: converged.effort.changes,
+            residual: converged.effort.residual,
             limit: converged.effort.limit,
             rounded: converged.effort.rounded,
             way,

@@ -54,7 +54,8 @@ pub struct Effort {
     pub changes: Vec<usize>,
     pub rounds: usize,
     pub calmed: Vec<u32>,
-    /// Largest residual that was let through, over the forces that it counts against.
+    /// The residual that comes nearest to what is let through there, and that, over the forces that they count against.
+    pub residual: f64,
     pub limit: f64,
     pub rounded: Option<Rounded>,
 }
@@ -317,7 +318,7 @@ fn note(summary: &mut Summary, newton: &Newton) {
 
 /// What is kept of a converged iterate.
 fn converged(newton: Newton, x: &[f64], negative: Negative) -> Converged {
-    let (limits, limit, rounded) = (newton.limits(), newton.limit(), newton.rounded());
+    let (limits, [residual, limit], rounded) = (newton.limits(), newton.nearest_to_its_limit(), newton.rounded());
     let (contacts, ties, dashpots) = (newton.multipliers(x), newton.tie_forces(x), newton.damped());
     let Newton { s: end, found, course, .. } = newton;
     let rounds = course.rounds.count + course.rounds.tightened;
@@ -336,6 +337,7 @@ fn converged(newton: Newton, x: &[f64], negative: Negative) -> Converged {
             changes: course.changes,
             rounds,
             calmed: course.calmed,
+            residual,
             limit,
             rounded,
         },
