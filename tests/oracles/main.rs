@@ -4,7 +4,8 @@
 //!
 //!     cargo test --release --test oracles -- --nocapture
 //!
-//! Finer meshes that show convergence run with `--ignored`. `NAGATA_ORACLE_METHOD=lagrange` (or another) has every contact
+//! Finer meshes that show convergence, and what takes more than 20 s, run with `--ignored`; all together by
+//! `scripts/test --oracles`. `NAGATA_ORACLE_METHOD=lagrange` (or another) has every contact
 //! that the scene leaves to the default take that method.
 
 #[path = "../common/mod.rs"]

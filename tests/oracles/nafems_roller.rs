@@ -8,10 +8,15 @@
 //!      |_______________| held    linear elements: -1.3069 mm without friction, -1.3011 with mu = 0.1.
 //! ```
 //!
-//! Hertz's theory is linear. Under this load the aluminium is strained by some per cent, and the law counts: the published
-//! displacement is by Green's strain (GROT_GDEP), 2 % above that of small strains, while `hooke`, Hencky's law, is 1 % below,
-//! with p0 1.9 % higher. So all is also held to a roller 100 times as large under a hundredth of the load: contact is as
-//! wide, strains and displacements of the block are a hundredth.
+//! B is that point: "the point on the higher side of the block pertaining to the symmetry plane" (V6.03.154). The roller's top
+//! goes down by 1.96 mm here, and by the more the finer it is meshed, for a force on a line leads into it.
+//!
+//! Hertz's theory is linear. Under this load the aluminium is strained by some per cent, and the law counts: Code_Aster
+//! computes with Green's strain (GROT_GDEP), nagata's `hooke` is Hencky's. A plain program for the block alone under Hertz's
+//! pressure, with 24 elements of 4 nodes over the half-width, gives -1.274 mm by Hencky's law, -1.279 by small strains and
+//! -1.330 by Green's: 2 % are less than what lies between two laws. So B is held to 3.5 % as published, where it is 3.3 %
+//! off, and all is held to a roller 100 times as large under a hundredth of the load, too: contact is as wide, strains and
+//! displacements of the block are a hundredth, and B is 2.2 % off with 24 elements over the half-width, 2.1 % with 48.
 
 use crate::common::hertz::ellipse;
 use crate::grid::{Grid, disk, even, mirrored, on};
@@ -115,8 +120,7 @@ fn as_published() {
     let mut oracle = Oracle::new("NAFEMS 1, roller on block");
     for (friction, published) in PUBLISHED {
         let [sunk, ..] = press(&mut oracle, 1.0, friction, 12);
-        // Not 2 %: Code_Aster's strain is Green's, under which a strained block is softer, and under Hencky's stiffer.
-        oracle.close(&format!("u_y of B, mm, mu {friction}"), sunk, published, 0.04);
+        oracle.close(&format!("u_y of B, mm, mu {friction}"), sunk, published, 0.035);
     }
 }
 
@@ -124,11 +128,11 @@ fn as_published() {
 fn linearized() {
     let mut oracle = Oracle::new("NAFEMS 1, small strains");
     for (friction, published) in PUBLISHED {
-        let [sunk, ..] = press(&mut oracle, 100.0, friction, 12);
+        let [sunk, ..] = press(&mut oracle, 100.0, friction, 24);
         if friction == 0.0 {
-            oracle.close("u_y of B, mm, against linear elements", sunk, LINEAR, 5e-3);
+            oracle.close("u_y of B, mm, against linear elements", sunk, LINEAR, 3e-3);
         }
-        oracle.close(&format!("u_y of B, mm, mu {friction}"), sunk, published, 0.025);
+        oracle.close(&format!("u_y of B, mm, mu {friction}"), sunk, published, 0.023);
     }
 }
 
@@ -137,7 +141,8 @@ fn linearized() {
 fn finer() {
     let mut oracle = Oracle::new("NAFEMS 1, finer");
     let [coarse, fine] = [12, 48].map(|fine| press(&mut oracle, 100.0, 0.0, fine));
-    oracle.close("u_y of B, mm", fine[0], LINEAR, 2e-3);
+    oracle.close("u_y of B, mm, against linear elements", fine[0], LINEAR, 2e-3);
+    oracle.close("u_y of B, mm, mu 0", fine[0], PUBLISHED[0].1, 0.021);
     oracle.close("half-width b over closed form", 1.0 + fine[1], 1.0, 1e-3);
     oracle.close("highest pressure p0 over closed form", 1.0 + fine[2], 1.0, 1e-3);
     assert!(fine[1].abs() < 0.3 * coarse[1].abs() && fine[2].abs() < 0.3 * coarse[2].abs(), "{coarse:?} {fine:?}");
