@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::keys::{Row, described};
 use common::nagata;
 use nagata::scene::parse;
 use serde_json::Value;
@@ -207,36 +208,6 @@ fn known(text: &str) -> BTreeSet<String> {
     let list = list.unwrap_or_else(|| panic!("lists nothing: {text}"));
     assert!(!list.contains(" more"), "the list is cut short, ask for it in two parts: {text}");
     list.trim_end_matches([')', '\n']).split(", ").map(str::to_string).collect()
-}
-
-/// A key as docs/scene.md has it: whether it must be given, and the words it may be.
-struct Row {
-    must: bool,
-    words: BTreeSet<String>,
-    is_table: bool,
-}
-
-/// The tables of keys of docs/scene.md under their headings.
-fn described() -> BTreeMap<String, BTreeMap<String, Row>> {
-    let (mut tables, mut heading) = (BTreeMap::<String, BTreeMap<String, Row>>::new(), None);
-    for line in text_of(&root().join("docs/scene.md")).lines() {
-        if line.starts_with('#') {
-            heading = line.split('`').nth(1).map(str::to_string);
-        }
-        let (Some(heading), Some(row)) = (&heading, line.strip_prefix("| `")) else { continue };
-        let cells: Vec<&str> = row.split(" |").collect();
-        assert_eq!(cells.len(), 5, "four columns: {line}");
-        let (key, must) = cells[0].split_once('`').unwrap();
-        let words = cells[1].split('`').skip(1).step_by(2).filter_map(|code| code.strip_prefix('"')?.strip_suffix('"'));
-        let row = Row {
-            must: must.trim() == "*",
-            words: words.map(str::to_string).collect(),
-            is_table: matches!(cells[1].trim(), "table" | "list of tables"),
-        };
-        let repeated = tables.entry(heading.clone()).or_default().insert(key.to_string(), row);
-        assert!(repeated.is_none(), "`{key}` stands twice in {heading}");
-    }
-    tables
 }
 
 /// The keys that the reader accepts, by table: asked for with one that it does not.

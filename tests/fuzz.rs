@@ -5,15 +5,18 @@
 
 mod common;
 
-use nagata::controls::Controls;
+use common::keys::{Row, described};
+use nagata::controls::{Control, Controls};
 use nagata::mesh::Purpose;
 use nagata::scene::{Located, MeshSource};
 use nagata::{error::Location, mesh, scene, tool};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
+use toml::Value;
 
 /// Bytes that a process may have: libraries, stacks and heap.
 const MEMORY: u64 = 1 << 30;
@@ -55,6 +58,8 @@ impl Kind {
         match self {
             Self::Scene => vec![
                 ALL_KEYS.into(),
+                RINGS.into(),
+                controls().into(),
                 input("ironing-rigid.toml"),
                 input("c-strip.toml"),
                 input("square-cup-small.toml"),
@@ -621,6 +626,53 @@ fn version_4() -> (Vec<u8>, Vec<u8>) {
     (text.into(), data)
 }
 
+/// A table of tables or of keys of a scene under a heading of docs/scene.md, gone through: each key, and each word.
+fn uses(used: &mut BTreeSet<String>, tables: &BTreeMap<String, BTreeMap<String, Row>>, heading: &str, value: &Value) {
+    if let Some(list) = value.as_array() {
+        return list.iter().for_each(|item| uses(used, tables, heading, item));
+    }
+    let Some(table) = value.as_table() else { return };
+    for (key, value) in table {
+        used.insert(format!("{heading}.{key}"));
+        let inner = format!("{heading}.{key}");
+        if tables.contains_key(&inner) {
+            uses(used, tables, &inner, value);
+        } else if let Some(word) = value.as_str() {
+            used.insert(format!("{heading}.{key} = {word:?}"));
+        }
+    }
+}
+
+/// No key can come that no seed has: docs/scene.md lists those that the reader knows, which tests/documents.rs holds.
+#[test]
+fn the_seeds_have_all_keys() {
+    let tables = described();
+    let mut used = BTreeSet::new();
+    for seed in Kind::Scene.seeds() {
+        let scene: toml::Table = toml::from_str(&String::from_utf8(seed).unwrap()).unwrap();
+        for (key, value) in &scene {
+            used.insert(key.clone());
+            let named = format!("{key}.NAME");
+            match value.as_table().filter(|_| tables.contains_key(&named)) {
+                Some(all) => all.values().for_each(|value| uses(&mut used, &tables, &named, value)),
+                None => uses(&mut used, &tables, key, value),
+            }
+        }
+    }
+    let keys = tables.iter().flat_map(|(heading, rows)| rows.keys().map(move |key| format!("{heading}.{key}")));
+    // Words that choose other ways through the reader.
+    let words = ["material.NAME.model", "contact.NAME.discretization", "contact.NAME.method"];
+    let of = |place: &&str| {
+        let (heading, key) = place.rsplit_once('.').unwrap();
+        let words = tables[heading][key].words.iter();
+        words.map(|word| format!("{place} = {word:?}")).collect::<Vec<_>>()
+    };
+    let controls = Controls::TABLE.iter().map(|control| format!("controls.{}", control.name));
+    let all = keys.chain(words.iter().flat_map(of)).chain(controls).chain(["title".into()]);
+    let missing: Vec<String> = all.filter(|key| !used.contains(key)).collect();
+    assert!(missing.is_empty(), "in no seed: {missing:#?}");
+}
+
 /// The seeds are in order, or their mutants would only be found to be broken in one place.
 #[test]
 fn seeds_are_in_order() {
@@ -689,13 +741,86 @@ solid, S2
 *END STEP
 ";
 
-/// A scene with every key.
+/// A scene with every control.
+fn controls() -> String {
+    let line = |control: &Control| format!("{} = {:?}\n", control.name, control.default);
+    format!("{SMALL}[controls]\n{}", Controls::TABLE.iter().map(line).collect::<String>())
+}
+
+/// A scene that says as little as it can.
+const SMALL: &str = r#"[body.b]
+block = { box = { size = [1.0, 1.0, 1.0] }, elements = [1, 1, 1] }
+material = "m"
+[material.m]
+model = "hooke"
+young = 1.0
+poisson = 0.3
+[[step]]
+increments = 1
+fix = [{ set = "b" }]
+"#;
+
+/// What axisymmetric bodies alone have, and wholes without a plane of strain.
+const RINGS: &str = r#"[body.pad]
+block = { box = { size = [4.0, 1.0, 0.1] }, elements = [4, 2, 1] }
+material = "rubber"
+axisymmetric = true
+element = "hex8-fbar"
+[body.disk]
+block = { box = { origin = [0.0, 1.0, 0.0], size = [3.0, 1.0, 0.1] }, elements = [5, 2, 1] }
+material = "wood"
+axisymmetric = true
+[material.rubber]
+model = "ogden"
+terms = [[1.0, 2.0], [-0.1, -2.0]]
+d = 0.01
+density = 1e-9
+[material.wood]
+model = "orthotropic"
+density = 5e-10
+orthotropic = { e1 = 10.0, e2 = 9.0, e3 = 10.0, nu12 = 0.3, nu13 = 0.2, nu23 = 0.3, g12 = 4.0, g13 = 4.0, g23 = 4.0, x = [1.0, 0.0, 0.0], y = [0.0, 1.0, 0.0] }
+[tool.ball]
+cylinder = { point = [0.0, 5.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 3.0 }
+[contact.c]
+slave = "disk.ymax"
+master = "ball"
+discretization = "segment"
+method = "lagrange"
+[tie.t]
+slave = "disk.ymin"
+master = "pad.ymax"
+tolerance = 0.01
+[[step]]
+name = "press"
+increments = 4
+duration = 2.0
+fix = [{ set = "pad.ymin", directions = "y" }]
+move = [{ target = "ball", by = [0.0, -0.1, 0.0], table = [[0.0, 0.0], [1.0, 0.5], [2.0, 1.0]] }]
+gravity = [0.0, -9810.0, 0.0]
+spin = [{ body = "disk", point = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], speed = 3.0, table = [[0.0, 0.0], [2.0, 1.0]] }]
+spring = [{ set = "pad.ymin", stiffness = [0.0, 1.0, 0.0] }]
+dashpot = [{ set = "disk", damping = [0.0, 0.1, 0.0] }]
+[[step]]
+increments = 2
+duration = 1.0
+keep = true
+release = ["pad.ymin"]
+[solver]
+linear = "direct"
+"#;
+
+/// A scene with all keys but those of [`RINGS`] and [`controls`].
 const ALL_KEYS: &str = r#"title = "all"
 [body.b]
 block = { box = { origin = [0.0, 0.0, 0.0], size = [4.0, 4.0, 2.0] }, elements = [2, 2, 2], grading = [1.0, 2.0, 1.0], faces = { top = "zmax", sides = ["xmax", "ymax"] } }
 material = "m"
 element = "hex8-fbar"
 symmetry = ["xmin", "ymin"]
+[body.sheet]
+block = { box = { origin = [0.0, 0.0, 40.0], size = [4.0, 4.0, 0.2] }, elements = [4, 4, 1] }
+material = "y"
+element = "hex8-shell"
+shell = { points = 5, face = "zmax" }
 [body.ring]
 block = { sector = { center = [20.0, 0.0, 0.0], radii = [1.0, 2.0], angles = [0.0, 90.0], length = 1.0 }, elements = [1, 8, 1] }
 material = "h"
@@ -703,6 +828,8 @@ plane_strain = true
 [body.indenter]
 mesh = "ironing-indenter-elastic.msh"
 material = "n"
+materials = { solid = "r" }
+group = "solid"
 refine = 1
 [material.m]
 model = "j2"
@@ -720,6 +847,28 @@ hill = { f = 0.5, g = 0.5, h = 0.5, l = 1.5, m = 1.5, n = 1.5, x = [1.0, 0.0, 0.
 model = "neo-hookean"
 young = 10.0
 poisson = 0.49
+[material.e]
+model = "hooke"
+young = 10.0
+poisson = 0.3
+density = 1e-9
+[material.r]
+model = "mooney-rivlin"
+c10 = 1.0
+c01 = 0.1
+bulk = 50.0
+[material.y]
+model = "yeoh"
+c10 = 1.0
+c20 = 0.1
+c30 = 0.01
+poisson = 0.4
+[material.l]
+model = "j2"
+young = 10.0
+poisson = 0.4
+yield_stress = 1.0
+hardening = { linear = 0.1 }
 [material.t]
 model = "j2"
 young = 10.0
@@ -733,6 +882,11 @@ smoothing = "nagata"
 flip = false
 feature_angle = 40.0
 normals = "angle"
+group = "surface"
+sharp = ["surface"]
+refine = 1
+incomplete = true
+tolerance = 1e-3
 symmetry = [{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }]
 [tool.plane]
 plane = { point = [0.0, 0.0, 2.0], normal = [0.0, 0.0, -1.0] }
@@ -753,6 +907,7 @@ flip = true
 slave = "b.top"
 master = "plane"
 friction = 0.3
+discretization = "one-pass"
 method = "augmented-lagrangian"
 penalty = 10.0
 reach = 2.0
@@ -771,23 +926,44 @@ slave = "b.zmin"
 master = "indenter.top"
 discretization = "two-pass"
 penalty = "auto"
+[contact.n]
+slave = "b.sides"
+master = "indenter.top"
+discretization = "node-to-node"
+method = "penalty"
+penalty = 5.0
 [[step]]
 name = "press"
 duration = 2.0
 increment = { initial = 0.1, min = 1e-4, max = 0.2, strain = 0.1, contacts = 0.5 }
-fix = [{ set = "b.zmin", directions = "xyz" }, { set = "ring" }]
-move = [{ target = "plane", by = [0.0, 0.0, -0.1] }, { target = "cylinder", rotate = { point = [0.0, 0.0, 9.0], axis = [0.0, 1.0, 0.0], angle = 90.0 } }]
-force = [{ target = "sphere", total = [0.0, 0.0, -1.0], directions = "z" }]
-pressure = [{ set = "b.sides", value = 0.1 }]
-body_force = [{ body = "b", per_volume = [0.0, 0.0, -1.0] }]
+fix = [{ set = "b.zmin", directions = "xyz" }, { set = "ring" }, { set = "sheet.xmin", normal = [1.0, 0.0, 1.0] }, { set = "sheet.ymin", directions = "rz", around = { point = [9.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] } }]
+torque = [{ tool = "cone", total = 1.0, point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], table = [[0.0, 0.0], [2.0, 1.0]] }]
+move = [{ target = "sheet.xmax", by = [0.1, 0.0, 0.1], normal = [1.0, 0.0, 1.0] }, { target = "sheet.ymax", by = [0.1, 0.0, 0.0], directions = "rt", around = { point = [9.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] } }, { target = "plane", by = [0.0, 0.0, -0.1] }, { target = "cylinder", rotate = { point = [0.0, 0.0, 9.0], axis = [0.0, 1.0, 0.0], angle = 90.0 } }]
+force = [{ target = "sphere", total = [0.0, 0.0, -1.0], directions = "z", table = [[0.0, 0.0], [2.0, 1.0]] }]
+pressure = [{ set = "b.sides", value = 0.1, table = [[0.0, 0.0], [2.0, 1.0]] }]
+body_force = [{ body = "b", per_volume = [0.0, 0.0, -1.0], table = [[0.0, 0.0], [2.0, 1.0]] }]
 [[step]]
 increments = 3
 fix = [{ set = "b.zmin" }]
 [output]
 every = 5
+checkpoint = { increments = 10, minutes = 5.0 }
 history = ["b", "b.top"]
+fields = ["displacement", "nodal_stress", "status", "gap"]
+vtkhdf = true
+probe = [{ name = "tip", point = [1.0, 1.0, 1.0], body = "b" }, { name = "side", set = "b.sides", fields = ["nodal_stress"] }, { name = "line", path = { from = [0.0, 0.0, 1.0], to = [4.0, 4.0, 1.0], points = 5 } }]
 [solver]
+accuracy = "draft"
+pace = 2.0
 tolerance = 1e-9
 max_iterations = 20
 force_floor = 1e-3
+linear = "iterative"
+[trade]
+steps = 1
+set = ["output.every=100"]
+vary = [{ key = "solver.pace", values = [1.0, 2.0] }, { name = "coarse", set = ["contact.c.penalty=3.0"] }]
+reference = ["solver.pace=0.5"]
+next = ["solver.pace=1.0"]
+exact = [{ of = "plane.fz", value = -1.0, step = "press" }, { of = "plane.fx", curve = [[0.0, 0.0], [2.0, 1.0]] }]
 "#;

@@ -4,6 +4,7 @@
 
 pub mod hertz;
 pub mod jobs;
+pub mod keys;
 pub mod msh;
 pub mod stl;
 

@@ -75,7 +75,7 @@ fn revolution(file: &File, parameters: &mut Parameters) -> Result<Vec<Surface>> 
     let generatrix = curves::read(file, parameters.entity("the curve to be turned")?)?;
     let [start, stop] = parameters.reals("an angle")?;
     if stop - start > TAU + 1e-6 || stop <= start {
-        let what = format!("the angles run from {start} to {stop} radians");
+        let what = format!("the angles run from {start:?} to {stop:?} radians");
         return Err(parameters.error(what, "the second is larger, by a full turn at most"));
     }
     let sweep = [start, stop.min(start + TAU)];

@@ -101,7 +101,7 @@ fn parameters() {
         &["surface of revolution (120) at D17: not a curve that can be read"],
     );
     expect(&broken(wall, "120,3,15 ,0.,6.283185307179586;"), &["circular arc (100) at D3: not a line (110)"]);
-    expect(&broken(wall, "120,13,15,7.,6.283185307179586;"), &["the angles run from 7 to 6.283185307179586 radians"]);
+    expect(&broken(wall, "120,13,15,7.,6.283185307179586;"), &["the angles run from 7.0 to 6.283185307179586 radians"]);
     expect(&broken(wall, "120,13,15,-1,6.283185307179586;"), &["by a full turn at most"]);
     expect(&broken("110,0.,0.,0.,0.,0.,1.", "110,0.,0.,0.,0.,0.,0."), &["the axis of a surface of revolution needs"]);
     expect(&broken("128,1,1,1,1", "128,9,1,1,1"), &["rational B-spline surface (128) at D1: knot"]);
@@ -211,7 +211,7 @@ fn incomplete_files_are_read_on_request() {
     );
     let cad = load("a.Igs", &text, true).unwrap();
     assert_eq!((cad.faces.len(), cad.skipped.len()), (1, 5));
-    assert_eq!(cad.skipped[1], "surface of revolution (120) at D7: the angles run from 0 to 0 radians");
+    assert_eq!(cad.skipped[1], "surface of revolution (120) at D7: the angles run from 0.0 to 0.0 radians");
     let nothing = load("b.igs", &file(&bad), true).unwrap_err().to_string();
     assert!(nothing.contains("(114) at D1") && !nothing.contains("incomplete"), "{nothing}");
     expect(&load("c.igs", &file(&good[..1]), true).unwrap_err().to_string(), &["c.igs: the file has no surfaces"]);
