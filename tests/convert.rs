@@ -774,3 +774,26 @@ fn axisymmetric_rubber_is_that_of_calculix() {
         assert_close("bore", moved[node][d], of_calculix, 2e-4);
     }
 }
+
+/// The axes of a part's orthotropic material turn with its instance: refused, not left behind.
+#[test]
+fn a_turned_instance_of_a_ply_is_refused() {
+    let deck = |turn: &str| {
+        format!(
+            "*PART, NAME=P\n*NODE\n1,0,0,0\n2,2,0,0\n3,2,1,0\n4,0,1,0\n5,0,0,1\n6,2,0,1\n7,2,1,1\n8,0,1,1\n\
+             *ELEMENT, TYPE=C3D8, ELSET=EALL\n1,1,2,3,4,5,6,7,8\n\
+             *ORIENTATION, NAME=FIBRE, SYSTEM=RECTANGULAR\n1,0,0,0,1,0\n\
+             *SOLID SECTION, ELSET=EALL, MATERIAL=PLY, ORIENTATION=FIBRE\n*END PART\n\
+             *ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n5,0,0\n{turn}*END INSTANCE\n\
+             *NSET, NSET=FOOT, INSTANCE=I\n1,4,5,8\n*END ASSEMBLY\n\
+             *MATERIAL, NAME=PLY\n*ELASTIC, TYPE=ENGINEERING CONSTANTS\n1000,100,100,0.3,0.3,0.3,50,50\n50\n\
+             *STEP, NLGEOM\n*STATIC\n1,1\n*BOUNDARY\nFOOT,1,3\n*END STEP\n"
+        )
+    };
+    converted(&deck(""));
+    let bench = Bench::new("");
+    bench.write("deck.inp", &deck("5,0,0,5,0,1,90\n"));
+    let run = nagata(&bench.path(""), 1, &["convert", "deck.inp"], bench.path("out"));
+    assert_eq!(run.code, 2, "{}", run.stdout);
+    assert!(run.stderr.contains("an instance is turned, in a deck with an orthotropic material"), "{}", run.stderr);
+}

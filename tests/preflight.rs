@@ -711,3 +711,23 @@ fn tools_and_bodies_that_no_contact_names() {
     warned(&by(&aside("")), &["neither contact nor tie names body `aside`: tools and other bodies pass through it"]);
     accepted(&by(&aside("[contact.rest]\nslave = \"aside.zmin\"\nmaster = \"block.top\"\n")), "touch");
 }
+
+/// A set that a step keeps and lists again is free where it does not hold it: told, but where `release` says so, or the set is
+/// held there by the list.
+#[test]
+fn what_a_step_frees_by_listing_it_again_is_told() {
+    let then =
+        |how: &str| Bench::new(&format!("{BLOCK}[[step]]\nname = \"then\"\nincrements = 1\nkeep = true\n{how}\n"));
+    let by = "move = [{ target = \"block.bottom\", by = [0.1, 0.0, 0.0], directions =";
+    let told = "step `then`: `block.bottom` was held along y, and no longer is";
+    warned(&then(&format!("{by} \"xz\" }}]")), &[told, "`fix` it along y, too, or name it in `release`"]);
+    let held = "fix = [{ set = \"block.bottom\", directions = \"yz\" }]";
+    for how in [
+        format!("{by} \"x\" }}]\n{held}"),
+        format!("{by} \"xyz\" }}]"),
+        format!("{by} \"xz\" }}]\nrelease = [\"block.bottom\"]"),
+    ] {
+        let (_, text) = verdict(&then(&how), 2);
+        assert!(!text.contains("was held along"), "{text}");
+    }
+}

@@ -464,7 +464,8 @@ fn explained(model: &Model, pair: &Pair, s: usize, residual: f64) -> f64 {
     let slave = &pair.slaves[s];
     residual / slave.measure()
         + match pair.method {
-            Enforcement::Penalty => slave.trial.force.norm() / slave.law.penalty,
+            // A node that leaves the contact to one of the other side has that one's force.
+            Enforcement::Penalty => slave.trial.on_node().norm() / slave.law.penalty,
             Enforcement::Uzawa => pair.tolerance.unwrap_or(pair.controls.uzawa_tolerance * residual / model.stiffness),
             _ => 0.0,
         }

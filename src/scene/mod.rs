@@ -283,6 +283,8 @@ pub struct Step {
     pub gravity: Option<Located<Vec3>>,
     /// What gravity makes of the densities.
     pub weights: Vec<BodyForce>,
+    /// Sets that the step lists again, with directions in which they were held and, without a word, are no more.
+    pub freed: Vec<(Located<String>, [bool; 3])>,
 }
 
 impl Step {
@@ -315,6 +317,7 @@ impl Step {
             dashpots: Vec::new(),
             gravity: None,
             weights: Vec::new(),
+            freed: Vec::new(),
         }
     }
 

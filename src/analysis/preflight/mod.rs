@@ -35,6 +35,7 @@ mod units;
 
 use super::conditions::Conditions;
 use super::probes;
+use crate::AXIS_NAMES;
 use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
@@ -56,6 +57,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     locking::check(comm, scene, model)?;
     opposite::check(comm, scene, model)?;
     turns(scene, model);
+    freed(scene, model);
     bystanders(scene, model);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
@@ -81,6 +83,28 @@ fn turns(scene: &Scene, model: &mut Model) {
             Step::TURN,
             step.sizes().max
         ));
+    }
+}
+
+/// Warns of what a step frees by listing it again.
+fn freed(scene: &Scene, model: &mut Model) {
+    for step in &scene.steps {
+        for (set, directions) in &step.freed {
+            // Nothing moves along z in a layer.
+            let is_layer = scene.bodies.iter().any(|body| body.name.value == body_of(&set.value) && body.is_layer());
+            let frees = |d: &usize| directions[*d] && !(is_layer && *d == 2);
+            let along: Vec<&str> = (0..3).filter(frees).map(|d| AXIS_NAMES[d]).collect();
+            if along.is_empty() {
+                continue;
+            }
+            model.warnings.push(format!(
+                "step `{}`: `{}` was held along {}, and no longer is, for the step lists it anew without that: `fix` it along \
+                 {2}, too, or name it in `release`, if it is to be free there",
+                step.name.value,
+                set.value,
+                along.join(" and ")
+            ));
+        }
     }
 }
 

@@ -377,6 +377,7 @@ impl Deck {
             Reading::Set { kind, key, scope, generate } => self.take_set(*kind, key, *scope, *generate, lines),
             Reading::Surface { index, nodes } => self.take_surface(*index, *nodes, lines),
             Reading::Instance { line } => {
+                self.keep_row(lines);
                 *line += 1;
                 self.take_position(*line, lines)
             }
