@@ -25,6 +25,7 @@ use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, serve, sum};
+use crate::partition::parcels::{bounds, hull};
 use crate::partition::{Component, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Reduction, Scene};
 use crate::solid::element::{hex8, tet4, tet10, wedge6};
@@ -124,7 +125,10 @@ impl Model {
             stiffness: 0.0,
         };
         let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
-        let tools = Faults::all(scene.tools.iter().map(|tool| Tool::new(comm, tool, &scene.controls)))?;
+        let mut tools = Faults::all(scene.tools.iter().map(|tool| Tool::new(comm, tool, &scene.controls)))?;
+        if let Some(all) = hull(comm, bounds(part.points[..part.owned].iter().copied())) {
+            tools.iter_mut().for_each(|tool| tool.surface.settle(&all));
+        }
         let set_index: BTreeMap<String, usize> = names.iter().enumerate().map(|(k, n)| (n.value.clone(), k)).collect();
         let remembers = |solid: &PartSolid| {
             let section: &Section = &sections[solid.section as usize];

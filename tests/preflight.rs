@@ -421,6 +421,25 @@ fn mixed_units_and_far_origins() {
     accepted(&away("2e3"), "touch");
     warned(&away("9e3"), &["body `block` is 9.002e3 from the origin", "strains below"]);
     refused(&away("1e8"), &["scene.toml:2:7: body `block` is 1.000e8 from the origin, 1.0e8 times its shortest edge"]);
+    let ball = |radius: f64| {
+        block(&[(PLATE, &format!("sphere = {{ center = [1.0, 1.0, {:?}], radius = {radius:?} }}", 1.0 + radius))])
+    };
+    accepted(&ball(5e4), "touch");
+    let said = "tool `plate` is 2.000e5 from the origin, in size, or on its way, 2.0e5 times the shortest edge of body `block` (1.000e0)";
+    warned(&ball(2e5), &[said, "gaps below 4e-6 are lost"]);
+    refused(
+        &ball(5e6),
+        &["scene.toml:9:7: tool `plate` is 5.000e6 from the origin", "what is nearly flat may be a `plane`"],
+    );
+    let comes = "[[step]]\nincrements = 1\nfix = [{ set = \"block.bottom\" }]\nmove = [{ target = \"plate\", by = [-1e8, 0.0, 0.0] }]\n";
+    refused(&block(&[("[[step]]\n", &format!("{comes}[[step]]\n"))]), &["tool `plate` is 1.000e8 from the origin"]);
+    for tool in [
+        "plane = { point = [-1e9, 1e9, 1.0], normal = [0.0, 0.0, -1.0] }",
+        "cylinder = { point = [1.0, 1e9, 1.5], axis = [0.0, 1.0, 0.0], radius = 0.5 }",
+        "profile = { points = [[-1.0, 1.0], [3.0, 1.0]], extrude = { origin = [0.0, 1e9, 0.0], y = [0.0, 0.0, 1.0] } }",
+    ] {
+        accepted(&block(&[(PLATE, tool)]), "touch");
+    }
 }
 
 /// A turn is a path: one increment is as many as it takes.

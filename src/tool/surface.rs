@@ -32,6 +32,8 @@ pub struct Surface {
     /// What the user should know of it.
     pub warnings: Vec<String>,
     controls: Controls,
+    /// The way by which a surface without end was moved along itself, if that rounds.
+    settled: f64,
 }
 
 /// Every piece within the distance `complete` of the points is near.
@@ -81,6 +83,7 @@ impl Surface {
             summary,
             controls: *controls,
             warnings: lines.collect(),
+            settled: 0.0,
         })
     }
 
@@ -220,6 +223,26 @@ impl Surface {
             Share::Nothing => {}
         }
         self.forget();
+    }
+
+    /// Takes the point that says where a surface without end is to beside the bodies, see [`Analytic::settle`].
+    pub fn settle(&mut self, (low, high): &Bounds) {
+        /// Sizes of the bodies. Nearer, rounding is of no account.
+        const FAR: f64 = 10.0;
+        if let Shape::Analytic(shape) = &mut self.near {
+            self.settled = shape.settle(&((low + high) * 0.5), FAR * (high - low).norm());
+        }
+    }
+
+    /// The largest coordinate or length of the surface as it is meshed or described, in the size of which gaps are rounded.
+    /// Collective.
+    pub fn far(&self, comm: &SimpleCommunicator) -> f64 {
+        /// What settling has rounded is the same for all points, and moves the surface by no more than that.
+        const ONCE: f64 = 1e-3;
+        match &self.near {
+            Shape::Analytic(shape) => shape.far().max(ONCE * self.settled),
+            _ => self.bounds(comm).map_or(0.0, |(low, high)| low.amax().max(high.amax())),
+        }
     }
 
     /// The box of the surface; `None` of what has closed forms, which may go on without end. Collective.

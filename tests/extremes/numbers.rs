@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::oracle::{balance, same, scaled, value};
 use crate::scenes::{METHODS, sphere};
 
-family!(units, offsets, vectors, tolerances, aspect_ratios, thin_sheets, stiffness_ratios, small_forces);
+family!(units, offsets, afar, vectors, tolerances, aspect_ratios, thin_sheets, stiffness_ratios, small_forces);
 
 /// A sphere on a block: all lengths times `length` with an offset, E = 100 times `modulus`.
 pub fn ball(name: &str, length: f64, modulus: f64, offset: f64) -> Case {
@@ -93,6 +93,130 @@ fn offsets() -> Vec<Case> {
         .chain([roller(1e5), roller(1e3), roller(1e7)])
         .chain([4, 8].map(patches))
         .collect()
+}
+
+/// Tools on a block of edges of 10 that are described by numbers up to 1e9: a point far along a plane, an axis or a profile does
+/// not matter; a sphere of a large radius is nearly a plane; a plate may be meshed, and a tool come, from far away.
+fn afar() -> Vec<Case> {
+    let scene = |tool: &str, step: &str| {
+        format!(
+            r#"[body.block]
+material = "rubber"
+element = "hex8"
+block = {{ box = {{ origin = [-20.0, -20.0, 0.0], size = [40.0, 40.0, 20.0] }}, elements = [4, 4, 2] }}
+[material.rubber]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.cap]
+{tool}
+[contact.top]
+slave = "block.zmax"
+master = "cap"
+friction = 0.3
+{step}
+[[step]]
+increments = 2
+fix = [{{ set = "block.zmin" }}]
+move = [{{ target = "cap", by = [0.0, 0.0, -1.0] }}]
+[[step]]
+increments = 2
+fix = [{{ set = "block.zmin" }}]
+move = [{{ target = "cap", by = [1.0, 0.0, 0.0] }}]
+[output]
+every = 1000
+history = ["block.zmin"]
+"#
+        )
+    };
+    let flat = "plane = { point = [0.0, 0.0, 20.0], normal = [0.0, 0.0, -1.0] }";
+    let plate = |d: f64| crate::common::msh::surface(3, |s, t| [d * (2.0 * t - 1.0), d * (2.0 * s - 1.0), 20.0]);
+    let mut cases = Vec::new();
+    let mut add = |case: Case, one: Case, tolerance: f64, source: &str| {
+        cases.push(
+            case.oracle(same("cap.fx", one.clone(), tolerance, source))
+                .oracle(same("cap.fz", one, tolerance, source))
+                .oracle(balance(&["cap", "block.zmin"], 1e-6)),
+        );
+    };
+    for power in [3, 5, 6, 7, 8, 9] {
+        let d = 10f64.powi(power);
+        let along: [(&str, Box<dyn Fn(f64) -> String>); 6] = [
+            ("plane", Box::new(|d| format!("plane = {{ point = [{d:?}, {d:?}, 20.0], normal = [0.0, 0.0, -1.0] }}"))),
+            (
+                "slanted plane",
+                Box::new(|d| {
+                    format!("plane = {{ point = [0.0, {d:?}, {:?}], normal = [0.0, 0.125, -1.0] }}", 20.0 + 0.125 * d)
+                }),
+            ),
+            (
+                "cylinder",
+                Box::new(|d| {
+                    format!("cylinder = {{ point = [0.0, {d:?}, 40.0], axis = [0.0, 1.0, 0.0], radius = 20.0 }}")
+                }),
+            ),
+            (
+                "slanted cylinder",
+                Box::new(|d| {
+                    format!(
+                        "cylinder = {{ point = [{:?}, {:?}, 40.0], axis = [0.6, 0.8, 0.0], radius = 20.0 }}",
+                        0.6 * d,
+                        0.8 * d
+                    )
+                }),
+            ),
+            (
+                "profile",
+                Box::new(|d| {
+                    format!(
+                        "profile = {{ points = [[-30.0, 50.0], [-10.0, 20.0], [10.0, 20.0], [30.0, 50.0]], fillets = 5.0, \
+                         extrude = {{ origin = [0.0, {d:?}, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }} }}"
+                    )
+                }),
+            ),
+            (
+                "slanted profile",
+                Box::new(|d| {
+                    format!(
+                        "profile = {{ points = [[-30.0, 50.0], [-10.0, 20.0], [10.0, 20.0], [30.0, 50.0]], fillets = 5.0, \
+                         extrude = {{ origin = [{:?}, {:?}, 0.0], x = [0.8, -0.6, 0.0], y = [0.0, 0.0, 1.0] }} }}",
+                        0.6 * d,
+                        0.8 * d
+                    )
+                }),
+            ),
+        ];
+        for (name, tool) in along {
+            let one = Case::text("one", scene(&tool(0.0), ""));
+            let case = Case::text(format!("{name}, point 1e{power} along it"), scene(&tool(d), "")).must_run();
+            add(case.quick_if(power == 8), one, 1e-6, "the point at the origin");
+        }
+        let case = |name: &str, tool: String| {
+            let case = Case::text(format!("{name} of 1e{power}"), scene(&tool, ""));
+            if power <= 6 { case.must_run() } else { case }
+        };
+        let one = || Case::text("one", scene(flat, ""));
+        let middle = 20.0 + d;
+        if power > 3 {
+            // Off the plane by 400 / R at the most, for a press of 1.
+            let ball = format!("sphere = {{ center = [0.0, 0.0, {middle:?}], radius = {d:?} }}");
+            add(case("sphere", ball).quick_if(power == 8), one(), 400.0 / d + 1e-6, "a plane");
+            let roll =
+                format!("cylinder = {{ point = [0.0, 0.0, {middle:?}], axis = [0.0, 1.0, 0.0], radius = {d:?} }}");
+            add(case("cylinder", roll), one(), 400.0 / d + 1e-6, "a plane");
+        }
+        let mesh = "mesh = \"plate.msh\"";
+        add(case("plate", mesh.into()).file("plate.msh", plate(d)).quick_if(power == 8), one(), 1e-6, "a plane");
+        // Brought in by the first step.
+        let come = format!(
+            "[[step]]\nincrements = 1\nfix = [{{ set = \"block.zmin\" }}]\nmove = [{{ target = \"cap\", by = [-{d:?}, 0.0, 0.0] }}]"
+        );
+        let ball = |x: f64| format!("sphere = {{ center = [{x:?}, 0.0, 40.0], radius = 20.0 }}");
+        let from = Case::text(format!("sphere that comes from 1e{power}"), scene(&ball(d), &come));
+        let from = if power <= 6 { from.must_run() } else { from };
+        add(from, Case::text("one", scene(&ball(0.0), "")), 1e-6, "where it comes to");
+    }
+    cases
 }
 
 /// A roller that a force presses, so many sizes of the pad away from the origin.

@@ -26,7 +26,7 @@ pub use round::{Cylinder, Sphere};
 pub use torus::Torus;
 
 use super::{Closest, Parametric, Projection, Tessellation};
-use crate::{Mat3, Vec3};
+use crate::{Mat3, Vec2, Vec3};
 
 /// One of the surfaces with closed forms.
 #[derive(Clone, Debug, PartialEq)]
@@ -94,6 +94,49 @@ impl Analytic {
             Self::Sphere(sphere) => sphere,
             Self::Torus(torus) => torus,
             Self::Profile(profile) => profile,
+        }
+    }
+
+    /// Moves the point that says where a surface without end is along it, to beside `middle`, if it is farther away than
+    /// `most`: coordinates are rounded there, and the surface stays the same. Gives the way, if it rounds, which that along a
+    /// coordinate does not.
+    pub fn settle(&mut self, middle: &Vec3, most: f64) -> f64 {
+        let across = |normal: &Vec3| Mat3::identity() - normal * normal.transpose();
+        let (point, free) = match self {
+            Self::Plane(plane) => (&mut plane.point, across(&plane.normal)),
+            Self::Cylinder(cylinder) => (&mut cylinder.point, cylinder.axis * cylinder.axis.transpose()),
+            Self::Profile(Profile { sweep: Sweep::Extruded { origin, x, y, length: None }, .. }) => {
+                let out = x.cross(y);
+                (origin, out * out.transpose())
+            }
+            _ => return 0.0,
+        };
+        let way = free * (middle - *point);
+        if way.norm() <= most {
+            return 0.0;
+        }
+        *point += way;
+        // A component that the projection leaves or takes away is exact.
+        let rounds = |k: usize| (0..3).any(|j| ![0.0, 1.0].contains(&free[(j, k)].abs()));
+        (0..3).filter(|k| rounds(*k)).map(|k| way[k].abs()).fold(0.0, f64::max)
+    }
+
+    /// The largest number that says where the surface is: its distance from the origin, and its size.
+    pub fn far(&self) -> f64 {
+        match self {
+            Self::Plane(plane) => plane.point.amax(),
+            Self::Cylinder(cylinder) => cylinder.point.amax().max(cylinder.radius),
+            Self::Cone(cone) => cone.apex.amax(),
+            Self::Sphere(sphere) => sphere.center.amax().max(sphere.radius),
+            Self::Torus(torus) => torus.center.amax().max(torus.radius),
+            Self::Profile(Profile { chain, sweep }) => {
+                let place = match sweep {
+                    Sweep::Extruded { origin, .. } => origin.amax(),
+                    Sweep::Revolved(axis) => axis.point.amax(),
+                };
+                let ends = [Vec2::x(), -Vec2::x(), Vec2::y(), -Vec2::y()];
+                ends.iter().map(|end| chain.support(end)).fold(place, f64::max)
+            }
         }
     }
 
