@@ -129,6 +129,41 @@ history = ["block.zmin"]
 "#
         )
     };
+    const POINTS: &str = "points = [[-30.0, 50.0], [-10.0, 20.0], [10.0, 20.0], [30.0, 50.0]], fillets = 5.0";
+    /// A tool, where its point is, and the way along it.
+    const ALONG: [(&str, &str, [f64; 3], [f64; 3]); 6] = [
+        ("plane", "plane = { point = POINT, normal = [0.0, 0.0, -1.0] }", [0.0, 0.0, 20.0], [1.0, 1.0, 0.0]),
+        (
+            "slanted plane",
+            "plane = { point = POINT, normal = [0.0, 0.125, -1.0] }",
+            [0.0, 0.0, 20.0],
+            [0.0, 1.0, 0.125],
+        ),
+        (
+            "cylinder",
+            "cylinder = { point = POINT, axis = [0.0, 1.0, 0.0], radius = 20.0 }",
+            [0.0, 0.0, 40.0],
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            "slanted cylinder",
+            "cylinder = { point = POINT, axis = [0.6, 0.8, 0.0], radius = 20.0 }",
+            [0.0, 0.0, 40.0],
+            [0.6, 0.8, 0.0],
+        ),
+        (
+            "profile",
+            "profile = { PROFILE, extrude = { origin = POINT, x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] } }",
+            [0.0; 3],
+            [0.0, 1.0, 0.0],
+        ),
+        (
+            "slanted profile",
+            "profile = { PROFILE, extrude = { origin = POINT, x = [0.8, -0.6, 0.0], y = [0.0, 0.0, 1.0] } }",
+            [0.0; 3],
+            [0.6, 0.8, 0.0],
+        ),
+    ];
     let flat = "plane = { point = [0.0, 0.0, 20.0], normal = [0.0, 0.0, -1.0] }";
     let plate = |d: f64| crate::common::msh::surface(3, |s, t| [d * (2.0 * t - 1.0), d * (2.0 * s - 1.0), 20.0]);
     let mut cases = Vec::new();
@@ -141,52 +176,11 @@ history = ["block.zmin"]
     };
     for power in [3, 5, 6, 7, 8, 9] {
         let d = 10f64.powi(power);
-        let along: [(&str, Box<dyn Fn(f64) -> String>); 6] = [
-            ("plane", Box::new(|d| format!("plane = {{ point = [{d:?}, {d:?}, 20.0], normal = [0.0, 0.0, -1.0] }}"))),
-            (
-                "slanted plane",
-                Box::new(|d| {
-                    format!("plane = {{ point = [0.0, {d:?}, {:?}], normal = [0.0, 0.125, -1.0] }}", 20.0 + 0.125 * d)
-                }),
-            ),
-            (
-                "cylinder",
-                Box::new(|d| {
-                    format!("cylinder = {{ point = [0.0, {d:?}, 40.0], axis = [0.0, 1.0, 0.0], radius = 20.0 }}")
-                }),
-            ),
-            (
-                "slanted cylinder",
-                Box::new(|d| {
-                    format!(
-                        "cylinder = {{ point = [{:?}, {:?}, 40.0], axis = [0.6, 0.8, 0.0], radius = 20.0 }}",
-                        0.6 * d,
-                        0.8 * d
-                    )
-                }),
-            ),
-            (
-                "profile",
-                Box::new(|d| {
-                    format!(
-                        "profile = {{ points = [[-30.0, 50.0], [-10.0, 20.0], [10.0, 20.0], [30.0, 50.0]], fillets = 5.0, \
-                         extrude = {{ origin = [0.0, {d:?}, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] }} }}"
-                    )
-                }),
-            ),
-            (
-                "slanted profile",
-                Box::new(|d| {
-                    format!(
-                        "profile = {{ points = [[-30.0, 50.0], [-10.0, 20.0], [10.0, 20.0], [30.0, 50.0]], fillets = 5.0, \
-                         extrude = {{ origin = [{:?}, {:?}, 0.0], x = [0.8, -0.6, 0.0], y = [0.0, 0.0, 1.0] }} }}",
-                        0.6 * d,
-                        0.8 * d
-                    )
-                }),
-            ),
-        ];
-        for (name, tool) in along {
+        for (name, tool, at, way) in ALONG {
+            let tool = |d: f64| {
+                let point: [f64; 3] = std::array::from_fn(|k| at[k] + way[k] * d);
+                tool.replace("POINT", &format!("{point:?}")).replace("PROFILE", POINTS)
+            };
             let one = Case::text("one", scene(&tool(0.0), ""));
             let case = Case::text(format!("{name}, point 1e{power} along it"), scene(&tool(d), "")).must_run();
             add(case.quick_if(power == 8), one, 1e-6, "the point at the origin");
