@@ -9,7 +9,8 @@ family!(poisson, aspect_ratios, penalties, on_each_other);
 
 const ELEMENTS: [&str; 2] = ["tet10", "tet10-sri"];
 
-fn bar(name: String, element: &str, n: [usize; 3], size: [f64; 3]) -> Case {
+/// A bar of `n` cells of a size that is shortened by a fifth of its height.
+pub fn bar(name: String, element: &str, n: [usize; 3], size: [f64; 3]) -> Case {
     let scene = BAR
         .replace("block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }", "mesh = \"b.msh\"")
         .replace("point = [0.0, 0.0, 2.0]", &format!("point = [0.0, 0.0, {:?}]", size[2]))

@@ -1,7 +1,7 @@
 //! Nodes on edges, vertices and corners, and on several tools.
 
 use crate::case::Case;
-use crate::oracle::{balance, near, same, value};
+use crate::oracle::{balance, coulomb, near, same, scaled, value};
 use crate::scenes::{BAR, METHODS, SLAB, plate};
 
 family!(
@@ -80,31 +80,83 @@ fn to_and_fro() -> Vec<Case> {
     cases
 }
 
-/// The quarter of a bar that is also kept from getting thicker along x by a wall.
-fn beside_a_wall(friction: f64, method: &str) -> String {
+/// The quarter of a bar that is also kept from getting thicker along x by a wall, with friction at the plate and at the wall.
+fn beside_a_wall([plate, wall]: [f64; 2], method: &str) -> String {
     BAR.replace("symmetry = [\"xmin\", \"ymin\", \"zmin\"]", "symmetry = [\"xmin\", \"zmin\"]")
         .replace("model = \"hooke\"\nyoung = 10.0", "model = \"neo-hookean\"\nyoung = 100.0")
         .replace("size = [2.0, 2.0, 2.0]", "size = [4.0, 4.0, 2.0]")
-        .replace("[contact.c]", &format!("[tool.wx]\nplane = {{ point = [4.0, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }}\n[contact.cx]\nslave = \"b.xmax\"\nmaster = \"wx\"\nfriction = {friction:?}\nmethod = \"{method}\"\n[contact.c]\nfriction = {friction:?}\nmethod = \"{method}\""))
+        .replace("[contact.c]", &format!("[tool.wx]\nplane = {{ point = [4.0, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }}\n[contact.cx]\nslave = \"b.xmax\"\nmaster = \"wx\"\nfriction = {wall:?}\nmethod = \"{method}\"\n[contact.c]\nfriction = {plate:?}\nmethod = \"{method}\""))
         .replace("increments = 2\n", "increments = 2\nfix = [{ set = \"b.ymin\", directions = \"y\" }]\n")
         .replace("by = [0.0, 0.0, -0.4]", "by = [0.0, 0.0, -0.2]")
+        .replace("[\"b.zmin\", \"b.zmax\"]", "[\"b\", \"b.xmax\", \"b.zmax\"]")
 }
 
+/// All four quarters of it, between two plates and two walls, which nothing else holds along x and z.
+fn between_walls(friction: f64) -> Case {
+    let tools = [("p", "z", 2.0, 2), ("q", "z", -2.0, 2), ("wx", "x", 4.0, 0), ("wl", "x", -4.0, 0)];
+    let mut text = String::new();
+    for (name, letter, at, axis) in tools {
+        let along = |s: f64| [0, 1, 2].map(|c| if c == axis { s } else { 0.0 });
+        let side = if at > 0.0 { "max" } else { "min" };
+        text += &format!(
+            "[tool.{name}]\nplane = {{ point = {:?}, normal = {:?} }}\n[contact.c{name}]\nslave = \"b.{letter}{side}\"\nmaster = \"{name}\"\nfriction = {friction:?}\n",
+            along(at),
+            along(-at.signum())
+        );
+    }
+    Case::text(
+        "whole",
+        format!(
+            "[body.b]\nmaterial = \"m\"\nelement = \"hex8\"\nblock = {{ box = {{ origin = [-4.0, 0.0, -2.0], size = [8.0, 4.0, 4.0] }}, elements = [4, 2, 4] }}\n[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n{text}[[step]]\nincrements = 2\nfix = [{{ set = \"b.ymin\", directions = \"y\" }}]\nmove = [{{ target = \"p\", by = [0.0, 0.0, -0.2] }}, {{ target = \"q\", by = [0.0, 0.0, 0.2] }}]\n[output]\nevery = 1000\n"
+        ),
+    )
+}
+
+/// A row of nodes is on the plate and on the wall. Without friction stresses are even; a smooth tool is a support; and what
+/// rubs at both is a quarter of a whole that is held by contact alone.
 fn node_on_two_tools() -> Vec<Case> {
+    // tau = mu (l^2 - 1) + lambda ln J of each stretch l: 1 along x, 0.9 along z, and free along y.
+    let (shear, lambda, l) = (100.0 / 2.6, 30.0 / (1.3 * 0.4), 0.9f64);
+    let wide = crate::common::root(1.0, 1.2, |t| shear * (t * t - 1.0) + lambda * (l * t).ln());
+    let across = lambda * (l * wide).ln();
+    let down = 16.0 * (shear * (l * l - 1.0) + across) / l;
     let mut cases = Vec::new();
-    for friction in [0.0, 0.3, 5.0] {
-        for method in METHODS {
-            let tolerance = if method == "penalty" { 0.1 } else { 1e-6 };
-            let case = Case::text(format!("friction {friction}, {method}"), beside_a_wall(friction, method));
-            let uzawa = Case::text("uzawa", beside_a_wall(friction, "uzawa"));
-            let case = match method {
-                "uzawa" => case.oracle(value("p.fz/b.zmin.fz", -1.0, 1.0, "sign")),
-                _ => case
-                    .oracle(same("p.fz", uzawa.clone(), tolerance, "uzawa"))
-                    .oracle(same("wx.fx", uzawa, tolerance, "uzawa")),
+    for method in METHODS {
+        let tolerance = if method == "penalty" { 0.1 } else { 1e-6 };
+        let of = |name: &str, frictions: [f64; 2]| {
+            Case::text(format!("{name}, {method}"), beside_a_wall(frictions, method))
+                .oracle(balance(&["p", "wx", "b"], 1e-8))
+                .oracle(coulomb("p", 2, frictions[0]))
+                .oracle(coulomb("wx", 0, frictions[1]))
+        };
+        let smooth = of("friction 0", [0.0; 2]);
+        let smooth = smooth.oracle(value("p.fz", down, tolerance, "closed form"));
+        let smooth = smooth.oracle(value("wx.fx", 8.0 * across, tolerance, "closed form"));
+        cases.push(if method == "penalty" { smooth } else { smooth.must_run() });
+        for (name, frictions) in [("the plate rubs", [0.3, 0.0]), ("the wall rubs", [0.0, 0.3])] {
+            let text = beside_a_wall(frictions, method);
+            let (quantities, held) = if frictions[1] == 0.0 {
+                let held = text.replace("point = [4.0, 0.0, 0.0]", "point = [9.0, 0.0, 0.0]");
+                let fix = "fix = [{ set = \"b.xmax\", directions = \"x\" }, ";
+                (["p.fz", "b.fy"], held.replace("fix = [", fix))
+            } else {
+                let held = text.replace("point = [0.0, 0.0, 2.0]", "point = [0.0, 0.0, 9.0]");
+                let moved = "{ target = \"b.zmax\", directions = \"z\", by";
+                (["wx.fx", "wx.fz"], held.replace("{ target = \"p\", by", moved))
             };
-            let case = if friction < 1.0 && method != "penalty" { case.must_run() } else { case };
-            cases.push(case);
+            let held = Case::text("held", held);
+            let case = quantities.iter().fold(of(name, frictions), |case, quantity| {
+                case.oracle(same(quantity, held.clone(), tolerance, "a support"))
+            });
+            cases.push(if method == "penalty" { case } else { case.must_run() });
+        }
+        for friction in [0.3, 5.0] {
+            let case = of(&format!("friction {friction}"), [friction; 2]);
+            // Each bears a half of what the whole has at a side.
+            let case = case
+                .oracle(scaled("p.fz", between_walls(friction), 0.5, tolerance, "the whole"))
+                .oracle(scaled("wx.fx", between_walls(friction), 0.5, tolerance, "the whole"));
+            cases.push(if friction < 1.0 && method != "penalty" { case.must_run() } else { case });
         }
     }
     cases

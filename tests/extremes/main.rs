@@ -15,13 +15,17 @@ mod table;
 mod bars;
 mod checkpoints;
 mod conditions;
+mod curves;
 mod edges;
 mod elastic;
+mod elements;
+mod folds;
 mod footings;
 mod friction;
 mod materials;
 mod meshes;
 mod numbers;
+mod pairs;
 mod passage;
 mod penalty;
 mod ranks;
@@ -30,6 +34,7 @@ mod segments;
 mod sheets;
 mod ties;
 mod torques;
+mod turns;
 
 /// All cases, in the order of the table.
 fn all() -> Vec<case::Case> {
@@ -52,6 +57,11 @@ fn all() -> Vec<case::Case> {
         footings::cases(),
         elastic::cases(),
         checkpoints::cases(),
+        elements::cases(),
+        pairs::cases(),
+        turns::cases(),
+        folds::cases(),
+        curves::cases(),
     ]
     .concat()
 }

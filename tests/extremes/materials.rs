@@ -1,10 +1,10 @@
 //! Materials at their ends: Poisson's ratio, incompressibility, hardening from nothing, flow without hardening.
 
 use crate::case::Case;
-use crate::oracle::{balance, near, same, value};
-use crate::scenes::{BAR, METHODS, bar_force, sphere};
+use crate::oracle::{balance, near, none, same, value};
+use crate::scenes::{BAR, METHODS, SLAB, bar_force, sphere};
 
-family!(poisson_in_a_bar, poisson_under_a_sphere, swift_from_nothing, perfect_plasticity, collapse);
+family!(poisson_in_a_bar, poisson_under_a_sphere, swift_from_nothing, perfect_plasticity, collapse, without_cuts);
 
 /// Hooke's law in a bar: the force does not depend on nu.
 fn poisson_in_a_bar() -> Vec<Case> {
@@ -144,4 +144,40 @@ fn collapse() -> Vec<Case> {
             .oracle(near("b.zmax.uz", 0.00198, 0.00198, 1e-2, "closed form"))
             .must_run(),
     ]
+}
+
+/// Friction costs no jump up to nu = 0.49999, and no cut up to 0.4999 unless elements lock, be it under a sphere or a plate;
+/// under a sphere with F-bar none up to 0.49999.
+fn without_cuts() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for element in ["hex8", "hex8-fbar", "hex8-sri", "hex8-eas"] {
+        for nu in [0.3, 0.49, 0.499, 0.4999, 0.49999].into_iter().filter(|nu| element != "hex8" || *nu < 0.4999) {
+            for method in METHODS {
+                let is_tight = METHODS[..2].contains(&method);
+                let what = format!("{element}, nu = {nu}, {method}");
+                let press = |n: [usize; 3], increments: usize| {
+                    let name = format!("sphere on {n:?}, {what}");
+                    let case = sphere(name, n, increments, increments)
+                        .set(format!("body.block.element={element}"))
+                        .set(format!("material.rubber.poisson={nu}"))
+                        .set(format!("contact.top.method={method}"))
+                        .oracle(balance(&["cap", "block.bottom"], 1e-6));
+                    (case, nu < 0.49999 || is_tight && element == "hex8-fbar")
+                };
+                let slab = Case::text(format!("slab, {what}"), SLAB)
+                    .set(format!("body.b.element={element}"))
+                    .set(format!("material.m.poisson={nu}"))
+                    .set(format!("contact.c.method={method}"))
+                    .oracle(balance(&["t", "b.zmin"], 1e-6));
+                let slab = (slab, nu < 0.4999 || nu < 0.49999 && is_tight);
+                for (case, is_uncut) in [press([4, 4, 2], 2), press([8, 8, 4], 4), slab] {
+                    let case = case.oracle(none("jumps")).must_run();
+                    let case = if is_uncut { case.oracle(none("cutbacks")) } else { case };
+                    let is_small = !case.name.contains("[8, 8, 4]");
+                    cases.push(case.quick_if(is_small && is_uncut && nu > 0.4998 && method == METHODS[0]));
+                }
+            }
+        }
+    }
+    cases
 }

@@ -1,10 +1,10 @@
 //! Meshes of tools and masters that are coarse, fine, or broken.
 
 use crate::case::Case;
-use crate::oracle::{balance, near, value};
+use crate::oracle::{balance, near, same, value};
 use crate::scenes::{BAR, METHODS, SLAB, STACK, bar_force, plate, stack_force};
 
-family!(quarter_circle, finer_and_coarser, broken_facets, broken_blocks);
+family!(quarter_circle, finer_and_coarser, broken_facets, broken_blocks, doubled, opposed);
 
 /// A roller of radius 2 of 1, 2, 3 and 8 facets a quarter circle, on the slab.
 fn quarter_circle() -> Vec<Case> {
@@ -31,7 +31,7 @@ fn quarter_circle() -> Vec<Case> {
             Case::text(format!("{n} facets"), scene.as_str())
                 .file("roller.msh", roller(n))
                 .oracle(balance(&["t", "b.zmin"], 1e-8))
-                .oracle(crate::oracle::same("t.fz", Case::text("exact", exact.as_str()), tolerance, "a cylinder"))
+                .oracle(same("t.fz", Case::text("exact", exact.as_str()), tolerance, "a cylinder"))
         })
         .into()
 }
@@ -161,4 +161,128 @@ fn broken_blocks() -> Vec<Case> {
         case("of 1e300", block(&|[x, y, z]| [2.0 * x, 2.0 * y, if z > 0.9 { 1e300 } else { 2.0 * z }]))
             .oracle(near("p.fz", 0.0, 1.0, 0.0, "none")),
     ]
+}
+
+/// A mesh with more elements, each its kind, group and nodes.
+fn with(mesh: &str, more: &[&str]) -> String {
+    let (head, rest) = mesh.split_once("$Elements\n").unwrap();
+    let (count, rest) = rest.split_once('\n').unwrap();
+    let count: usize = count.parse().unwrap();
+    let line = |(k, words): (usize, &&str)| {
+        let [kind, group, nodes] = words.splitn(3, ' ').collect::<Vec<_>>()[..] else { panic!() };
+        format!("{} {kind} 2 {group} {group} {nodes}\n", count + 1 + k)
+    };
+    let more: String = more.iter().enumerate().map(line).collect();
+    let total = count + more.lines().count();
+    format!("{head}$Elements\n{total}\n{}", rest.replace("$EndElements", &(more + "$EndElements")))
+}
+
+/// Elements and facets of a bar twice in its file. An element is an error, but in two groups; a facet counts once.
+fn doubled() -> Vec<Case> {
+    let bar = BAR.replace("block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }", "mesh = \"b.msh\"");
+    let block = crate::common::msh::block([2, 2, 2], false, |p| p.map(|x| 2.0 * x));
+    // Nodes 1 to 9 are below, 10 to 18 in the middle, 19 to 27 above; of groups zmax is the sixth, the solid the seventh.
+    let named = |name: &str| {
+        block
+            .replace("$PhysicalNames\n7\n", "$PhysicalNames\n8\n")
+            .replace("$EndPhysicalNames", &format!("{name}\n$EndPhysicalNames"))
+    };
+    let case = |name: &str, mesh: String| {
+        let case = Case::text(name, bar.as_str()).file("b.msh", mesh);
+        case.oracle(value("p.fz", bar_force(10.0, 4.0, 0.8), 1e-6, "closed form"))
+    };
+    let twice: &[&str] = &["same nodes"];
+    // Loads are spread by area, which is there once.
+    let loaded = |name: &str, load: &str| {
+        let text = format!(
+            "{}[[step]]\nname = \"press\"\nincrements = 2\n{load}\n[output]\nevery = 1000\nhistory = [\"b.zmin\", \"b.zmax\"]\n",
+            bar.split_once("[tool.p]").unwrap().0
+        );
+        let once = Case::text("once", text.as_str()).file("b.msh", block.as_str());
+        Case::text(name, text)
+            .file("b.msh", with(&block, &["3 6 19 20 23 22"]))
+            .oracle(same("b.zmin.fz", once.clone(), 1e-9, "each once"))
+            .oracle(same("b.zmax.uz", once, 1e-9, "each once"))
+    };
+    let pressure = "pressure = [{ set = \"b.zmax\", value = 1.0 }]";
+    let force = "force = [{ target = \"b.zmax\", total = [0.0, 0.0, -4.0] }]";
+    vec![
+        case("an element", with(&block, &["5 7 1 2 5 4 10 11 14 13"])).must_be_refused(twice),
+        case("an element, listed otherwise", with(&block, &["5 7 2 5 4 1 11 14 13 10"])).must_be_refused(twice),
+        case("an element, turned inside out", with(&block, &["5 7 10 11 14 13 1 2 5 4"])).must_be_refused(&[]),
+        case("an element, as two wedges", with(&block, &["6 7 1 2 5 10 11 14", "6 7 1 5 4 10 14 13"]))
+            .must_be_refused(&[]),
+        case("an element in two groups", with(&named("3 8 \"more\""), &["5 8 1 2 5 4 10 11 14 13"])).must_run(),
+        case("a facet", with(&block, &["3 6 19 20 23 22"])),
+        case("a facet, turned over", with(&block, &["3 6 22 23 20 19"])),
+        case("a facet, as two triangles", with(&block, &["2 6 19 20 23", "2 6 19 23 22"])),
+        case("a facet in two groups", with(&named("2 8 \"more\""), &["3 8 19 20 23 22"])).must_run(),
+        case("a facet in two groups, turned over", with(&named("2 8 \"more\""), &["3 8 22 23 20 19"])).must_run(),
+        case("all facets", with(&block, &["3 6 19 20 23 22", "3 6 20 21 24 23", "3 6 22 23 26 25", "3 6 23 24 27 26"])),
+        loaded("a facet under a pressure", pressure),
+        loaded("a facet under a force", force),
+        case("a facet inside", with(&block, &["3 6 10 11 14 13"])),
+    ]
+}
+
+/// Two bars of one file that have the nodes between them in common, each of its own group of elements: with facets there that
+/// look at each other, or only one way, in one group or two.
+fn opposed() -> Vec<Case> {
+    let block = crate::common::msh::block([2, 2, 4], false, |[x, y, z]| [2.0 * x, 2.0 * y, 4.0 * z]);
+    // The upper half of the solid is a group of its own.
+    let (mut bricks, mut parts) = (0, String::new());
+    for line in block.lines() {
+        let words: Vec<&str> = line.split(' ').collect();
+        if words.len() == 13 {
+            bricks += 1;
+            let group = if bricks > 8 { "8" } else { "7" };
+            parts += &format!("{} 5 2 {group} {group} {}\n", words[0], words[5..].join(" "));
+        } else {
+            parts += &format!("{line}\n");
+        }
+    }
+    let names = "3 8 \"upper\"\n2 9 \"up\"\n2 10 \"down\"\n2 11 \"both\"\n$EndPhysicalNames";
+    let parts = parts
+        .replace("$PhysicalNames\n7\n", "$PhysicalNames\n11\n")
+        .replace("\"solid\"", "\"lower\"")
+        .replace("$EndPhysicalNames", names);
+    let facets = |group: usize, is_up: bool| {
+        [[19, 20, 23, 22], [20, 21, 24, 23], [22, 23, 26, 25], [23, 24, 27, 26]].map(|mut nodes: [usize; 4]| {
+            if !is_up {
+                nodes.reverse();
+            }
+            format!("3 {group} {}", nodes.map(|node| node.to_string()).join(" "))
+        })
+    };
+    let scene = |slave: &str, master: &str| {
+        STACK
+            .replace(
+                "block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }",
+                "mesh = \"b.msh\"\ngroup = \"lower\"",
+            )
+            .replace(
+                "block = { box = { origin = [0.0, 0.0, 2.0], size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }",
+                "mesh = \"b.msh\"\ngroup = \"upper\"",
+            )
+            .replace("slave = \"lower.zmax\"", &format!("slave = \"lower.{slave}\""))
+            .replace("master = \"upper.zmin\"", &format!("master = \"upper.{master}\""))
+    };
+    let mut cases = Vec::new();
+    for discretization in ["one-pass", "two-pass", "node-to-node", "segment"] {
+        let mut add = |name: &str, groups: [&str; 2], more: Vec<String>| {
+            let more: Vec<&str> = more.iter().map(String::as_str).collect();
+            let case = Case::text(format!("{name}, {discretization}"), scene(groups[0], groups[1]))
+                .file("b.msh", with(&parts, &more))
+                .set(format!("contact.c.discretization={discretization}"))
+                .oracle(value("upper.zmax.fz", stack_force(100.0, 100.0, 0.3, 0.2), 1e-6, "closed form"))
+                .oracle(value("lower.zmin.fz", -stack_force(100.0, 100.0, 0.3, 0.2), 1e-6, "closed form"));
+            cases.push(case.quick_if(discretization == "one-pass"));
+        };
+        add("two groups", ["up", "down"], [facets(9, true), facets(10, false)].concat());
+        add("two groups that look the wrong way", ["up", "down"], [facets(9, false), facets(10, true)].concat());
+        add("one group that looks up", ["both", "both"], facets(11, true).into());
+        add("one group that looks both ways", ["both", "both"], [facets(11, true), facets(11, false)].concat());
+        add("one group that looks up twice", ["both", "both"], [facets(11, true), facets(11, true)].concat());
+    }
+    cases
 }

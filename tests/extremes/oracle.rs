@@ -14,6 +14,10 @@ pub enum Oracle {
     Same { quantity: String, as_in: Box<Case>, times: f64, tolerance: f64, source: String },
     /// The forces of these tools and sets, on which nothing else acts, add up to none.
     Balance { names: Vec<&'static str>, tolerance: f64 },
+    /// A plane across this axis pushes along itself with no more than so many times what it pushes with across.
+    Coulomb { tool: &'static str, axis: usize, friction: f64 },
+    /// The summary counts none of these.
+    None { what: &'static str },
 }
 
 /// Of an oracle.
@@ -47,12 +51,24 @@ pub fn balance(names: &[&'static str], tolerance: f64) -> Oracle {
     Oracle::Balance { names: names.to_vec(), tolerance }
 }
 
+/// See [`Oracle::Coulomb`].
+pub fn coulomb(tool: &'static str, axis: usize, friction: f64) -> Oracle {
+    Oracle::Coulomb { tool, axis, friction }
+}
+
+/// See [`Oracle::None`].
+pub fn none(what: &'static str) -> Oracle {
+    Oracle::None { what }
+}
+
 impl Oracle {
     pub fn text(&self) -> String {
         match self {
             Self::Value { quantity, value, source, .. } => format!("{quantity} = {value:.5e} ({source})"),
             Self::Same { quantity, source, .. } => format!("{quantity} as by {source}"),
             Self::Balance { names, .. } => format!("{} balance", names.join(" + ")),
+            Self::Coulomb { tool, friction, .. } => format!("{tool} within the cone of {friction}"),
+            Self::None { what } => format!("no {what}"),
         }
     }
 
@@ -82,6 +98,20 @@ impl Oracle {
                 // A NaN in the forces is no balance.
                 let finite = forces.iter().flatten().all(|f| f.is_finite());
                 Verdict { holds: finite && error <= *tolerance, text: format!("balance {error:.1e}") }
+            }
+            Self::Coulomb { tool, axis, friction } => {
+                let f = ["fx", "fy", "fz"].map(|c| history.last(&format!("{tool}.{c}")));
+                let along = f[(axis + 1) % 3].hypot(f[(axis + 2) % 3]);
+                // What the tolerance of the solution lets through is allowed.
+                let holds = along <= friction * f[*axis].abs() + 1e-8 * history.largest_force(tool);
+                Verdict { holds, text: format!("{tool} {:.3e} along itself over across", along / f[*axis].abs()) }
+            }
+            Self::None { what } => {
+                let count = done.summary[*what].as_u64();
+                Verdict {
+                    holds: count == Some(0),
+                    text: format!("{} {what}", count.map_or("?".into(), |n| n.to_string())),
+                }
             }
         }
     }
