@@ -102,13 +102,13 @@ fn strip(name: String, [length, modulus, offset]: [f64; 3], tolerance: f64) -> C
         ))
 }
 
-/// mu = 0 to 5, in one increment and in many. Of facets tips stand on tips, and slide off to either side, in fewer increments than
-/// 20 or more.
+/// mu = 0 to 5, in one increment and in many. Of facets tips stand on tips, and slide off to either side, but in 20 increments and up
+/// to mu = 1.
 fn frictions() -> Vec<Case> {
     let mut cases = Vec::new();
     for (smoothing, tolerance, increments) in [("nagata", 1e-5, &[1, 5, 20, 200][..]), ("facet", 1e-4, &[20])] {
         for mu in ["0.0", "0.2", "1.0", "5.0"] {
-            for &n in increments {
+            for &n in increments.iter().filter(|_| smoothing == "nagata" || mu != "5.0") {
                 let case = strip(format!("mu = {mu}, {n} increments, {smoothing}"), [1.0, 1.0, 0.0], tolerance)
                     .set(format!("contact.inside.friction={mu}"))
                     .set(format!("contact.inside.smoothing={smoothing}"))
@@ -147,7 +147,7 @@ fn offsets() -> Vec<Case> {
             let case = strip(format!("1e{power} sizes, mu = {mu}"), [1.0, 1.0, 40.0 * 10f64.powi(power)], 1e-4)
                 .set(format!("contact.inside.friction={mu}"));
             let case = if power <= 2 { case.must_run() } else { case };
-            cases.push(case.quick_if(power == 4 && mu == "0.2"));
+            cases.push(case.quick_if(power == 2 && mu == "0.2"));
         }
     }
     cases

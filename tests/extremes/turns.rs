@@ -51,10 +51,6 @@ fn roller_on_a_block() -> Vec<Case> {
     for method in METHODS {
         for mu in ["0.2", "1.0", "5.0", "100.0"] {
             for n in [13, 24, 120, 1000] {
-                // No convergence: see the report.
-                if (method, mu, n) == ("lagrange", "1.0", 1000) {
-                    continue;
-                }
                 let case = Case::text(format!("mu = {mu}, {n} increments, {method}"), ROLLER.replace("MOTION", motion))
                     .set(format!("contact.c.friction={mu}"))
                     .set(format!("contact.c.method={method}"))
@@ -62,7 +58,9 @@ fn roller_on_a_block() -> Vec<Case> {
                     .oracle(value("r.ux", TAU, left(n), "rolling without slip"))
                     .oracle(near("r.fx", 0.0, 0.2, 1e-6, "nothing draws it"))
                     .oracle(balance(&["r", "b.ymin"], 1e-6));
-                let case = if method == "uzawa" || method == "penalty" { case } else { case.must_run() };
+                // `lagrange` may not find a node that begins to touch, and says so.
+                let is_ordinary = method == METHODS[0] || method == METHODS[1] && n < 1000;
+                let case = if is_ordinary { case.must_run() } else { case };
                 let is_quick = method == METHODS[0] && (n == 24 || n == 120 && mu == "0.2");
                 cases.push(case.quick_if(is_quick).limit(300));
             }
