@@ -222,10 +222,15 @@ fn coarse_and_fine_bodies() -> Vec<Case> {
                 // Nodes of the fine master that press between those of the slave make more of it.
                 let tolerance = if discretization == "one-pass" { tolerance } else { 5e-2 };
                 let name = format!("{elements} elements under {facets} facets, mu = {friction}, {discretization}");
-                let case = roller(name, elements, &body, "u", friction)
-                    .oracle(same("b.ymin.fx", cylinder(elements, friction), tolerance, "a cylinder"))
-                    .oracle(same("b.ymin.fy", cylinder(elements, friction), tolerance, "a cylinder"));
-                cases.push(case.slow());
+                let case = roller(name, elements, &body, "u", friction).oracle(same(
+                    "b.ymin.fy",
+                    cylinder(elements, friction),
+                    tolerance,
+                    "a cylinder",
+                ));
+                // Without friction there is next to none of it.
+                let along = same("b.ymin.fx", cylinder(elements, friction), tolerance, "a cylinder");
+                cases.push(if friction > 0.0 { case.oracle(along) } else { case }.slow());
             }
         }
     }
