@@ -791,9 +791,6 @@ fn a_turned_instance_of_a_ply_is_refused() {
         )
     };
     converted(&deck(""));
-    let bench = Bench::new("");
-    bench.write("deck.inp", &deck("5,0,0,5,0,1,90\n"));
-    let run = nagata(&bench.path(""), 1, &["convert", "deck.inp"], bench.path("out"));
-    assert_eq!(run.code, 2, "{}", run.stdout);
-    assert!(run.stderr.contains("an instance is turned, in a deck with an orthotropic material"), "{}", run.stderr);
+    let (_, said) = refused(&deck("5,0,0,5,0,1,90\n"));
+    assert!(said.contains("an instance is turned, in a deck with an orthotropic material"), "{said}");
 }
