@@ -370,3 +370,62 @@ fn round_shapes_are_closed_and_turned_outwards() {
     assert!((sums(&cells).0 + Vec3::z() * 4.0).norm() < 1e-12);
     assert!(cells.points.iter().all(|p| p[0].abs() <= 1.0 + 1e-12 && p[1].abs() <= 1.0 + 1e-12 && p[2] == 0.5));
 }
+
+/// A surface without end is the same wherever its point is along it, and a way along a coordinate does not round; what ends, or
+/// has a middle, stays.
+#[test]
+fn settling_changes_no_surface() {
+    let (middle, far) = (Vec3::new(1.0, 2.0, 3.0), 1e6);
+    let [x, y] = [Vec3::x(), Vec3::z()];
+    let free = [
+        (Analytic::Plane(Plane { point: Vec3::new(far, -far, 0.5), normal: Vec3::z() }), true),
+        (
+            Analytic::Plane(Plane {
+                point: place() + crate::surface::normals::tangents(&axis())[0] * far,
+                normal: axis(),
+            }),
+            false,
+        ),
+        (
+            Analytic::Cylinder(Cylinder {
+                point: Vec3::new(0.2, far, 0.5),
+                axis: Vec3::y(),
+                radius: 1.5,
+                hollow: false,
+            }),
+            true,
+        ),
+        (
+            Analytic::Cylinder(Cylinder { point: place() + axis() * far, axis: axis(), radius: 1.5, hollow: true }),
+            false,
+        ),
+        (
+            profile(
+                &[[-9.0, 0.5], [9.0, 0.5]],
+                &[0.0; 2],
+                false,
+                Sweep::Extruded { origin: Vec3::y() * far, x, y, length: None },
+            ),
+            true,
+        ),
+    ];
+    for (shape, is_exact) in free {
+        let mut settled = shape.clone();
+        assert_eq!(settled.settle(&middle, 2.0 * far), 0.0);
+        assert_eq!(settled, shape, "nearer than it is asked to be");
+        let way = settled.settle(&middle, 10.0);
+        assert!(if is_exact { way == 0.0 } else { way > 0.1 * far }, "{shape:?}: {way:e}");
+        assert!(settled.far() < 20.0 && shape.far() > 0.1 * far, "{settled:?}");
+        for point in [Vec3::new(2.0, -1.0, 0.4), middle, Vec3::new(-2.0, 0.3, 4.0)] {
+            let [before, after] = [&shape, &settled].map(|shape| shape.closest(&point, f64::INFINITY, None).unwrap());
+            let slack = if is_exact { 1e-15 } else { 1e-8 };
+            assert!((before.gap - after.gap).abs() <= slack, "{shape:?}: {} {}", before.gap, after.gap);
+            assert!((before.normal - after.normal).norm() <= slack, "{shape:?}");
+        }
+    }
+    let ball = Analytic::Sphere(Sphere { center: Vec3::x() * far, radius: far, hollow: false });
+    for shape in [ball, step(), punch()] {
+        let mut settled = shape.clone();
+        assert_eq!((settled.settle(&middle, 0.0), &settled), (0.0, &shape));
+    }
+}
