@@ -750,3 +750,25 @@ fn what_a_step_frees_by_listing_it_again_is_told() {
         assert!(!text.contains("was held along"), "{text}");
     }
 }
+
+/// A punch that is moved as a whole is the master.
+#[test]
+fn slaves_that_are_moved_as_a_whole_are_told_of() {
+    let scene = |slave: &str, master: &str, punch: &str| {
+        Bench::new(&format!(
+            "[body.slab]\nmaterial = \"soft\"\nblock = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1] }}\n\
+             [body.punch]\nmaterial = \"soft\"\n\
+             block = {{ box = {{ origin = [0.5, 0.5, 1.0], size = [1.0, 1.0, 1.0] }}, elements = [2, 2, 1] }}\n\
+             [material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [contact.c]\nslave = \"{slave}\"\nmaster = \"{master}\"\n\
+             [[step]]\nname = \"press\"\nincrements = 1\nfix = [{{ set = \"slab.zmin\" }}]\n\
+             move = [{{ target = \"{punch}\", by = [0.0, 0.0, -0.1] }}]\n"
+        ))
+    };
+    let told = "step `press`: all nodes of `punch.zmin`, a slave of contact `c`, are held or moved";
+    warned(&scene("punch.zmin", "slab.zmax", "punch"), &[told, "make it the master, in one pass"]);
+    for (slave, master, punch) in [("slab.zmax", "punch.zmin", "punch"), ("punch.zmin", "slab.zmax", "punch.zmax")] {
+        let (_, text) = verdict(&scene(slave, master, punch), 2);
+        assert!(!text.contains("are held or moved"), "{text}");
+    }
+}

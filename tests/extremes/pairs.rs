@@ -7,7 +7,7 @@ use crate::numbers::rounded;
 use crate::oracle::{Oracle, balance, near, same, value};
 use crate::scenes::{METHODS, STACK, stack_force};
 
-family!(penalties, frictions, drawn, gaps_and_overlaps, stiffness_ratios);
+family!(penalties, frictions, drawn, gaps_and_overlaps, stiffness_ratios, two_passes_by_penalty);
 
 /// With their methods: segments have no Uzawa.
 fn ways() -> Vec<(&'static str, &'static str)> {
@@ -143,4 +143,21 @@ fn stiffness_ratios() -> Vec<Case> {
         }
     }
     cases
+}
+
+/// A node of the second pass that yields has no force of its own, and is as deep as that of the one that it yields to lets it.
+fn two_passes_by_penalty() -> Vec<Case> {
+    [20.0, 200.0]
+        .map(|penalty| {
+            let give = |depth: f64| stack_force(100.0, 100.0, 0.0, 0.2 - depth) + 4.0 * penalty * depth;
+            let force = stack_force(100.0, 100.0, 0.0, 0.2 - root(0.0, 0.2, give));
+            Case::text(format!("penalty = {penalty}"), STACK)
+                .sets(["body.lower.block.elements=[1, 1, 1]", "body.upper.block.elements=[1, 1, 1]"])
+                .sets(["material.a.poisson=0.0", "material.b.poisson=0.0", "contact.c.method=penalty"])
+                .set("contact.c.discretization=two-pass")
+                .set(format!("contact.c.penalty={penalty:?}"))
+                .oracle(value("upper.zmax.fz", force, 1e-6, "closed form"))
+                .must_run()
+        })
+        .into()
 }

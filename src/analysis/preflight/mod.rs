@@ -67,6 +67,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     units::sizes(comm, scene, model, &sights);
     mirrored::check(comm, scene, model, (&steps, &sights));
     stuck::check(comm, scene, model, &steps)?;
+    stuck::rigid(comm, scene, model, &steps);
     tied::check(comm, scene, model, &steps)?;
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;

@@ -27,6 +27,31 @@ const ASIDE: f64 = 0.1;
 /// Components of a normal below this are none, as in [`crate::contact::law::Guide::gives_way`].
 const ACROSS: f64 = 1e-6;
 
+/// Warns of slaves of which a support holds or moves all nodes along all directions, against a body: as rigid as a tool, they
+/// leave all that must give way to the other side. Collective.
+pub fn rigid(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
+    let is_free = |pair: &Pair, conditions: &Conditions| {
+        let along = if model.bodies[pair.body].is_layer() { 2 } else { 3 };
+        (0..pair.slaves.len()).any(|s| (0..along).any(|d| !is_set(pair, s, conditions, d)))
+    };
+    let mut warnings = Vec::new();
+    for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
+        if pair.master.tool().is_some() || pair.is_self() || pair.is_by_nodes() {
+            continue;
+        }
+        let held = steps.iter().map(|conditions| !any(comm, is_free(pair, conditions))).collect::<Vec<_>>();
+        if let Some(k) = held.iter().position(|held| *held) {
+            let set = &contact.slave.value;
+            warnings.push(format!(
+                "step `{}`: all nodes of `{set}`, a slave of contact `{}`, are held or moved, and cannot give way to what touches \
+                 them: make it the master, in one pass",
+                scene.steps[k].name.value, contact.name.value
+            ));
+        }
+    }
+    model.warnings.extend(warnings);
+}
+
 /// Refuses scenes in which such a node comes to be inside its tool. Collective.
 pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) -> Result<()> {
     let contacts = scene.passes();
