@@ -725,7 +725,7 @@ fn tools_and_bodies_that_no_contact_names() {
             "[body.aside]\nmaterial = \"soft\"\nblock = {{ box = {{ origin = [0.0, 0.0, 3.0], size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1] }}\n{more}"
         )
     };
-    let held = (FIX, "fix = [{ set = \"block.bottom\" }, { set = \"aside.zmin\" }]");
+    let held = (FIX, "fix = [{ set = \"block.bottom\" }, { set = \"aside.zmax\" }]");
     let by = |text: &str| block(&[("[[step]]", &format!("{text}\n[[step]]")), held]);
     warned(&by(&aside("")), &["neither contact nor tie names body `aside`: tools and other bodies pass through it"]);
     accepted(&by(&aside("[contact.rest]\nslave = \"aside.zmin\"\nmaster = \"block.top\"\n")), "touch");
