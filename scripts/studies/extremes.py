@@ -1,0 +1,65 @@
+#!/usr/bin/python3 -B
+"""Makes the tables of docs/validation/extremes.md of what `scripts/test --extremes` and `--oracles` have printed.
+
+    scripts/test --extremes >extremes.log 2>&1
+    scripts/test --oracles >oracles.log 2>&1
+    scripts/studies/extremes.py extremes.log oracles.log
+"""
+
+import collections
+import re
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from shared import arguments
+
+PAGE = Path(__file__).resolve().parents[2] / "docs/validation/extremes.md"
+# Of the lines that tell what has ended.
+CASE = re.compile(r"^\d+/\d+ (?P<test>\w+/\w+): .*?: (?P<outcome>right|refused|[A-Z]{4,}): (?P<text>.*) \([\d.]+ s\)$")
+ERROR = re.compile(r"off by ([\d.]+e-?\d+)")
+
+
+def of_extremes(log):
+    """A row a test: cases, how many are right and refused, and the largest error of those that are right."""
+    tests = collections.OrderedDict()
+    for line in log.splitlines():
+        if found := CASE.match(line):
+            outcomes, errors = tests.setdefault(found["test"], (collections.Counter(), []))
+            outcomes[found["outcome"]] += 1
+            if found["outcome"] == "right":
+                errors += map(float, ERROR.findall(found["text"]))
+    rows = ["| test | cases | right | refused | largest error |", "|---|---|---|---|---|"]
+    total = collections.Counter()
+    for name, (outcomes, errors) in sorted(tests.items()):
+        total += outcomes
+        largest = f"{max(errors):.0e}" if errors else ""
+        count, right, refused = sum(outcomes.values()), outcomes["right"], outcomes["refused"]
+        mark = f" **{count - right - refused} neither**" if count > right + refused else ""
+        rows.append(f"| `{name}` | {count} | {right} | {refused}{mark} | {largest} |")
+    rows.append(f"| all | {sum(total.values())} | {total['right']} | {total['refused']} | |")
+    return rows
+
+
+def of_oracles(log):
+    rows = ["| scene | quantity | found | expected | error | tolerance |", "|---|---|---|---|---|---|"]
+    found = [line for line in log.splitlines() if line.startswith("| ") and line.count("|") in (7, 8)]
+    return rows + [re.sub(" +", " ", line) for line in sorted(found)]
+
+
+def main():
+    parser = arguments(__doc__)
+    parser.add_argument("extremes", type=Path)
+    parser.add_argument("oracles", type=Path)
+    given = parser.parse_args()
+    page = PAGE.read_text()
+    tables = {"extremes": of_extremes(given.extremes.read_text()), "oracles": of_oracles(given.oracles.read_text())}
+    for name, rows in tables.items():
+        begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
+        before, rest = page.split(begin)
+        page = before + begin + "\n" + "\n".join(rows) + "\n\n" + end + rest.split(end)[1]
+    PAGE.write_text(page)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
