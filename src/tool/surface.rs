@@ -225,7 +225,7 @@ impl Surface {
         self.forget();
     }
 
-    /// Takes the point that says where a surface without end is to beside the bodies, see [`Analytic::settle`].
+    /// Takes the point that says where a surface without end is to beside the bodies, see [`crate::surface::analytic::Analytic::settle`].
     pub fn settle(&mut self, (low, high): &Bounds) {
         /// Sizes of the bodies. Nearer, rounding is of no account.
         const FAR: f64 = 10.0;
