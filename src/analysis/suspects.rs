@@ -51,7 +51,7 @@ pub fn hanging(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
 fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<String> {
     let ground = model.masters.of(pair.master);
     let mut sums = [0.0; 2];
-    if pair.faces.is_none() && !pair.is_self() && !pair.is_by_nodes() {
+    if pair.slides_at_nodes() {
         for (s, slave) in pair.slaves.iter().enumerate().filter(|(_, slave)| slave.accepted.status != Status::Gap) {
             let (at, force) = (&slave.accepted, slave.accepted.force.norm());
             let near = ground.nearest(pair, s, &ground.seen_from(&at.position), pair.reach);

@@ -39,26 +39,21 @@ pub struct Touch {
     deepest_at: f64,
     /// How deep its nodes ever were behind the master.
     depth: f64,
-    /// The largest share of its force with which nodes slid off the master in an increment, and the largest change of its
-    /// force by a jump.
+    /// Sum of what its nodes bear now, N: around a shaft their forces cancel, and lose all the same.
+    borne: f64,
+    /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
     slid: Loss,
     jumped: Loss,
 }
 
-crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth, slid, jumped });
-
-impl Touch {
-    fn force_now(&self) -> Vec3 {
-        if self.now { self.force } else { Vec3::zeros() }
-    }
-}
+crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth, borne, slid, jumped });
 
 /// A change of a contact's force that comes from its discretization, or over which there was no equilibrium.
 #[derive(Clone, Copy, Debug, Default)]
 struct Loss {
-    /// Over the larger of both forces.
+    /// Over the larger of both sums.
     share: f64,
-    /// Force before and after, N.
+    /// What its nodes bore before and after, N.
     from: f64,
     to: f64,
     /// Time of the increment.
@@ -68,8 +63,7 @@ struct Loss {
 crate::words!(Loss { share, from, to, at });
 
 impl Loss {
-    fn new(lost: f64, [from, to]: [&Vec3; 2], at: f64) -> Self {
-        let (from, to) = (from.norm(), to.norm());
+    fn new(lost: f64, [from, to]: [f64; 2], at: f64) -> Self {
         Self { share: if lost > 0.0 { lost / from.max(to) } else { 0.0 }, from, to, at }
     }
 
@@ -253,18 +247,19 @@ impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
     pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
-        const EACH: usize = 8;
+        const EACH: usize = 9;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
         for (pair, slid) in self.model.pairs.iter().zip(slid) {
-            let (mut count, mut force, mut middle) = (0.0, Vec3::zeros(), Vec3::zeros());
+            let (mut count, mut borne, mut force, mut middle) = (0.0, 0.0, Vec3::zeros(), Vec3::zeros());
             for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
                 let node = slave.node as usize;
                 count += 1.0;
+                borne += slave.accepted.force.norm();
                 force -= slave.accepted.force;
                 middle += self.model.part.points[node] + self.state.u[node];
             }
-            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, slid]);
+            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid]);
         }
         sum(self.comm, &mut sums);
         let deepest = |pair: &Pair| pair.slaves.iter().map(|slave| slave.sight.depth).fold(0.0, f64::max);
@@ -279,11 +274,11 @@ impl Simulation<'_> {
             }
         }
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
-            let forces = [&touch.force_now(), &Vec3::from_column_slice(&sums[1..4])];
-            touch.slid = touch.slid.or_larger(Loss::new(sums[7], forces, self.state.time));
+            let borne = [std::mem::replace(&mut touch.borne, sums[7]), sums[7]];
+            touch.slid = touch.slid.or_larger(Loss::new(sums[8], borne, self.state.time));
             if is_jump {
-                let change = (forces[1] - forces[0]).norm();
-                touch.jumped = touch.jumped.or_larger(Loss::new(change, forces, self.state.time));
+                let change = (borne[1] - borne[0]).abs();
+                touch.jumped = touch.jumped.or_larger(Loss::new(change, borne, self.state.time));
             }
             touch.now = sums[0] > 0.0;
             if touch.now {

@@ -118,7 +118,7 @@ impl Pair {
     /// Otherwise what of that has not been told.
     pub fn slid_off(&self, s: usize, ground: &Ground, position: &Vec3) -> f64 {
         let slave = &self.slaves[s];
-        if slave.trial.projection.is_some() || self.faces.is_some() || self.is_self() || self.is_by_nodes() {
+        if slave.trial.projection.is_some() || !self.slides_at_nodes() {
             return 0.0;
         }
         let last = slave.accepted.projection.filter(|_| slave.accepted.status != Status::Gap);
@@ -168,6 +168,11 @@ impl Pair {
     /// Whether each slave node meets one node of the master for good.
     pub fn is_by_nodes(&self) -> bool {
         matches!(self.master, Master::Surface(_, Meets::Nodes))
+    }
+
+    /// Whether nodes alone slide over the faces of something else, and do not feel between them where these end.
+    pub fn slides_at_nodes(&self) -> bool {
+        self.faces.is_none() && !self.is_self() && !self.is_by_nodes()
     }
 
     /// Whether a surface meets itself.

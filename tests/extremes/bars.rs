@@ -1,7 +1,7 @@
 //! Bars of tetrahedra of second order.
 
 use crate::case::Case;
-use crate::common::msh::{block, second_order};
+use crate::common::msh::{block, second_order, wedges};
 use crate::oracle::{balance, value};
 use crate::scenes::{BAR, METHODS, STACK, bar_force, stack_force};
 
@@ -9,13 +9,22 @@ family!(poisson, aspect_ratios, penalties, on_each_other);
 
 const ELEMENTS: [&str; 2] = ["tet10", "tet10-sri"];
 
-/// A bar of `n` cells of a size that is shortened by a fifth of its height.
+/// A bar of `n` cells of a size, in elements of any kind, that is shortened by a fifth of its height.
 pub fn bar(name: String, element: &str, n: [usize; 3], size: [f64; 3]) -> Case {
+    let of = |cut: bool| block(n, cut, |p| [0, 1, 2].map(|d| size[d] * p[d]));
+    let (mesh, shell) = match element {
+        "tet4" => (of(true), ""),
+        "tet10" | "tet10-sri" => (second_order(&of(true)), ""),
+        "hex8-shell" => (of(false), "shell = { face = \"zmax\" }\n"),
+        _ => (wedges(&of(false), |_| true), ""),
+    };
     let scene = BAR
-        .replace("block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }", "mesh = \"b.msh\"")
+        .replace(
+            "block = { box = { size = [2.0, 2.0, 2.0] }, elements = [2, 2, 2] }",
+            &format!("mesh = \"b.msh\"\n{shell}"),
+        )
         .replace("point = [0.0, 0.0, 2.0]", &format!("point = [0.0, 0.0, {:?}]", size[2]))
         .replace("-0.4]", &format!("{:?}]", -0.2 * size[2]));
-    let mesh = second_order(&block(n, true, |p| [0, 1, 2].map(|d| size[d] * p[d])));
     Case::text(name, scene)
         .file("b.msh", mesh)
         .set(format!("body.b.element={element}"))

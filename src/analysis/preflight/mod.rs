@@ -35,13 +35,12 @@ mod units;
 
 use super::conditions::Conditions;
 use super::probes;
-use crate::AXIS_NAMES;
-use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{agree, first_word, max};
 use crate::scene::{Scene, Step, body_of};
 use crate::system::dofs::node_name;
+use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 
 /// Checks a model before it is run; warnings are added to the model. Gives a line about the gap of every contact and tie.

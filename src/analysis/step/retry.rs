@@ -57,9 +57,6 @@ impl Simulation<'_> {
             let mut told = plain.unwrap_or(failed);
             let size = (told.end - done) * duration;
             let time = frame.progress.start + told.end * duration;
-            if told.cause.is_of_iteration() {
-                watch::attend(self.comm, &mut self.model, &self.state.u);
-            }
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
             return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
         };
@@ -86,7 +83,7 @@ impl Simulation<'_> {
     }
 
     /// Names the worst equation of all ranks, and what to try. Collective.
-    fn tell_failure(&self, frame: &Frame, failed: &Failed, size: f64) -> Failure {
+    fn tell_failure(&mut self, frame: &Frame, failed: &Failed, size: f64) -> Failure {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
         let node = |equation| frame.dofs.place(&self.model, equation).map_or(String::new(), |place| place.to_line());
@@ -107,6 +104,7 @@ impl Simulation<'_> {
         let body = failure.place.as_ref().map(|place| place.body.as_str());
         let mut remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
         if failed.cause.is_of_iteration() {
+            watch::attend(self.comm, &mut self.model, &self.state.u);
             remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
         }
         if frame.hangs {
