@@ -9,7 +9,8 @@ use std::fs;
 use std::process::Command;
 use std::time::Duration;
 
-/// A plate that yields on a pad of another mesh, with friction between both and under a ball, which a force presses and a
+/// A plate that yields by Hill's criterion, so that an increment begins with other forces than the last ended with, on a pad of
+/// another mesh, with friction between both and under a ball, which a force presses and a
 /// motion draws along. The pad's elements have enhanced strain, and the plate's two layers of solid-shells.
 const PRESS: &str = r#"
 [body.plate]
@@ -24,11 +25,12 @@ element = "hex8-eas"
 block = { box = { origin = [-9, -9, -6], size = [18, 18, 6] }, elements = [3, 3, 2], faces = { bottom = "zmin", top = "zmax" } }
 
 [material.steel]
-model = "j2"
+model = "hill"
 young = 200.0
 poisson = 0.3
 yield_stress = 2.0
 hardening = { linear = 20.0 }
+hill = { f = 0.283, g = 0.358, h = 0.642, n = 1.289 }
 
 [material.rubber]
 model = "neo-hookean"

@@ -100,7 +100,7 @@ impl<'f> Keeper<'f> {
     /// [`Error::System`] on all ranks when it cannot be written; the last one stays.
     pub fn keep(
         &mut self,
-        simulation: &Simulation,
+        simulation: &mut Simulation,
         (record, probes): (Record, Lengths),
         files: &[&Path],
         estimates: &[Value],

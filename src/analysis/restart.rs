@@ -4,13 +4,13 @@
 //! What the scene and these say is made anew: conditions, by beginning all steps until then again; equations, patterns, normals,
 //! and what is near of masters. Nodes, elements and slave nodes have their rows by their numbers in the whole mesh.
 //!
-//! What has been read is then judged by the model, not by itself: forces are evaluated at it, must be those that the last
-//! increment ended with, and in balance.
+//! What has been read is then judged by the model, not by itself: forces are evaluated at it, and must be those that were
+//! found there when it was written, and as much in balance.
 
 use super::Simulation;
 use super::conditions::Conditions;
 use super::ladder::Tries;
-use super::newton::{Newton, Share, Start, System, update_halo};
+use super::newton::{Evaluated, Newton, Share, Start, System, update_halo};
 use super::state::State;
 use super::step::{Frame, Running};
 use super::watch::Touch;
@@ -61,6 +61,8 @@ struct Common {
     increments: usize,
     tool_forces: Vec<Vec3>,
     seen: Vec<f64>,
+    /// Contact forces and moments of the tools, and the largest residual, as they are [found](Simulation::anew).
+    found: (Vec<Vec3>, f64),
     touches: Vec<Touch>,
     handed: Vec<Vec<Vec3>>,
     /// Of the tools at the last converged increment.
@@ -87,6 +89,7 @@ crate::words!(Common {
     increments,
     tool_forces,
     seen,
+    found,
     touches,
     handed,
     poses,
@@ -118,8 +121,18 @@ crate::words!(OfSlave { committed, accepted, sight, deep, near });
 /// The same with its past multipliers.
 type Remembered = (OfSlave, Vec<Vec3>);
 
-/// Vectors of a node: its displacement, the force on it, its displacement at the start of the step, and what dashpots bear.
-const OF_NODE: usize = 4;
+/// Vectors of a node: its displacement, the force on it, its displacement at the start of the step, what dashpots bear, and the
+/// force as it is [found](Simulation::anew).
+const OF_NODE: usize = 5;
+
+/// Forces on owned nodes and tools, and the largest residual over what it counts against, as they are found at the last
+/// converged state when it is evaluated anew. The last increment ended with nearly these: friction that gives way does so in
+/// each anew, and where plastic flow by Hill's criterion was not coaxial with the strain, the axes have turned by that.
+struct Found {
+    nodes: Vec<Vec3>,
+    tools: Vec<Vec3>,
+    residual: f64,
+}
 
 impl<'a> Simulation<'a> {
     /// Writes a checkpoint in a step that is under way; of its own the driver adds `texts`, and numbers that are the same on
@@ -128,17 +141,22 @@ impl<'a> Simulation<'a> {
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub(super) fn save(
-        &self,
+        &mut self,
         folder: &OutputFolder,
         layout: &Layout,
         own: &impl Words,
         texts: &[(&str, &str)],
     ) -> Result<()> {
+        let of = |newton: &Newton| {
+            let Evaluated { forces, tool_forces, balance, .. } = &newton.found;
+            Found { nodes: forces.clone(), tools: tool_forces.clone(), residual: balance.relative() }
+        };
+        let Some((found, _)) = self.anew(of) else { return Ok(()) };
         let Some(running) = &self.running else { return Ok(()) };
         let points = self.points();
-        let mut words = self.common(running, points).to_words();
+        let mut words = self.common(running, &found, points).to_words();
         own.put(&mut words);
-        let mut tables = vec![self.nodes(running, &layout.nodes), self.solids(points, &layout.solids)];
+        let mut tables = vec![self.nodes(running, &found, &layout.nodes), self.solids(points, &layout.solids)];
         tables.extend((0..self.model.pairs.len()).map(|p| self.slaves(running, p, &layout.pairs[p])));
         tables.extend((0..self.model.joints.len()).map(|t| self.tied(running, t, &layout.ties[t])));
         checkpoint::write(folder, self.comm, texts, &words, &tables)
@@ -152,7 +170,7 @@ impl<'a> Simulation<'a> {
         (all[0] as usize, all[1] > 0.0)
     }
 
-    fn common(&self, running: &Running, points: (usize, bool)) -> Common {
+    fn common(&self, running: &Running, found: &Found, points: (usize, bool)) -> Common {
         let (state, progress) = (&self.state, &running.frame.progress);
         let dofs = &running.frame.dofs;
         let of_tools = |x: &[f64]| dofs.tool.iter().map(|e| unknowns(e, |e| dofs.local(e), x)).collect();
@@ -162,6 +180,7 @@ impl<'a> Simulation<'a> {
             increments: state.increments,
             tool_forces: state.tool_forces.clone(),
             seen: state.seen.clone(),
+            found: (found.tools.clone(), found.residual),
             touches: state.touches.clone(),
             handed: state.handed.clone(),
             poses: self.model.masters.tools.iter().map(|tool| tool.committed).collect(),
@@ -177,11 +196,12 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    fn nodes<'l>(&self, running: &Running, order: &'l Order) -> Table<'l> {
+    fn nodes<'l>(&self, running: &Running, found: &Found, order: &'l Order) -> Table<'l> {
         let (progress, dofs) = (&running.frame.progress, &running.frame.dofs);
         let mut rows = Vec::new();
         for n in 0..self.model.part.owned {
-            [self.state.u[n], self.state.reactions[n], progress.before[n], self.state.damped[n]].put(&mut rows);
+            let State { u, reactions, damped, .. } = &self.state;
+            [u[n], reactions[n], progress.before[n], damped[n], found.nodes[n]].put(&mut rows);
             let past = progress.past.iter().map(|(_, x)| unknowns(&dofs.node[n], |e| dofs.local(e), x));
             past.for_each(|past| past.put(&mut rows));
         }
@@ -278,7 +298,12 @@ impl<'a> Simulation<'a> {
         let near = pairs.iter().map(|rows| rows.iter().map(|(slave, _)| slave.near).collect()).collect();
         self.set_up(progress, near)?;
         self.restore_past(&common.past, &nodes, (&pairs, &ties));
-        match self.departs()? {
+        let found = Found {
+            nodes: (0..self.model.part.owned).map(|n| nodes.vector(n, 4)).collect(),
+            tools: common.found.0.clone(),
+            residual: common.found.1,
+        };
+        match self.departs(&found) {
             None => Ok(own),
             Some(what) => Err(stored.refused(&what)),
         }
@@ -364,13 +389,38 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Why this state is not that which the last increment ended with, by forces that are evaluated anew. Collective.
-    fn departs(&mut self) -> Result<Option<String>> {
+    /// Why this state is not that which was written, by forces that are evaluated anew. Collective.
+    fn departs(&mut self, then: &Found) -> Option<String> {
         /// Of the forces of a body, contact or tool; and of what was let through as a residual, where rounding leaves more.
-        const APART: f64 = 1e-6;
+        const APART: f64 = 1e-8;
         const MORE: f64 = 10.0;
-        let Some(mut running) = self.running.take() else { return Ok(None) };
+        let comm = self.comm;
+        let ((off, [residual, limit]), broken) = self.anew(|newton| {
+            let mut off = [apart(newton, then)];
+            max(comm, &mut off);
+            (off[0], [newton.found.balance.relative(), newton.limit()])
+        })?;
+        let allowed = APART.max(MORE * limit);
+        let begun = self.running.as_ref().is_some_and(|running| running.frame.progress.increments.done > 0.0);
+        let is_off = |x: f64| x.is_nan() || x > allowed;
+        if broken {
+            Some("an element is turned inside out at it".into())
+        } else if is_off(off) {
+            Some(format!("forces at it differ from those that it had by {off:.1e} of them"))
+        } else if begun && is_off(residual - then.residual) {
+            Some(format!("forces at it are out of balance by {residual:.1e} of them"))
+        } else {
+            None
+        }
+    }
+
+    /// Evaluates forces anew at the last converged state of the step under way, which stays as it is, and looks at them; says,
+    /// too, whether an element is turned inside out. Collective.
+    fn anew<T>(&mut self, look: impl FnOnce(&Newton) -> T) -> Option<(T, bool)> {
+        let mut running = self.running.take()?;
         let frame = &mut running.frame;
+        let slaves: Vec<Vec<Slave>> = self.model.pairs.iter().map(|pair| pair.slaves.clone()).collect();
+        let poses: Vec<Pose> = self.model.masters.tools.iter().map(|tool| tool.trial).collect();
         let done = frame.progress.increments.done;
         self.watch_ahead(frame, done);
         let start = Start {
@@ -405,41 +455,26 @@ impl<'a> Simulation<'a> {
         let uzawa = newton.system.model.pairs.iter_mut().filter(|pair| pair.method == Enforcement::Uzawa);
         uzawa.flat_map(|pair| &mut pair.slaves).for_each(Slave::hand_back);
         let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));
-        // A constraint that gives way along the surface does so in each increment anew: by so much of the friction.
-        let slack = newton.system.model.pairs.iter().flat_map(|pair| &pair.slaves).map(|s| s.law.compliance.slack);
-        let mut worst = [apart(&newton, &self.state), slack.fold(0.0, f64::max)];
-        let residual = newton.found.balance.relative();
-        let limit = newton.limit();
         let broken = any(self.comm, broken);
-        max(self.comm, &mut worst);
-        let [off, slack] = worst;
-        let allowed = APART.max(MORE * limit).max(slack);
-        for slave in self.model.pairs.iter_mut().flat_map(|pair| &mut pair.slaves) {
-            slave.trial = slave.accepted;
+        let seen = look(&newton);
+        for (pair, slaves) in self.model.pairs.iter_mut().zip(slaves) {
+            pair.slaves = slaves;
         }
+        self.model.masters.tools.iter_mut().zip(poses).for_each(|(tool, pose)| tool.trial = pose);
         self.running = Some(running);
-        let is_off = |x: f64| x.is_nan() || x > allowed;
-        Ok(if broken {
-            Some("an element is turned inside out at it".into())
-        } else if is_off(off) {
-            Some(format!("forces at it differ from those that it had by {off:.1e} of them"))
-        } else if done > 0.0 && is_off(residual) {
-            Some(format!("forces at it are out of balance by {residual:.1e} of them"))
-        } else {
-            None
-        })
+        Some((seen, broken))
     }
 }
 
-/// How far forces on nodes and tools are from those of the last increment, over those of their body, or of the contacts of the
-/// tool: only one that a force drives has a scale of its own.
-fn apart(newton: &Newton, state: &State) -> f64 {
+/// How far forces on nodes and tools are from those of then, over those of their body, or of the contacts of the tool: only one
+/// that a force drives has a scale of its own.
+fn apart(newton: &Newton, then: &Found) -> f64 {
     let (model, balance) = (&newton.system.model, &newton.found.balance);
     let (pairs, first) = (model.sections.len(), model.sections.len() + model.pairs.len());
-    let [new, old] = [&newton.found.tool_forces, &state.tool_forces];
+    let [new, old] = [&newton.found.tool_forces, &then.tools];
     let tools = model.masters.tools.len();
     let node =
-        |n: usize| (newton.found.forces[n] - state.reactions[n]).amax() / balance.scale(model.part.section[n] as usize);
+        |n: usize| (newton.found.forces[n] - then.nodes[n]).amax() / balance.scale(model.part.section[n] as usize);
     let scale = |t: usize, group: usize| {
         let of_tool = model.pairs.iter().enumerate().filter(|(_, pair)| pair.master.tool() == Some(t));
         of_tool.map(|(p, _)| balance.scale(pairs + p)).fold(balance.scale(group), f64::max)

@@ -324,7 +324,7 @@ impl Recorder<'_> {
     }
 
     /// Writes a checkpoint. Collective.
-    fn keep(&mut self, simulation: &Simulation) -> Result<()> {
+    fn keep(&mut self, simulation: &mut Simulation) -> Result<()> {
         let (history, written, probes) = self.results.lengths();
         let record = Record {
             history,
@@ -339,7 +339,7 @@ impl Recorder<'_> {
 
     /// The same of a run that a signal ends: the fields that are written then are not those of an increment that goes on.
     /// Collective.
-    fn keep_last(&mut self, simulation: &Simulation) {
+    fn keep_last(&mut self, simulation: &mut Simulation) {
         match self.keep(simulation) {
             Ok(()) => self.log.line("checkpoint written: the same command with --restart goes on from it"),
             Err(error) => self.log.line(&format!("  warning: no checkpoint: {error}")),
