@@ -48,9 +48,12 @@ pub fn load_tools(path: &Path, overrides: &[String]) -> Result<Vec<Tool>> {
 
 fn text_of(path: &Path) -> Result<String> {
     let name = path.display();
-    let data = std::fs::read(path).map_err(|error| {
-        Error::input_anywhere(format!("cannot read the scene {name}: {error}"), "give the path of a TOML file")
-    })?;
+    let help = match path.is_dir() {
+        true => "give the path of a TOML file; the folder of results goes with --out",
+        false => "give the path of a TOML file",
+    };
+    let data = std::fs::read(path)
+        .map_err(|error| Error::input_anywhere(format!("cannot read the scene {name}: {error}"), help))?;
     let data = encoding::unmarked(path, data)
         .map_err(|(what, help)| Error::input_anywhere(format!("the scene {name} {what}"), help))?;
     String::from_utf8(data).map_err(|error| {

@@ -828,6 +828,11 @@ fn the_ironing_scene_is_read() {
         load(Path::new("/nowhere/a.toml"), &[]).unwrap_err().to_string(),
         "cannot read the scene /nowhere/a.toml: No such file or directory (os error 2)\n  help: give the path of a TOML file"
     );
+    // As whoever wants to go on from results may try.
+    assert_eq!(
+        load(Path::new("/"), &[]).unwrap_err().to_string(),
+        "cannot read the scene /: Is a directory (os error 21)\n  help: give the path of a TOML file; the folder of results goes with --out"
+    );
 }
 
 proptest::proptest! {
