@@ -10,8 +10,8 @@ use std::process::Command;
 use std::time::Duration;
 
 /// A plate that yields by Hill's criterion, so that an increment begins with other forces than the last ended with, on a pad of
-/// another mesh, with friction between both and under a ball, which a force presses and a
-/// motion draws along. The pad's elements have enhanced strain, and the plate's two layers of solid-shells.
+/// another mesh, with friction between both and under a ball, which a force presses and a motion draws along. The pad's
+/// elements have enhanced strain, and the plate's two layers of solid-shells.
 const PRESS: &str = r#"
 [body.plate]
 material = "steel"

@@ -298,12 +298,9 @@ impl<'a> Simulation<'a> {
         let near = pairs.iter().map(|rows| rows.iter().map(|(slave, _)| slave.near).collect()).collect();
         self.set_up(progress, near)?;
         self.restore_past(&common.past, &nodes, (&pairs, &ties));
-        let found = Found {
-            nodes: (0..self.model.part.owned).map(|n| nodes.vector(n, 4)).collect(),
-            tools: common.found.0.clone(),
-            residual: common.found.1,
-        };
-        match self.departs(&found) {
+        let (tools, residual) = common.found;
+        let nodes = (0..self.model.part.owned).map(|n| nodes.vector(n, 4)).collect();
+        match self.departs(&Found { nodes, tools, residual }) {
             None => Ok(own),
             Some(what) => Err(stored.refused(&what)),
         }

@@ -12,6 +12,7 @@ use crate::controls::Controls;
 use crate::encoding;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::SolidShape;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// The tables and keys of a scene.
@@ -48,12 +49,13 @@ pub fn load_tools(path: &Path, overrides: &[String]) -> Result<Vec<Tool>> {
 
 fn text_of(path: &Path) -> Result<String> {
     let name = path.display();
-    let help = match path.is_dir() {
-        true => "give the path of a TOML file; the folder of results goes with --out",
-        false => "give the path of a TOML file",
-    };
-    let data = std::fs::read(path)
-        .map_err(|error| Error::input_anywhere(format!("cannot read the scene {name}: {error}"), help))?;
+    let data = std::fs::read(path).map_err(|error| {
+        let help = match error.kind() {
+            ErrorKind::IsADirectory => "give the path of a TOML file; the folder of results goes with --out",
+            _ => "give the path of a TOML file",
+        };
+        Error::input_anywhere(format!("cannot read the scene {name}: {error}"), help)
+    })?;
     let data = encoding::unmarked(path, data)
         .map_err(|(what, help)| Error::input_anywhere(format!("the scene {name} {what}"), help))?;
     String::from_utf8(data).map_err(|error| {
