@@ -322,8 +322,10 @@ impl Ladder {
         let cause = if by_sets { Cause::Iteration } else { cause };
         // After increments that converge one that does not is too long. Where none has, the length is not what matters.
         let is_long =
-            self.tries.goes_on && self.tries.failures == 0 && cause.is_of_iteration() && !increments.is_short(end);
-        if let Some(remedy) = self.relieve(cause, is_long) {
+            self.tries.goes_on && self.tries.failures == 0 && cause == Cause::Iteration && !increments.is_short(end);
+        if !(self.means.hold && is_long)
+            && let Some(remedy) = self.relieve(cause)
+        {
             return Some(remedy);
         }
         if self.tries.way == Way::Jump {
@@ -342,9 +344,9 @@ impl Ladder {
         (!last).then_some(Remedy::Cut)
     }
 
-    /// Other constraints, with the increment as it is. One that `is_long` is cut before multipliers are held.
-    fn relieve(&mut self, cause: Cause, is_long: bool) -> Option<Remedy> {
-        if self.means.hold && !is_long {
+    /// Other constraints, with the increment as it is.
+    fn relieve(&mut self, cause: Cause) -> Option<Remedy> {
+        if self.means.hold {
             self.tries.yields = Some(false);
             self.tries.failures += 1;
             return Some(Remedy::Hold);
@@ -624,6 +626,7 @@ mod tests {
         }
         // After one that converged, what does not is cut first.
         ladder.succeed();
+        assert_eq!({ ladder }.fail(&mut increments, 0.5, Cause::Degenerate), Some(Remedy::Hold));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
         assert_eq!(ladder.fail(&mut increments, 0.25, Cause::Iteration), Some(Remedy::Hold));
     }
