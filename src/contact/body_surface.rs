@@ -130,7 +130,12 @@ impl BodySurface {
 
     /// The near patches with their nodes at `positions`.
     fn shapes_at(&self, positions: &[Vec3]) -> Vec<Patch> {
-        let shapes = self.near.iter().zip(&self.stencils).map(|(p, s)| p.shape(&pick(positions, s)));
+        let mut own = Vec::new();
+        let shapes = self.near.iter().zip(&self.stencils).map(|(patch, stencil)| {
+            own.clear();
+            own.extend(stencil.iter().map(|&n| positions[n as usize]));
+            patch.shape(&own)
+        });
         // A diverging iterate may be nowhere.
         let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
         shapes.filter(somewhere).collect()

@@ -248,9 +248,7 @@ impl Extent {
     /// Bounds of `piece`.
     pub fn new<P: Polygon + ?Sized>(piece: &P) -> Self {
         let corners = piece.corners(&[0.0; 4]);
-        let center = piece.point(piece.center());
-        let (box_low, box_high) = piece.bounds();
-        let radius = (center - box_low).sup(&(box_high - center)).norm();
+        let (center, radius) = Self::ball(piece, &piece.bounds());
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let mut areas = [Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)];
         let (n, last) = (P::SAMPLES, (P::SAMPLES - 1) as f64);
@@ -282,6 +280,12 @@ impl Extent {
             along: [-piece.farthest_along(&-axis), piece.farthest_along(&axis)],
             turn,
         }
+    }
+
+    /// Center and radius of the ball around a piece with this box.
+    pub fn ball<P: Polygon + ?Sized>(piece: &P, (low, high): &(Vec3, Vec3)) -> (Vec3, f64) {
+        let center = piece.point(piece.center());
+        (center, (center - low).sup(&(high - center)).norm())
     }
 
     /// Whether all of the piece is certainly farther from `x` than `most`.

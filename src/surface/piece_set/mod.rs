@@ -44,6 +44,7 @@ use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
 use search::{Question, Search};
+use std::cell::OnceCell;
 use tree::Tree;
 
 /// Cosine of the angle between the normals of a piece and of its edge, above which the edge is none.
@@ -55,7 +56,9 @@ const TOUCH: f64 = 1e-9;
 pub struct PieceSet<P> {
     /// By rising id.
     pieces: Vec<P>,
-    extents: Vec<Extent>,
+    radii: Vec<f64>,
+    /// Of those that something has come near.
+    extents: Vec<OnceCell<Extent>>,
     tree: Tree,
     largest: f64,
     /// Greatest distance between neighbours where they meet.
@@ -101,9 +104,9 @@ impl<P: Piece> PieceSet<P> {
     pub fn of_pieces(mut pieces: Vec<P>) -> Self {
         pieces.sort_by_key(Piece::id);
         let boxes: Vec<_> = pieces.iter().map(P::bounds).collect();
-        let mut set =
-            Self { pieces: Vec::new(), extents: Vec::new(), tree: Tree::new(&boxes), largest: 0.0, seam: 0.0 };
-        set.take(pieces);
+        let (tree, radii, extents) = (Tree::new(&boxes), Vec::new(), Vec::new());
+        let mut set = Self { pieces: Vec::new(), radii, extents, tree, largest: 0.0, seam: 0.0 };
+        set.take(pieces, &boxes);
         set
     }
 
@@ -112,14 +115,17 @@ impl<P: Piece> PieceSet<P> {
         if !pieces.iter().map(P::id).eq(self.pieces.iter().map(P::id)) {
             return *self = Self::of_pieces(pieces);
         }
-        self.tree.fit(&pieces.iter().map(P::bounds).collect::<Vec<_>>());
-        self.take(pieces);
+        let boxes: Vec<_> = pieces.iter().map(P::bounds).collect();
+        self.tree.fit(&boxes);
+        self.take(pieces, &boxes);
     }
 
-    fn take(&mut self, pieces: Vec<P>) {
+    fn take(&mut self, pieces: Vec<P>, boxes: &[tree::Box]) {
+        self.radii.clear();
+        self.radii.extend(pieces.iter().zip(boxes).map(|(piece, bounds)| Extent::ball(piece, bounds).1));
         self.extents.clear();
-        self.extents.extend(pieces.iter().map(Extent::new));
-        self.largest = self.extents.iter().map(|e| e.radius).fold(0.0, f64::max);
+        self.extents.resize_with(pieces.len(), OnceCell::new);
+        self.largest = self.radii.iter().copied().fold(0.0, f64::max);
         self.seam = pieces.iter().map(P::seam).fold(0.0, f64::max);
         self.pieces = pieces;
     }
@@ -201,7 +207,7 @@ impl<P: Piece> PieceSet<P> {
     pub fn on_piece(&self, x: &Vec3, id: u32, start: [f64; 2]) -> Option<Projection> {
         let k = self.index(id)?;
         let piece = &self.pieces[k];
-        let (foot, _) = piece.settle(x, piece.core(&self.extents[k], x, Some(start), f64::INFINITY))?;
+        let (foot, _) = piece.settle(x, piece.core(self.extent(k), x, Some(start), f64::INFINITY))?;
         (foot.limits == 0).then(|| on_surface(piece, x, &foot))
     }
 
@@ -238,7 +244,7 @@ impl<P: Piece> PieceSet<P> {
         let touch = Vec3::repeat(TOUCH * self.largest);
         let around = self.tree.meeting(&(at.point - touch), &(at.point + touch)).map(|(k, _)| k);
         let extended = |k: usize| {
-            let (piece, extent) = (&self.pieces[k], &self.extents[k]);
+            let (piece, extent) = (&self.pieces[k], self.extent(k));
             let core = piece.core(extent, &at.point, None, touch.x);
             let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[extension; 4], core.xi))?;
             (foot.limits == 0).then(|| on_surface(piece, x, &foot))
@@ -250,7 +256,7 @@ impl<P: Piece> PieceSet<P> {
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
         let around = Vec3::repeat(most);
         let perpendicular = |k: u32| {
-            let (piece, extent) = (&self.pieces[k as usize], &self.extents[k as usize]);
+            let (piece, extent) = (&self.pieces[k as usize], self.extent(k as usize));
             let core = piece.core(extent, x, None, most + aside);
             let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
             let found = on_surface(piece, x, &foot);
@@ -271,7 +277,7 @@ impl<P: Piece> PieceSet<P> {
         let margin = 4.0 * extension * self.largest;
         let (mut best, mut least) = (None, reach);
         self.tree.approach(x, least + margin, |k| {
-            if let Some((xi, gap)) = self.pieces[k].perpendicular(&self.extents[k], x, extension) {
+            if let Some((xi, gap)) = self.pieces[k].perpendicular(self.extent(k), x, extension) {
                 let id = self.pieces[k].id();
                 if gap.abs() < least || gap.abs() == least && best.is_none_or(|(other, _, _)| id < other) {
                     (best, least) = (Some((id, xi, gap)), gap.abs());
@@ -280,6 +286,10 @@ impl<P: Piece> PieceSet<P> {
             least + margin
         });
         best
+    }
+
+    fn extent(&self, index: usize) -> &Extent {
+        self.extents[index].get_or_init(|| Extent::new(&self.pieces[index]))
     }
 
     fn index(&self, id: u32) -> Option<usize> {

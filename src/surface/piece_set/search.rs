@@ -5,6 +5,7 @@ use super::tree::away;
 use crate::surface::piece::{EXTENSION, Edge, Piece};
 use crate::surface::projection::{Extent, Foot, Projection, descend};
 use crate::{Mat3, Vec3};
+use smallvec::SmallVec;
 
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-12;
@@ -46,7 +47,7 @@ impl<P, F: Fn(&P, &Foot) -> bool> Admission<P> for F {
 }
 
 /// A piece with a projection of x.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Hit {
     index: usize,
     /// Least distance to the piece without extension, and where it is.
@@ -58,7 +59,7 @@ struct Hit {
 }
 
 /// Parameters, and the limits of the domain that they lie on.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Landing {
     xi: [f64; 2],
     limits: u32,
@@ -72,6 +73,8 @@ impl From<Foot> for Landing {
 
 /// As many pieces as are told apart around one point; of more, those with the lowest ids count.
 const HITS: usize = 24;
+/// As many as are close in most places: a point inside a piece, on an edge, on a corner of four.
+const FEW: usize = 4;
 
 pub struct Search<'a, P> {
     set: &'a PieceSet<P>,
@@ -82,9 +85,8 @@ pub struct Search<'a, P> {
     /// Least distance of a piece with a projection, and of one without.
     best: f64,
     lost: f64,
-    /// The first `count` are as close as the best was when they were found.
-    hits: [Hit; HITS],
-    count: usize,
+    /// They are as close as the best was when they were found.
+    hits: SmallVec<[Hit; FEW]>,
     /// Some piece was not admitted.
     hides: bool,
 }
@@ -98,8 +100,8 @@ impl<'a, P: Piece> Search<'a, P> {
         question: Question,
         admission: &'a dyn Admission<P>,
     ) -> Self {
-        let hits = [Hit::default(); HITS];
-        Self { set, x, kept, question, admission, best: reach, lost: f64::INFINITY, hits, count: 0, hides: false }
+        let hits = SmallVec::new();
+        Self { set, x, kept, question, admission, best: reach, lost: f64::INFINITY, hits, hides: false }
     }
 
     /// Considers all pieces whose boxes are as close as the best piece: from the box around x when a last projection
@@ -110,7 +112,7 @@ impl<'a, P: Piece> Search<'a, P> {
         }
         let set = self.set;
         let margin = EQUAL * set.largest + self.rounding() + set.seam;
-        if self.count > 0 {
+        if !self.hits.is_empty() {
             let around = Vec3::repeat(self.best + margin);
             for (index, bounds) in set.tree.meeting(&(self.x - around), &(self.x + around)) {
                 if self.kept != Some(index) && away(&bounds, self.x) <= self.best + margin {
@@ -138,7 +140,7 @@ impl<'a, P: Piece> Search<'a, P> {
     }
 
     fn consider(&mut self, index: usize, start: Option<[f64; 2]>) {
-        let (piece, extent) = (&self.set.pieces[index], &self.set.extents[index]);
+        let (piece, extent) = (&self.set.pieces[index], self.set.extent(index));
         if !self.admission.may_admit(piece, extent) {
             // It may be this close: then the neighbours are asked.
             self.hides = true;
@@ -176,23 +178,17 @@ impl<'a, P: Piece> Search<'a, P> {
     }
 
     fn core(&self, index: usize, x: &Vec3, start: Option<[f64; 2]>, most: f64) -> Foot {
-        self.set.pieces[index].core(&self.set.extents[index], x, start, most)
+        self.set.pieces[index].core(self.set.extent(index), x, start, most)
     }
 
     fn push(&mut self, hit: Hit) {
-        if self.count == HITS {
-            let mut count = 0;
-            for k in 0..HITS {
-                if self.is_close(&self.hits[k], self.set.seam) {
-                    self.hits[count] = self.hits[k];
-                    count += 1;
-                }
-            }
-            self.count = count;
+        if self.hits.len() == HITS {
+            let mut hits = std::mem::take(&mut self.hits);
+            hits.retain(|hit| self.is_close(hit, self.set.seam));
+            self.hits = hits;
         }
-        if self.count < HITS {
-            self.hits[self.count] = hit;
-            self.count += 1;
+        if self.hits.len() < HITS {
+            self.hits.push(hit);
         } else if let Some(last) = self.hits.iter_mut().max_by_key(|h| h.index).filter(|h| h.index > hit.index) {
             *last = hit;
         }
@@ -200,7 +196,7 @@ impl<'a, P: Piece> Search<'a, P> {
 
     /// Whether a piece that touches `hit` at its core point comes closer to x.
     fn a_neighbour_is_closer(&self, hit: &Hit, point: &Vec3) -> bool {
-        let touch = TOUCH * self.set.extents[hit.index].radius + self.set.pieces[hit.index].seam();
+        let touch = TOUCH * self.set.radii[hit.index] + self.set.pieces[hit.index].seam();
         let around = Vec3::repeat(touch);
         self.set.tree.meeting(&(point - around), &(point + around)).any(|(index, _)| {
             index != hit.index
@@ -220,7 +216,7 @@ impl<'a, P: Piece> Search<'a, P> {
     /// How much further away than the best a piece may be and count as equally close.
     fn slack(&self, index: usize) -> f64 {
         let keep = if self.kept == Some(index) { KEEP } else { EQUAL };
-        keep * self.set.extents[index].radius + self.rounding()
+        keep * self.set.radii[index] + self.rounding()
     }
 
     /// Whether a hit is as close as the best, but for `seam`.
@@ -233,7 +229,7 @@ impl<'a, P: Piece> Search<'a, P> {
         if self.set.seam == 0.0 {
             return 0.0;
         }
-        let hits = self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0));
+        let hits = self.hits.iter().filter(|hit| self.is_close(hit, 0.0));
         let closest = hits.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.index.cmp(&b.index)));
         closest.filter(|hit| hit.overshoot > 0.0).map_or(0.0, |hit| self.set.pieces[hit.index].seam())
     }
@@ -246,7 +242,7 @@ impl<'a, P: Piece> Search<'a, P> {
             (((hit.overshoot - kept) / ROUNDED).round() as i64, hit.place.limits != 0, hit.index)
         };
         let seam = self.seam();
-        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, seam)).min_by_key(|hit| rank(hit))
+        self.hits.iter().filter(|hit| self.is_close(hit, seam)).min_by_key(|hit| rank(hit))
     }
 
     fn projection(&self, hit: &Hit) -> Projection {
@@ -259,7 +255,7 @@ impl<'a, P: Piece> Search<'a, P> {
             piece.on_surface(self.x, &foot)
         } else {
             let mean = self.mean_normal(hit);
-            if foot.distance > TOUCH * self.set.extents[hit.index].radius {
+            if foot.distance > TOUCH * self.set.radii[hit.index] {
                 piece.on_edge(self.x, &foot, mean.dot(&r) < 0.0)
             } else {
                 let normal = mean.normalize();
@@ -276,7 +272,7 @@ impl<'a, P: Piece> Search<'a, P> {
             return false;
         }
         let normal = self.set.pieces[hit.index].normal(foot.xi);
-        let (along, tolerance) = if foot.distance > TOUCH * self.set.extents[hit.index].radius {
+        let (along, tolerance) = if foot.distance > TOUCH * self.set.radii[hit.index] {
             (self.x - foot.local.point, TOUCH)
         } else {
             (self.mean_normal(hit), FLAT)
@@ -289,7 +285,7 @@ impl<'a, P: Piece> Search<'a, P> {
     fn mean_normal(&self, chosen: &Hit) -> Vec3 {
         let pieces = &self.set.pieces;
         let point = pieces[chosen.index].point(chosen.core.xi);
-        let touch = KEEP * self.set.extents[chosen.index].radius;
+        let touch = KEEP * self.set.radii[chosen.index];
         let normal =
             |piece: &P, foot: &Foot| ((foot.local.point - point).norm() <= touch).then(|| piece.angle_normal(foot));
         if self.hides && self.question == Question::Nearest {
@@ -302,7 +298,7 @@ impl<'a, P: Piece> Search<'a, P> {
             let piece = &pieces[hit.index];
             normal(piece, &Foot { xi, limits, local: piece.local(xi), distance: 0.0 })
         };
-        self.hits[..self.count].iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(of_hit).sum()
+        self.hits.iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(of_hit).sum()
     }
 }
 
