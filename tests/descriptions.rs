@@ -86,8 +86,4 @@ fn sees_the_whole(world: &SimpleCommunicator, tool: &Tool, description: Descript
         near = seen.iter().flatten().count();
     }
     assert!(points.is_empty() || near > 50, "{near}");
-    for (seen, x) in surface.nearest_all(world, points).iter().zip(points) {
-        let alone = whole.nearest(x, f64::INFINITY).unwrap();
-        assert_eq!(seen.unwrap().gap, alone.gap, "{} {x}", description.key());
-    }
 }

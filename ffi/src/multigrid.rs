@@ -259,7 +259,7 @@ impl Whole {
         // SAFETY: a live matrix, and places for the answers.
         check(unsafe { sys::MatGetOwnershipRange(raw, &mut first, &mut end) })?;
         let first = first as usize;
-        let map = map(petsc, local, first, unknowns);
+        let map = map(petsc, local, first, unknowns)?;
         let own = &map[first..first + local];
         let mut met: BTreeSet<i32> = own.iter().copied().filter(|to| *to < 0).collect();
         for row in (0..local).filter(|row| own[*row] >= 0) {
@@ -645,9 +645,13 @@ impl Small {
 }
 
 /// Of each row of A on any rank its row in S, or -1 - the first row of its multipliers. Collective.
-fn map(petsc: &Petsc, local: usize, first: usize, unknowns: &Unknowns) -> Vec<i32> {
+fn map(petsc: &Petsc, local: usize, first: usize, unknowns: &Unknowns) -> Result<Vec<i32>, Error> {
     let comm = petsc.own();
-    let start = start_of(petsc, 3 * unknowns.nodes.len());
+    let count = 3 * unknowns.nodes.len();
+    let start = start_of(petsc, count);
+    petsc.require(start + count <= i32::MAX as usize, || {
+        format!("{} rows of the preconditioner are more than PETSc's 32-bit indices can count", start + count)
+    })?;
     let mut own = vec![0; local];
     for (k, row) in unknowns.nodes.iter().flat_map(|node| node.rows).enumerate() {
         if let Some(row) = row {
@@ -658,7 +662,7 @@ fn map(petsc: &Petsc, local: usize, first: usize, unknowns: &Unknowns) -> Vec<i3
         let (row, end) = (of_node.first as usize, (of_node.first + of_node.count) as usize);
         own[row..end].fill(-1 - (first + row) as i32);
     }
-    of_all_ranks(comm, &own)
+    Ok(of_all_ranks(comm, &own))
 }
 
 /// k of all multipliers, by their first rows. Collective.

@@ -130,16 +130,6 @@ fn around(x: &[[f64; 3]]) -> f64 {
     if width > FLAT * (extent(0) + extent(1)) { TAU / width } else { TAU }
 }
 
-/// Area of a triangle.
-pub fn tri3_area(x: &[[f64; 3]; 3]) -> f64 {
-    tri3_nodal_areas(x).iter().sum()
-}
-
-/// Area of a quadrilateral.
-pub fn quad4_area(x: &[[f64; 3]; 4]) -> f64 {
-    quad4_nodal_areas(x).iter().sum()
-}
-
 impl<const N: usize> FacePoint<N> {
     /// x,s and x,t.
     fn tangents(&self, x: &[[f64; 3]; N]) -> [Vec3; 2] {
@@ -297,7 +287,7 @@ mod tests {
     #[test]
     fn nodal_areas_sum_to_the_area() {
         let mut random = Random::new(13);
-        assert!((quad4_area(&SQUARE) - 3.0).abs() < 1e-15);
+        assert!((quad4_nodal_areas(&SQUARE).iter().sum::<f64>() - 3.0).abs() < 1e-15);
         assert!(quad4_nodal_areas(&SQUARE).iter().all(|a| (a - 0.75).abs() < 1e-15));
         // A plane trapezoid, turned: area 1/2 (3 + 1) 2; int N_a da in closed form, parallel sides along x.
         let r = rotation(random.vector(2.0));
@@ -306,9 +296,9 @@ mod tests {
         let areas = quad4_nodal_areas(&turned);
         let exact = [7.0 / 6.0, 7.0 / 6.0, 5.0 / 6.0, 5.0 / 6.0];
         (0..4).for_each(|a| assert!((areas[a] - exact[a]).abs() < 1e-14));
-        assert!((quad4_area(&turned) - 4.0).abs() < 1e-14);
+        assert!((quad4_nodal_areas(&turned).iter().sum::<f64>() - 4.0).abs() < 1e-14);
         let triangle = [turned[0], turned[1], turned[3]];
-        assert!((tri3_area(&triangle) - 3.0).abs() < 1e-14);
+        assert!((tri3_nodal_areas(&triangle).iter().sum::<f64>() - 3.0).abs() < 1e-14);
         assert!(tri3_nodal_areas(&triangle).iter().all(|a| (a - 1.0).abs() < 1e-14));
         // A straight quadratic triangle bears uniform pressure on the middles of its edges.
         for (area, exact) in tri6_nodal_areas(&SIX).iter().zip([0.0, 0.0, 0.0, 0.5, 0.5, 0.5]) {

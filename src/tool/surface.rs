@@ -8,7 +8,7 @@ use super::shape::Shape;
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
-use crate::parallel::{agree, any, first_word, max, word_of_largest};
+use crate::parallel::{agree, any, first_word, word_of_largest};
 use crate::partition::parcels::{self, bounds, collect, hull, strayed};
 use crate::partition::{ALIKE, Bounds, Parcel};
 use crate::scene::{self, Description, Smoothing};
@@ -274,32 +274,6 @@ impl Surface {
     pub fn project_all(&mut self, comm: &SimpleCommunicator, points: &[Vec3], reach: f64) -> Vec<Option<Projection>> {
         self.watch(comm, points, reach);
         points.iter().map(|point| self.project(point, reach, (None, false))).collect()
-    }
-
-    /// The nearest points to all points that the ranks hold, each rank its own, ends of the surface included, however far.
-    /// Collective.
-    pub fn nearest_all(&mut self, comm: &SimpleCommunicator, points: &[Vec3]) -> Vec<Option<Projection>> {
-        let finite: Vec<Vec3> = points.iter().filter(|x| x.iter().all(|x| x.is_finite())).copied().collect();
-        let mut reach = self.first_reach(comm, &finite);
-        loop {
-            self.watch(comm, &finite, reach);
-            let found: Vec<_> = points.iter().map(|point| self.near.nearest(point, reach)).collect();
-            let missing = found.iter().filter(|found| found.is_some()).count() < finite.len();
-            if reach.is_infinite() || !any(comm, missing) {
-                return found;
-            }
-            reach *= 4.0;
-        }
-    }
-
-    /// As far as any point of all ranks is from the box of the surface, and a part of the box more; infinite for what is
-    /// not dealt out. Collective.
-    fn first_reach(&self, comm: &SimpleCommunicator, points: &[Vec3]) -> f64 {
-        let Some((lo, hi)) = self.bounds(comm) else { return f64::INFINITY };
-        let away = |x: &Vec3| (lo - x).sup(&(x - hi)).sup(&Vec3::zeros()).norm();
-        let mut farthest = [points.iter().map(away).fold(0.0, f64::max)];
-        max(comm, &mut farthest);
-        farthest[0] + (hi - lo).norm() / 16.0
     }
 
     /// This rank's share of what the solver sees, for display: `n` by `n` cells a curved patch; analytic shapes are shown by
