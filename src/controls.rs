@@ -12,8 +12,9 @@
 //!   decrease of the line search, slivers of increments, how far a slip origin or a mate may lie aside, samples of ways;
 //! - numbers that cost time alone: margins of what is fetched, candidates of the sparsity pattern, which is built anew where
 //!   it lacks some, leaves of search trees;
-//! - the extension of patches ([`crate::surface::EXTENSION`]), which is part of what a surface is, and what CAD files are
-//!   read by;
+//! - the extension of patches ([`crate::surface::EXTENSION`]) and how far normals at ends may lean, which are part of what a
+//!   surface is, and what CAD files are read by;
+//! - tolerances of the linear solver: so tight that Newton's method goes the way that it goes with exact steps;
 //! - limits by which warnings before a run are worded;
 //! - what the user decides: `[solver]`, increments, penalties, feature angles.
 
@@ -182,6 +183,8 @@ controls! {
             "Automatic tolerance of Uzawa's method: penetration and slip of sticking nodes, times the largest nodal stiffness, over the largest force.";
         singular_residual: f64 = 1e-2, [1e-8, 1.0], "residual of the linear solution over its right-hand side",
             "A solution with more is none: the matrix counts as singular.";
+        step_turn: f64 = 0.1, [1e-3, 0.5], "radians",
+            "By how much an iteration may turn a tool that a torque drives: a sixth of what an increment may.";
     }
     "increments" {
         easy_iterations: usize = 6, [1, 1000], "iterations",
@@ -262,6 +265,16 @@ controls! {
             "Of increments in which friction alone holds a body and all of it slips to both sides, as a ring that is crushed between two plates: where it is then only this tells. No node may slip by more than an edge, so that friction is off by no more than this share. Below 1e-9 rounding would tell.";
         friction_steep: f64 = 0.5, [0.0, 0.7], "share of a velocity that is normal to the contacts",
             "Below, friction is what holds a body: that of a wedge of 30 degrees. Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips; and what has lost its friction is let go, though it still touches.";
+    }
+    "segments" {
+        segment_least: f64 = 0.1, [1e-6, 0.5], "area of the slave faces around a node, weighted by its shape functions",
+            "A node of which no more lies over the master is in the gap: its condition would be that of its neighbour, at the end of the master. So contact ends a part of a facet earlier or later there: forces of a block that sinks into another differ by 8e-3 with half of it. Twice as much makes nodes come and go.";
+        segment_facing: f64 = -0.1, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
+            "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area.";
+        segment_settled: f64 = 1e-6, [1e-14, 1e-2], "residual over the forces that it counts against",
+            "Below, the points of segments between bodies stand still, and the tangent is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this.";
+        segment_stalled: f64 = 1e-3, [1e-14, 1e-1], "the same residual",
+            "The same where it falls by less than half: points that come and go with the overlaps may carry it to and fro.";
     }
     "kinks" {
         kink_gap: f64 = 1e-3, [0.0, 0.02], "shortest edge of a patch",
@@ -420,6 +433,6 @@ mod tests {
         assert_eq!(changed, [("outer_rounds", 30.0, 60.0), ("jump_drag", 0.2, 0.1)]);
         let text = controls.describe();
         assert!(text.contains("\n  jumps: jump_drag = 0.2 (changed from 0.1), jump_fall = 0.25,"), "{text}");
-        assert!(text.contains(" outer_rounds = 30 (changed from 60),") && text.lines().count() == 10, "{text}");
+        assert!(text.contains(" outer_rounds = 30 (changed from 60),") && text.lines().count() == 11, "{text}");
     }
 }

@@ -266,6 +266,37 @@ every = 100
 history = ["block.ymin"]
 """
 
+# A torque turns a roller on a pad of rubber, by more in an iteration than it may.
+ROLLER = """
+[body.pad]
+block = { box = { origin = [-8.0, -3.0, -4.0], size = [16.0, 6.0, 4.0] }, elements = [16, 1, 2] }
+material = "rubber"
+[material.rubber]
+model = "neo-hookean"
+young = 2.0
+poisson = 0.3
+[tool.roller]
+cylinder = { point = [0.0, 0.0, 5.0], axis = [0.0, 1.0, 0.0], radius = 5.0 }
+[contact.tread]
+slave = "pad.zmax"
+master = "roller"
+friction = 0.4
+[[step]]
+name = "press"
+increments = 2
+fix = [{ set = "pad.zmin" }]
+move = [{ target = "roller", by = [0.0, 0.0, -0.5] }]
+[[step]]
+name = "turn"
+increments = 2
+keep = true
+force = [{ target = "roller", total = [0.0, 0.0, -4.0], directions = "z" }]
+torque = [{ tool = "roller", total = 4.0, point = [0.0, 0.0, 4.5], axis = [0.0, 2.0, 0.0] }]
+[output]
+every = 100
+history = ["pad.zmin"]
+"""
+
 IRONING = ["body.slab.block.elements=[40, 8, 1]", "step.press.increments=4", "step.slide.increments=5",
            "step.slide.move.0.by=[12.0, 0.0, 0.0]"]
 # Name: scene of inputs/ or text, settings, what occurs in it.
@@ -299,6 +330,13 @@ SCENES = {
     "shallow": ("shallow-ironing", ["body.block.block.elements=[40, 10, 1]", "step.press.increments=5",
                                     "step.slide.increments=4", "step.slide.move.0.by=[0.2, 0.0, 0.0]"],
                 "body"),
+    "ironing-peers": ("ironing-peers", ["body.slab.block.elements=[90, 10, 1]", "step.press.increments=4",
+                                        "step.slide.increments=3", "step.slide.move.0.by=[3.0, 0.0, 0.0]"], "body plain"),
+    "cattaneo": ("cattaneo-mindlin", ["step.press.increments=2", "step.shear.increments=3"], "body"),
+    "disk": ("disk-in-plate", ["body.plate.block.elements=[10, 54, 1]", "step.press.increments=5",
+                               "step.press.force.0.total=[0.0, -100.0, 0.0]"], "body rim"),
+    "seal": ("face-seal", ["step.squeeze.increments=8", "step.pressure.increments=4"], "sharp"),
+    "roller": (ROLLER, [], "torque"),
     "c-strip": ("c-strip", ["step.close.increments=6", "step.roll.increments=4"],
                 "self kinks"),
     "c-strip-facet": ("c-strip", ["contact.inside.smoothing=facet", "contact.inside.friction=0.0",
@@ -306,9 +344,12 @@ SCENES = {
     "patch-test": ("patch-test", [], "two-pass"),
     "patch-nodes": ("patch-test", ["body.lower.block.elements=[5, 5, 5]", "contact.joint.discretization=node-to-node"],
                     "nodes"),
+    "hertz-ball": ("hertz-sphere", ["step.press.increments=1"], "kinks"),
     "hertz": ("hertz-cylinder", ["step.press.increments=1"], "kinks"),
     "extrusion": ("extrusion-rigid", ["step.push.increments=2", "step.push.move.0.by=[3.0, 0.0, 0.0]"],
                   "plastic kinks"),
+    "extrusion-body": ("extrusion", ["step.push.increments=2", "step.push.move.0.by=[3.0, 0.0, 0.0]"],
+                       "plastic kinks"),
     "tube": ("tube-buckling", ["body.tube.block.elements=[1, 4, 15]", "step.crush.duration=1.0",
                                "step.crush.move.0.by=[0.0, 0.0, -1.0]"], "self plastic"),
     "cup": ("square-cup-small", ["body.blank.block.elements=[6, 6, 1]", "step.draw.duration=0.3",
@@ -327,7 +368,7 @@ USED = [
     ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_aside", "rim sharp faceted plain"),
     ("edge_beside", "sharp"), ("self_*", "self"),
     ("friction_steep", "driven"), ("watch_around_self", "self"),
-    ("watch_turn", "turning"), ("watch_segment", "segments"), ("watch_unfelt", "segments"),
+    ("step_turn", "torque"), ("segment_*", "segments"), ("watch_turn", "turning"), ("watch_segment", "segments"), ("watch_unfelt", "segments"),
     ("watch_between*", "between"), ("watch_*", "at-once sharp turning"), ("central_*", "central"),
     ("soft_augmentation", "failing driven"), ("end_*", "kinks"),
     ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),

@@ -8,18 +8,12 @@ use super::Newton;
 use crate::Vec3;
 use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
 use crate::contact::{Receiver, Segments, Status};
+use crate::controls::Controls;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
-
-/// Residual, over the forces that it counts against, below which the points of segments between bodies stand still: the tangent
-/// is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this.
-const SETTLED: f64 = 1e-6;
-
-/// The same where the residual falls by less than half: points that come and go with the overlaps may carry it to and fro.
-const STALLED: f64 = 1e-3;
 
 /// What contact works with besides the model.
 #[derive(Default)]
@@ -51,7 +45,7 @@ impl Newton<'_> {
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
         self.follow(ahead);
         let first = self.is_first();
-        let Model { part, masters, pairs, sections, .. } = &mut *self.system.model;
+        let Model { part, masters, pairs, sections, controls, .. } = &mut *self.system.model;
         let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, sections.len());
         pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.trial.received = Vec3::zeros());
         let tools = masters.tools.len();
@@ -64,9 +58,10 @@ impl Newton<'_> {
             part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
         };
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
+        let Controls { segment_settled: settled, segment_stalled: stalled, .. } = *controls;
         let stand_still = match self.course.trace[..] {
-            [.., before, last] => last < SETTLED || last < STALLED && last > 0.5 * before,
-            [last] => last < SETTLED,
+            [.., before, last] => last < settled || last < stalled && last > 0.5 * before,
+            [last] => last < settled,
             [] => false,
         };
         let mut beside = vec![0.0; if pairs.iter().any(|p| p.faces.is_some()) { 3 * part.points.len() } else { 0 }];

@@ -48,9 +48,6 @@ pub use unknowns::update_halo;
 /// their status, and touch.
 pub type Watcher<'a> = dyn FnMut(usize, f64, [usize; 2]) -> crate::error::Result<()> + 'a;
 
-/// Radians by which an iteration may turn a tool that a torque drives: a sixth of what an increment may.
-const MOST_TURN: f64 = 0.1;
-
 /// What an increment is sought with.
 pub struct System<'a> {
     pub comm: &'a SimpleCommunicator,
@@ -459,7 +456,8 @@ impl Problem for Newton<'_> {
         max(self.system.comm, &mut longest);
         let cap = -longest[1];
         let mut factor = if longest[0] > cap { cap / longest[0] } else { 1.0 };
-        factor = factor.min(MOST_TURN / longest[2].max(MOST_TURN));
+        let turn = self.system.model.controls.step_turn;
+        factor = factor.min(turn / longest[2].max(turn));
         for _ in 0..self.system.model.controls.step_halvings {
             if !self.would_invert(x, step, factor, !(self.line_search.is_wanted && judged)) {
                 break;

@@ -35,9 +35,10 @@ impl Simulation<'_> {
         if let Some(told) = self.runaway(frame, end, false) {
             return Err(Error::Diverged(Box::new(told)));
         }
-        // Far enough below what may be lost.
+        /// Far enough below what may be lost; the solution does not depend on it.
+        const BELOW: f64 = 2.0;
         if let Some(Lost(times)) = failed.lost.filter(|_| failed.cause == Cause::Rounding)
-            && self.model.pairs.iter_mut().map(|pair| usize::from(pair.ease(2.0 * times))).sum::<usize>() > 0
+            && self.model.pairs.iter_mut().map(|pair| usize::from(pair.ease(BELOW * times))).sum::<usize>() > 0
         {
             let remedy = Remedy::Ease;
             observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;

@@ -29,7 +29,7 @@
 //!
 //! Slip of a point counts from where the same point of the slave was on the master at the last converged increment, as both
 //! were then: no point has a history. Points that nothing of the master is opposite to do not count; where less than
-//! [`LEAST`] of what belongs to a node is left, the node is in the gap.
+//! `segment_least` of the [controls](crate::controls) of what belongs to a node is left, the node is in the gap.
 //!
 //! Where the master is smooth, the slave is, too: its flat faces would stand out of a hollow round one, and be pressed back with
 //! nothing to press, and lack what a bulging one has. The gap of a point is that of the Nagata patch over its face, of which
@@ -60,8 +60,6 @@ use crate::mortar::rule::{on_line, on_triangle};
 use crate::partition::{Part, PartFacet};
 use crate::{Vec2, Vec3};
 
-/// Share of what belongs to a node below which it is in the gap.
-pub const LEAST: f64 = 0.1;
 /// Gauss points along a side of a face, on a tool.
 const POINTS: usize = 3;
 

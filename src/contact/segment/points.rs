@@ -1,6 +1,6 @@
 //! Integration points of slave faces on the master, and what a slave node meets through them.
 
-use super::{Face, LEAST, Spot, mean};
+use super::{Face, Spot, mean};
 use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
 use crate::contact::{BodySurface, Pair};
@@ -12,8 +12,6 @@ use crate::{Mat3, Vec3};
 /// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
 /// nothing is, or where these are multiplied by a radius.
 const POINTS: [usize; 2] = [2, 3];
-/// Cosine between the normals of a slave face and a master face that looks at it, at most.
-const FACING: f64 = -0.1;
 
 /// An integration point on the master.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +75,7 @@ impl Segments {
             let starts = match (ground, still) {
                 (Ground::Tool(_), _) => face.spots.iter().map(|spot| (*spot, None)).collect(),
                 (Ground::Surface(..), Some(still)) => still.0[f].iter().map(Point::again).collect(),
-                (Ground::Surface(surface, _), None) => covered(face, &x, surface, pair.reach, [&lines[0], &lines[1]]),
+                (Ground::Surface(surface, _), None) => covered(pair, face, &x, surface, [&lines[0], &lines[1]]),
             };
             let point = |(spot, start): Start| {
                 let flat = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
@@ -142,7 +140,7 @@ impl Segments {
         let whole: f64 = pair.faces.as_ref()?.around(s).map(|face| face.of_node(node, &face.whole)).sum();
         let mut shares = self.shares(pair, s);
         let covered: f64 = shares.iter().map(|share| share.weight).sum();
-        if covered < LEAST * whole {
+        if covered < pair.controls.segment_least * whole {
             return None;
         }
         shares.iter_mut().for_each(|share| share.weight /= covered);
@@ -159,17 +157,17 @@ impl Segments {
     }
 }
 
-/// Where the overlap of a face, at `x`, with the faces of a surface within reach has points.
-fn covered(face: &Face, x: &Corners<Vec3>, surface: &BodySurface, reach: f64, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
+/// Where the overlap of a face of `pair`, at `x`, with the faces of a surface within reach has points.
+fn covered(pair: &Pair, face: &Face, x: &Corners<Vec3>, surface: &BodySurface, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
     let lines = if face.measure == [1.0; 4] { lines } else { [lines[1]; 2] };
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
-    let (low, high) = x.around(reach);
+    let (low, high) = x.around(pair.reach);
     for k in surface.shapes().within(&low, &high) {
         let patch: &Patch = &surface.shapes().pieces()[k as usize];
         let master = Corners::new(&patch.nodes[..patch.count as usize]);
-        if master.area_vector().normalize().dot(&plane.normal) > FACING {
+        if master.area_vector().normalize().dot(&plane.normal) > pair.controls.segment_facing {
             continue;
         }
         for point in overlap(&plane, &master, lines) {
