@@ -69,6 +69,44 @@ fn a_crushed_block_keeps_what_converged() {
     assert!(driving < -100.0 && (borne - driving).abs() < 1e-8 * driving.abs(), "{borne} {driving}");
 }
 
+/// The tip of a cone between the points of segments is in the body, and nothing resists: no matter whether the scene would go on,
+/// the end of the run is refused, and where that stood is shown.
+#[test]
+fn a_master_that_no_segment_feels_is_refused_at_the_end_of_the_run() {
+    let step = |name: &str, by: [f64; 3]| {
+        format!(
+            "[[step]]\nname = \"{name}\"\nincrements = 2\nfix = [{{ set = \"a.zmin\" }}]\nmove = [{{ target = \"p\", by = {by:?} }}]\n"
+        )
+    };
+    let bench = Bench::new(&format!(
+        r#"[body.a]
+material = "m"
+block = {{ box = {{ size = [4, 4, 2] }}, elements = [4, 4, 2] }}
+[material.m]
+model = "hooke"
+young = 1000.0
+poisson = 0.3
+[tool.p]
+cone = {{ apex = [2, 2, 2], axis = [0, 0, 1], angle = 70 }}
+[contact.c]
+slave = "a.zmax"
+master = "p"
+discretization = "segment"
+{}{}"#,
+        step("press", [0.0, 0.0, -0.1]),
+        step("lift", [0.0, 0.0, 0.2])
+    ));
+    let run = bench.run(2, &["--steps", "1"]);
+    let text = failure(&run);
+    assert!(text.contains("deep in the tool `p`, but no gap is closed in the mean"), "{text}");
+    let failed = hdf5::File::open(run.out.join("failed.h5")).unwrap();
+    let read = |name: &str| failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw::<f64>().unwrap();
+    let [moved, residual] = ["tool_p/node/displacement", "body_a/node/residual"].map(read);
+    assert!(moved[2] < -0.05 && residual.iter().all(|r| *r == 0.0), "{moved:?}");
+    // Where the scene goes on, the tool leaves the body again.
+    assert!(bench.run(2, &[]).code == 0);
+}
+
 /// An edge of a cube is driven past the diagonal of the faces beside it, where the Jacobian at its nodes, (1 - 2d) at a way of d
 /// along both sides, changes its sign; those at the integration points are positive still. Increments are cut down to where that
 /// begins, and the run goes on with a word.

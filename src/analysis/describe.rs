@@ -157,7 +157,8 @@ fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> 
         Cause::Iteration | Cause::Degenerate if at_equation => Some(match (contacts, f.changes) {
             (true, _) => "load in smaller increments, or allow a smaller `increment.min`",
             (_, 0) => {
-                "load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts"
+                "load in smaller increments, allow a smaller `increment.min`, or refine the mesh where it distorts; past the \
+                 largest load that a body bears there is no equilibrium: `move` it instead"
             }
             _ => "load in smaller increments, allow a smaller `increment.min`, or lower the contact's `penalty`",
         }),

@@ -111,7 +111,7 @@ impl Simulation<'_> {
                     false => "no contact holds it any more",
                 };
                 let reason = format!("{} can {}, for {why},", free.who, free.motion());
-                Attempt::Failed(converged.refused(Cause::Loose, reason))
+                Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason))
             }
         }
     }

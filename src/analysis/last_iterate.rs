@@ -3,6 +3,7 @@
 use super::newton::Newton;
 use crate::Vec3;
 use crate::contact::{Pose, Trial};
+use crate::model::Model;
 use crate::system::dofs::NONE;
 
 /// What is known of it on this rank.
@@ -29,10 +30,19 @@ impl LastIterate {
             (0..3).filter(|&d| dofs.node[n][d] == NONE).for_each(|d| force[d] = 0.0);
             dofs.axes.outward(n, &force)
         };
+        Self::at(model, newton.found.u.clone(), (0..model.part.owned).map(residual).collect())
+    }
+
+    /// One that is in balance, but is not accepted.
+    pub fn refused(model: &Model, u: Vec<Vec3>) -> Self {
+        Self::at(model, u, vec![Vec3::zeros(); model.part.owned])
+    }
+
+    fn at(model: &Model, u: Vec<Vec3>, residual: Vec<Vec3>) -> Self {
         Self {
             time: 0.0,
-            u: newton.found.u.clone(),
-            residual: (0..model.part.owned).map(residual).collect(),
+            u,
+            residual,
             poses: model.masters.tools.iter().map(|tool| tool.trial).collect(),
             trials: model.pairs.iter().map(|pair| pair.slaves.iter().map(|slave| slave.trial).collect()).collect(),
         }

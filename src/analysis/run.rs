@@ -210,6 +210,7 @@ impl<'s> Recorder<'s> {
             );
             return Err(Error::input_anywhere(what, "give more steps, or run without --restart"));
         }
+        simulation.end_after(steps.len());
         let (comm, model) = (simulation.comm(), simulation.model());
         let results = simulation.phases().time(Phase::Output, || match &record {
             Some((record, probes)) => {

@@ -63,6 +63,8 @@ pub struct Simulation<'a> {
     gaps: Vec<String>,
     /// Where factors may be kept in files.
     pub(super) scratch: Option<String>,
+    /// The run ends with so many steps.
+    pub(super) steps: usize,
     /// Of the increment that could not be found, after [`Self::advance`] has failed so.
     pub(super) last_iterate: Option<Box<LastIterate>>,
 }
@@ -99,11 +101,17 @@ impl<'a> Simulation<'a> {
             summary,
             gaps,
             scratch: None,
+            steps: scene.steps.len(),
             last_iterate: None,
         };
         simulation.look_around();
         simulation.begin_watch();
         Ok(simulation)
+    }
+
+    /// The run ends with so many steps, fewer than the scene has: what only the end shows is looked for then.
+    pub fn end_after(&mut self, steps: usize) {
+        self.steps = steps;
     }
 
     /// From the next step on factors that memory does not suffice for are kept in files of this folder, the same on all ranks.

@@ -265,13 +265,13 @@ impl<'a> Simulation<'a> {
                 }
                 Attempt::Converged(converged) if is_unstable && may_be_shorter => {
                     let reason = "converged to an equilibrium that is not stable".to_string();
-                    self.retry(frame, converged.refused(Cause::Unstable, reason), duration, observer)?;
+                    self.retry(frame, converged.refused(&self.model, Cause::Unstable, reason), duration, observer)?;
                 }
                 Attempt::Converged(converged) => {
                     let folded = self.folded(&converged);
                     if let Some(element) = folded.as_ref().filter(|_| may_be_shorter && !told.folded) {
                         let reason = format!("{element} has folded over at a node");
-                        self.retry(frame, converged.refused(Cause::Folded, reason), duration, observer)?;
+                        self.retry(frame, converged.refused(&self.model, Cause::Folded, reason), duration, observer)?;
                         continue;
                     }
                     let increment = self.accept(frame, *converged, x)?;

@@ -121,7 +121,7 @@ impl Simulation<'_> {
         self.phases.add(Phase::Watch, begun.elapsed());
         match reason {
             None => Attempt::Converged(converged),
-            Some(reason) => Attempt::Failed(converged.refused(Cause::Watch, reason)),
+            Some(reason) => Attempt::Failed(converged.refused(&self.model, Cause::Watch, reason)),
         }
     }
 
@@ -129,7 +129,7 @@ impl Simulation<'_> {
     fn finding(&mut self, converged: &mut Converged, conditions: &Conditions) -> Option<String> {
         let ends_step = converged.end >= 1.0;
         // An earlier step may bring a master that near.
-        let ends_run = ends_step && self.begun >= self.scene.steps.len();
+        let ends_run = ends_step && self.begun >= self.steps;
         let ended = ends_run.then_some(&self.state.touches[..]);
         let idle = &idle(self.comm, &self.model.pairs)[..];
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ended, idle };

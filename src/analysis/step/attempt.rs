@@ -61,10 +61,11 @@ pub struct Effort {
 }
 
 impl Converged {
-    /// Why it is not accepted.
-    pub fn refused(self, cause: Cause, reason: String) -> Failed {
-        let Self { end, effort: Effort { changes, .. }, .. } = self;
-        Failed { end, cause, reason, extrapolated: false, worst: None, changes, last: None, lost: None }
+    /// Why it is not accepted, while the model is still as it is in it.
+    pub fn refused(self, model: &Model, cause: Cause, reason: String) -> Failed {
+        let Self { end, u, effort: Effort { changes, .. }, .. } = self;
+        let last = Some(Box::new(LastIterate::refused(model, u)));
+        Failed { end, cause, reason, extrapolated: false, worst: None, changes, last, lost: None }
     }
 }
 
@@ -222,7 +223,7 @@ impl<'a> Simulation<'a> {
                 let most = Step::TURN;
                 let reason =
                     format!("the tool `{name}` spins: its torque turns it by {angle:.0} degrees, of {most} at most,");
-                Attempt::Failed(converged.refused(Cause::Loose, reason))
+                Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason))
             }
         }
     }
