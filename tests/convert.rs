@@ -650,6 +650,13 @@ fn bodies_have_weight() {
     let sunk = run.vectors(run.written(), "body.Evolumes", "displacement");
     let largest = sunk.iter().map(|u| u.iter().map(|part| part * part).sum::<f64>().sqrt()).fold(0.0, f64::max);
     assert_close("sinking", largest, 0.0006404024, 1e-5);
+    let waves = GRAVITY.replace("*STEP", "*AMPLITUDE, NAME=WAVE\n0, 0, 0.5, 1, 1, 0.25\n*STEP");
+    let (bench, _) = converted(&waves.replace("*DLOAD", "*DLOAD, AMPLITUDE=WAVE"));
+    let table = "gravity = { acceleration = [0.0, 0.0, -9810.0], table = [[0.0, 0.0], [0.5, 1.0], [1.0, 0.25]] }";
+    assert!(scene(&bench).contains(table) && scene(&bench).matches("[[step]]").count() == 1, "{}", scene(&bench));
+    let borne = bench.solve(1, &[]).history();
+    let borne = borne.column("Evolumes.ConstraintFixed.fz");
+    [1.0, 0.25].iter().zip(borne).for_each(|(share, fz)| assert_close("weight by a table", *fz, share * WEIGHT, 1e-9));
     let heavy = AMPLITUDE.replace("*Elastic\n70000", "*Density\n1e-6\n*Elastic\n70000");
     let (bench, _) = converted(&heavy.replace("*Dload, op=New", "*Dload, op=New\nLower, GRAV, 1000, 0, 0, -2"));
     let half = "body_force = [{ body = \"Lower\", per_volume = [0.0, 0.0, -0.0005] }]";

@@ -169,6 +169,7 @@ const PLACES: &[(&str, &str, &[&str])] = &[
     ("step.spring", "step.s.spring.0", &[]),
     ("step.dashpot", "step.s.dashpot.0", &[]),
     ("step.torque", "step.s.torque.0", &[]),
+    ("step.gravity", "step.s.gravity", &["step.s.gravity={ acceleration = [0, 0, -1] }"]),
     ("output", "output", &["output={}"]),
     ("output.probe", "output.probe.p", &["output={ probe = [{ name = \"p\", point = [0, 0, 0] }] }"]),
     (
@@ -325,6 +326,7 @@ fn the_scene_document_marks_what_must_be_given() {
         ("step.spring", "step.s.spring.0", "set = 'b.a', stiffness = [0, 0, 1]"),
         ("step.dashpot", "step.s.dashpot.0", "set = 'b.a', damping = [0, 0, 1]"),
         ("step.torque", "step.s.torque.0", "tool = 'u', total = 1, point = [0, 0, 0], axis = [0, 0, 1]"),
+        ("step.gravity", "step.s.gravity", "acceleration = [0, 0, -1]"),
         ("output.probe", "output.probe.p", "name = 'p', point = [0, 0, 0]"),
         ("output.probe.path", "output.probe.p.path", "from = [0, 0, 0], to = [1, 0, 0]"),
         ("trade.exact", "trade.exact.0", "of = 't.fx', value = 1"),
@@ -561,6 +563,7 @@ fn the_schema_takes_all_scenes() {
         ("/material/rubber/young", Value::from("soft"), "no number"),
         ("/material/rubber/model", "rubber".into(), "no such word"),
         ("/step/0/fix/0/set", 1.into(), "no string"),
+        ("/step/0", serde_json::json!({ "gravity": { "accel": [0, 0, -1] } }), "none of its forms"),
         ("/output/probe/0", serde_json::json!({ "nam": "p" }), "no key nam"),
         ("/body/pad/block/box/size", 1.into(), "no list"),
     ] {

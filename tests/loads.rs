@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, assert_close, assert_small};
+use common::{Bench, History, assert_close, assert_small, nagata};
 
 /// Linear between points.
 fn factor(table: &[[f64; 2]], time: f64) -> f64 {
@@ -180,6 +180,85 @@ fn supports_bear_the_weight() {
             assert_small(&column, history.column(&column)[0] + 0.5 * mass * gravity, 1e-9);
             assert_small(&column, history.last(&column) + mass * gravity, 1e-9);
         }
+    }
+}
+
+/// A column of two densities, in two bodies one above the other, under its weight, which rises and falls, is kept, and rises and
+/// falls again.
+#[test]
+fn weights_follow_their_table() {
+    let scene = format!(
+        r#"
+        body.foot = {{ material = "light", block = {{ box = {{ size = [1, 2, 1] }}, elements = [1, 2, 2] }} }}
+        body.head = {{ material = "heavy", block = {{ box = {{ origin = [0, 0, 1], size = [1, 2, 2] }}, elements = [1, 2, 2] }} }}
+        material.light = {{ model = "neo-hookean", young = 1000, poisson = 0.3, density = 0.1 }}
+        material.heavy = {{ model = "hooke", young = 1000, poisson = 0.3, density = 0.8 }}
+        tie.joint = {{ slave = "head.zmin", master = "foot.zmax" }}
+        output.history = ["foot.zmin"]
+        solver.tolerance = 1e-13
+        [[step]]
+        duration = 2
+        increments = 3
+        fix = [{{ set = "foot.zmin" }}]
+        gravity = {{ acceleration = [0.5, 0, -10], table = {RISE:?} }}
+        [[step]]
+        increments = 2
+        keep = true
+        [[step]]
+        increments = 2
+        keep = true
+        gravity = {{ acceleration = [0.5, 0, -10], table = {LATER:?} }}
+        "#
+    );
+    let bench = Bench::new(&scene);
+    let mass = 0.1 * 2.0 + 0.8 * 4.0;
+    for ranks in [1, 2] {
+        let history = bench.solve(ranks, &[]).history();
+        let times = history.column("time");
+        assert!(times.len() == 4 + 2 + 3 && times.contains(&0.5) && times.contains(&3.3), "{times:?}");
+        for (row, time) in times.iter().enumerate() {
+            let share = match time {
+                ..=2.0 => factor(&RISE, *time),
+                ..=3.0 => 0.2,
+                _ => factor(&LATER, time - 3.0),
+            };
+            for (name, gravity) in [("fx", 0.5), ("fy", 0.0), ("fz", -10.0)] {
+                let column = format!("foot.zmin.{name}");
+                let off = history.column(&column)[row] + mass * gravity * share;
+                assert_small(&column, off, 1e-10 * mass * 10.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_gravity_is_refused() {
+    let told = |gravity: &str| {
+        let scene = format!(
+            "body.b = {{ material = \"m\", block = {{ box = {{ size = [1, 1, 1] }}, elements = [1, 1, 1] }} }}\n\
+             material.m = {{ model = \"hooke\", young = 1, poisson = 0.3, density = 1 }}\n\
+             [[step]]\nincrements = 1\nfix = [{{ set = \"b.zmin\" }}]\ngravity = {gravity}\n"
+        );
+        let bench = Bench::new(&scene);
+        let check = nagata(&bench.path(""), 1, &["check", "scene.toml"], bench.path("out"));
+        assert_eq!((check.code, check.stderr.matches("error:").count()), (2, 1), "{gravity}\n{}", check.stderr);
+        assert!(check.stderr.contains("scene.toml:6:"), "{}", check.stderr);
+        check.stderr
+    };
+    for (gravity, words) in [
+        ("\"down\"", "step.0.gravity must be a list of 3 numbers, not a string"),
+        ("[0, -1]", "step.0.gravity must be a list of 3 numbers, not of 2"),
+        ("{ table = [[0, 0], [1, 1]] }", "step.0.gravity has no `acceleration`"),
+        ("{ acceleration = 9.81 }", "step.0.gravity.acceleration must be a list of 3 numbers, not a number"),
+        ("{ acceleration = [0, 0, -1], tabel = [[0, 0], [1, 1]] }", "unknown key `tabel` in step.0.gravity"),
+        ("{ acceleration = [0, 0, -1], table = \"wave\" }", "step.0.gravity.table must be a list, not a string"),
+        ("{ acceleration = [0, 0, -1], table = [[0, 0], [2, 1]] }", "must have the time 1.0, as the last point"),
+        (
+            "{ acceleration = [0, 0, -1], table = [[0, 1], [1, 0]] }",
+            "step `step 1` pulls by gravity with [0.0, 0.0, -1.0] at the beginning of its table, but before it that was [0.0",
+        ),
+    ] {
+        assert!(told(gravity).contains(words), "{}", told(gravity));
     }
 }
 

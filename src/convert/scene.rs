@@ -57,7 +57,8 @@ pub(super) struct Lists {
     pub forces: Vec<Load>,
     pub pressures: Vec<Load>,
     pub body_forces: Vec<Load>,
-    pub gravity: [f64; 3],
+    /// On all bodies, of no name: one or none.
+    pub gravity: Vec<Load>,
     /// Squares of angular velocities of bodies, and a point and the direction of the axis.
     pub spins: Vec<Load>,
     pub spin_axis: Option<[[f64; 3]; 2]>,
@@ -221,8 +222,11 @@ pub(super) fn step(name: &str, times: &Times, lists: &Lists) -> String {
     ] {
         text += &list(key, &items);
     }
-    if lists.gravity != [0.0; 3] {
-        let _ = writeln!(text, "gravity = {:?}", lists.gravity);
+    for Load { value, table, .. } in &lists.gravity {
+        let _ = match table {
+            None => writeln!(text, "gravity = {value:?}"),
+            Some(_) => writeln!(text, "gravity = {{ acceleration = {value:?}{} }}", in_time(table, duration)),
+        };
     }
     text
 }

@@ -229,7 +229,7 @@ impl Writer<'_, '_> {
         }
         let Some(load) = last else { return Ok(()) };
         if along.windows(2).all(|pair| pair[0] == pair[1]) {
-            lists.gravity = along[0];
+            scene::add(&mut lists.gravity, "", along[0]);
             return Ok(());
         }
         let mut forces: BTreeMap<&str, [f64; 3]> = BTreeMap::new();

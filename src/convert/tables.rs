@@ -63,16 +63,12 @@ pub(super) fn joined(before: &Lists, parts: &[Lists], ends: &[f64]) -> Option<Li
     }
     all.pushed = on_tools(before, parts, ends, |lists| &lists.pushed)?;
     all.turned = on_tools(before, parts, ends, |lists| &lists.turned)?;
-    let of_gravity: Vec<_> = [before].into_iter().chain(parts).map(|lists| lists.gravity).collect();
-    match course(&of_gravity, ends)? {
-        Course { whole, table: None } => all.gravity = whole,
-        _ => return None,
-    }
     all.forces = loads(before, parts, ends, |lists| &lists.forces)?;
     all.pressures = loads(before, parts, ends, |lists| &lists.pressures)?;
     all.spins = loads(before, parts, ends, |lists| &lists.spins)?;
     all.spin_axis = parts.iter().find_map(|part| part.spin_axis).or(before.spin_axis);
     all.body_forces = loads(before, parts, ends, |lists| &lists.body_forces)?;
+    all.gravity = loads(before, parts, ends, |lists| &lists.gravity)?;
     Some(all)
 }
 

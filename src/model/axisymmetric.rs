@@ -226,7 +226,8 @@ pub fn check_step(model: &Model, step: &Step) -> Result<()> {
         let what = format!("a force per volume acts on `{}` along z, around the axis", force.body.value);
         refuse(&force.body.at, what, "axisymmetric bodies do not turn: leave its third component 0");
     }
-    if let Some(gravity) = step.gravity.as_ref().filter(|gravity| gravity.value.x != 0.0 || gravity.value.z != 0.0) {
+    let across = |a: &Vec3| a.x != 0.0 || a.z != 0.0;
+    if let Some(gravity) = step.gravity.as_ref().filter(|gravity| across(&gravity.value.acceleration)) {
         let help = "the weight of axisymmetric bodies is along their axis, y";
         refuse(&gravity.at, "gravity acts across the axis of revolution".into(), help);
     }

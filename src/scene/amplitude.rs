@@ -1,9 +1,9 @@
 //! How loads and motions follow a table over their step.
 
 use super::reader::Item;
-use super::{BodyForce, Force, Located, Pressure, Spin, Step, Torque};
+use super::{BodyForce, Force, Gravity, Located, Pressure, Spin, Step, Torque};
 use crate::Vec3;
-use crate::error::{Error, Result};
+use crate::error::{Error, Location, Result};
 
 /// A factor by the fraction of a step, linear between points from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,39 +79,53 @@ impl BodyForce {
 /// # Errors
 /// A load that would jump.
 pub(super) fn check_beginnings(step: &Step, before: Option<&Step>) -> Result<()> {
+    fn target<'a>(verb: &str, target: &'a Located<String>) -> Act<'a> {
+        (format!("{verb} `{}`", target.value), &target.at)
+    }
     for force in &step.forces {
         let earlier = before.and_then(|b| b.forces.iter().find(|other| other.target.value == force.target.value));
         let last = earlier.map_or(Vec3::zeros(), Force::last);
-        check_beginning(step, ("pushes", &force.target), (force.total.as_slice(), &force.table), last.as_slice())?;
+        check_beginning(
+            step,
+            target("pushes", &force.target),
+            (force.total.as_slice(), &force.table),
+            last.as_slice(),
+        )?;
     }
     for torque in &step.torques {
         let same = |other: &&Torque| other.tool.value == torque.tool.value && other.axis == torque.axis;
         let last = before.and_then(|b| b.torques.iter().find(same)).map_or(0.0, Torque::last);
-        check_beginning(step, ("turns", &torque.tool), (&[torque.total], &torque.table), &[last])?;
+        check_beginning(step, target("turns", &torque.tool), (&[torque.total], &torque.table), &[last])?;
     }
     for pressure in &step.pressures {
         let same = |other: &&Pressure| other.set.value == pressure.set.value;
         let last = before.and_then(|b| b.pressures.iter().find(same)).map_or(0.0, Pressure::last);
-        check_beginning(step, ("presses on", &pressure.set), (&[pressure.value], &pressure.table), &[last])?;
+        check_beginning(step, target("presses on", &pressure.set), (&[pressure.value], &pressure.table), &[last])?;
     }
     for force in &step.body_forces {
         let same = |other: &&BodyForce| other.body.value == force.body.value;
         let last = before.and_then(|b| b.body_forces.iter().find(same)).map_or(Vec3::zeros(), BodyForce::last);
-        let pulling = ("acts on body", &force.body);
+        let pulling = target("acts on body", &force.body);
         check_beginning(step, pulling, (force.per_volume.as_slice(), &force.table), last.as_slice())?;
     }
     for spin in &step.spins {
         let same = |other: &&Spin| other.body.value == spin.body.value && other.is_about(&spin.point, &spin.axis);
         let last = before.and_then(|b| b.spins.iter().find(same)).map_or(0.0, Spin::last);
-        check_beginning(step, ("spins body", &spin.body), (&[spin.square], &spin.table), &[last])?;
+        check_beginning(step, target("spins body", &spin.body), (&[spin.square], &spin.table), &[last])?;
+    }
+    if let Some(gravity) = &step.gravity {
+        let last = before.and_then(|b| b.gravity.as_ref()).map_or(Vec3::zeros(), |other| other.value.last());
+        let Gravity { acceleration, table } = &gravity.value;
+        let act = ("pulls by gravity".to_string(), &gravity.at);
+        check_beginning(step, act, (acceleration.as_slice(), table), last.as_slice())?;
     }
     Ok(())
 }
 
-/// What a step does to what.
-type Act<'a> = (&'a str, &'a Located<String>);
+/// What a step does, and where it says so.
+type Act<'a> = (String, &'a Location);
 
-fn check_beginning(step: &Step, (verb, target): Act, load: (&[f64], &Option<Amplitude>), last: &[f64]) -> Result<()> {
+fn check_beginning(step: &Step, (does, at): Act, load: (&[f64], &Option<Amplitude>), last: &[f64]) -> Result<()> {
     /// Of the loads, what is no jump.
     const ROUNDING: f64 = 1e-9;
     let (whole, Some(table)) = load else { return Ok(()) };
@@ -125,14 +139,13 @@ fn check_beginning(step: &Step, (verb, target): Act, load: (&[f64], &Option<Ampl
         vector => format!("{vector:?}"),
     };
     let what = format!(
-        "step `{}` {verb} `{}` with {} at the beginning of its table, but before it that was {}",
+        "step `{}` {does} with {} at the beginning of its table, but before it that was {}",
         step.name.value,
-        target.value,
         told(&begins),
         told(last)
     );
     let help = "a load goes on from what it was: begin the table with that, or take the load there in a step before";
-    Err(Error::input(&target.at, what, help))
+    Err(Error::input(at, what, help))
 }
 
 /// A table of times, from the beginning of a step to its end, and factors.

@@ -1,7 +1,35 @@
 //! Weights of bodies: density times gravity, per reference volume; and the densities of those that spin.
 
-use super::{Body, BodyForce, Material, Step};
+use super::reader::Item;
+use super::{Amplitude, Body, BodyForce, Material, Step, amplitude};
+use crate::Vec3;
 use crate::error::{Error, Location, Result};
+
+/// An acceleration of all bodies. Ramps linearly from its value at the end of the last step.
+#[derive(Clone, Debug)]
+pub struct Gravity {
+    /// Length/time².
+    pub acceleration: Vec3,
+    /// As that of a force.
+    pub table: Option<Amplitude>,
+}
+
+impl Gravity {
+    /// What it is at the end of the step.
+    pub fn last(&self) -> Vec3 {
+        self.acceleration * amplitude::end(&self.table)
+    }
+}
+
+/// The acceleration alone, or a table of it and its shares.
+pub(super) fn read(item: &Item, duration: f64) -> Result<Gravity> {
+    if !item.is_table() {
+        return Ok(Gravity { acceleration: item.vector()?, table: None });
+    }
+    let table = item.table(&["acceleration", "table"])?;
+    let acceleration = table.require("acceleration", "[0.0, 0.0, -9810.0]")?.vector()?;
+    Ok(Gravity { acceleration, table: table.optional("table", |item| amplitude::read(item, duration))? })
+}
 
 /// Gives every body its weight in the steps with gravity, and its densities where it spins.
 ///
@@ -25,9 +53,11 @@ pub(super) fn weigh(steps: &mut [Step], bodies: &[Body], materials: &[Material])
             spin.densities = own.map(of).collect::<Result<_>>()?;
         }
         let Some(gravity) = &step.gravity else { continue };
+        let Gravity { acceleration, table } = &gravity.value;
         for (section, (body, material)) in sections() {
-            let per_volume = gravity.value * density("gravity", &gravity.at, &body.name.value, &material.value)?;
-            step.weights.push(BodyForce { body: body.name.clone(), section: Some(section), per_volume, table: None });
+            let per_volume = acceleration * density("gravity", &gravity.at, &body.name.value, &material.value)?;
+            let (body, table) = (body.name.clone(), table.clone());
+            step.weights.push(BodyForce { body, section: Some(section), per_volume, table });
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::reader::{Item, Table};
 use super::{
-    Around, BodyForce, Dashpot, Fix, Force, Located, Move, Pressure, Spin, Spring, Step, Torque, did_you_mean,
+    Around, BodyForce, Dashpot, Fix, Force, Gravity, Located, Move, Pressure, Spin, Spring, Step, Torque, did_you_mean,
 };
 use crate::Vec3;
 use crate::error::Result;
@@ -46,7 +46,7 @@ struct Kept {
     spins: Vec<Spin>,
     springs: Vec<Spring>,
     dashpots: Vec<Dashpot>,
-    gravity: Option<Located<Vec3>>,
+    gravity: Option<Located<Gravity>>,
 }
 
 impl Kept {
@@ -62,6 +62,10 @@ impl Kept {
         let pressures = before.pressures.iter().map(|p| Pressure { value: p.last(), table: None, ..p.clone() });
         let body_forces =
             before.body_forces.iter().map(|b| BodyForce { per_volume: b.last(), table: None, ..b.clone() });
+        let gravity = before.gravity.as_ref().map(|gravity| {
+            let acceleration = gravity.value.last();
+            Located { value: Gravity { acceleration, table: None }, at: gravity.at.clone() }
+        });
         Self {
             fix: before.fix.iter().cloned().chain(stays).collect(),
             forces: forces.collect(),
@@ -71,7 +75,7 @@ impl Kept {
             spins: before.spins.iter().map(|s| Spin { square: s.last(), table: None, ..s.clone() }).collect(),
             springs: before.springs.clone(),
             dashpots: before.dashpots.clone(),
-            gravity: before.gravity.clone(),
+            gravity,
         }
     }
 

@@ -34,6 +34,7 @@ mod tree;
 pub use amplitude::Amplitude;
 pub use contacts::FEATURE_ANGLE;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
+pub use gravity::Gravity;
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub use probes::{Probe, ProbePlace};
@@ -279,8 +280,7 @@ pub struct Step {
     pub spins: Vec<Spin>,
     pub springs: Vec<Spring>,
     pub dashpots: Vec<Dashpot>,
-    /// Acceleration of all bodies.
-    pub gravity: Option<Located<Vec3>>,
+    pub gravity: Option<Located<Gravity>>,
     /// What gravity makes of the densities.
     pub weights: Vec<BodyForce>,
     /// Sets that the step lists again, with directions in which they were held and, without a word, are no more.
@@ -375,7 +375,8 @@ impl Step {
             .chain(self.torques.iter().filter_map(|t| t.table.as_ref()))
             .chain(self.pressures.iter().filter_map(|p| p.table.as_ref()))
             .chain(self.body_forces.iter().filter_map(|b| b.table.as_ref()))
-            .chain(self.spins.iter().filter_map(|spin| spin.table.as_ref()));
+            .chain(self.spins.iter().filter_map(|spin| spin.table.as_ref()))
+            .chain(self.gravity.iter().filter_map(|gravity| gravity.value.table.as_ref()));
         let mut corners: Vec<f64> = tables.flat_map(Amplitude::corners).collect();
         corners.sort_by(f64::total_cmp);
         corners.dedup_by(|later, earlier| *later - *earlier < ONE);

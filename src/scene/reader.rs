@@ -37,6 +37,11 @@ impl<'a> Item<'a> {
         matches!(self.node.value, Value::List(_))
     }
 
+    /// Whether this is a table.
+    pub fn is_table(&self) -> bool {
+        matches!(self.node.value, Value::Table(_))
+    }
+
     /// An error about this value: "`path` `what`".
     pub fn error(&self, what: impl AsRef<str>, help: impl Into<String>) -> Error {
         Error::input(self.at(), format!("{} {}", self.path, what.as_ref()), help)

@@ -95,6 +95,9 @@ fn table(tables: &Tables, heading: &str) -> Value {
     let value = |row: &Row| {
         let mut value = match row.kind {
             "table" => table(tables, &format!("{heading}.{}", row.key)),
+            "VECTOR or table" => {
+                json!({ "anyOf": [typed("VECTOR"), table(tables, &format!("{heading}.{}", row.key))] })
+            }
             "list of tables" => json!({ "type": "array", "items": table(tables, &format!("{heading}.{}", row.key)) }),
             kind => typed(kind),
         };

@@ -1,13 +1,12 @@
 //! Reads the steps of a scene: increments, and the conditions that act in each.
 
-use super::amplitude;
 use super::keep::keep;
 use super::reader::{Item, Table, check_name};
 use super::references::{Names, Target};
 use super::{
     Around, BodyForce, Dashpot, Fix, Force, Increment, Limits, Located, Move, Pressure, Rotation, Spring, Step,
 };
-use super::{spin, torque};
+use super::{amplitude, gravity, spin, torque};
 use crate::error::{Error, Faults, Location, Result};
 use crate::{AXIS_NAMES, Vec3};
 
@@ -77,7 +76,7 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
     let spins = table.each("spin", |item| spin::read(item, names, duration));
     let springs = table.each("spring", |item| spring(item, names));
     let dashpots = table.each("dashpot", |item| dashpot(item, names));
-    let gravity = table.optional("gravity", |item| Ok(item.located(item.vector()?)));
+    let gravity = table.optional("gravity", |item| Ok(item.located(gravity::read(item, duration)?)));
     let mut faults = Faults::default();
     faults.note(&known);
     faults.note(&increment);

@@ -27,7 +27,7 @@ pub fn described() -> BTreeMap<String, BTreeMap<String, Row>> {
         let row = Row {
             must: must.trim() == "*",
             words: words.map(str::to_string).collect(),
-            is_table: matches!(cells[1].trim(), "table" | "list of tables"),
+            is_table: matches!(cells[1].trim(), "table" | "list of tables" | "VECTOR or table"),
         };
         let repeated = tables.entry(heading.clone()).or_default().insert(key.to_string(), row);
         assert!(repeated.is_none(), "`{key}` stands twice in {heading}");

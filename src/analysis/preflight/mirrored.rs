@@ -31,7 +31,7 @@ pub fn check(
     for (step, conditions) in scene.steps.iter().zip(steps) {
         for (plane, crossing) in model.symmetry.iter().zip(&crossing) {
             let mut found = Vec::new();
-            if step.gravity.as_ref().is_some_and(|gravity| is_across(&gravity.value, &plane.normal)) {
+            if step.gravity.as_ref().is_some_and(|gravity| is_across(&gravity.value.acceleration, &plane.normal)) {
                 found.push("gravity has another mirror image".to_string());
             }
             let leans = |spin: &&Spin| {
