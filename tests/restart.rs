@@ -198,6 +198,26 @@ fn kills_lose_nothing() {
     assert_same(&run(&bench, 2, &[&often, restart].concat()), &whole);
 }
 
+/// A checkpoint that is written because its time has come is all that a killed run leaves.
+#[test]
+fn checkpoints_are_written_by_the_clock() {
+    let bench = Bench::new(PRESS);
+    let whole = bench.solve(1, &[]);
+    for (minutes, is_due) in [("60.0", false), ("1e-7", true)] {
+        let often = format!("output.checkpoint={{ minutes = {minutes} }}");
+        let job = Job::start(&bench, 2, 5, &["--set", &often]);
+        send("KILL", job.ranks[0]);
+        assert_ne!(job.end().0, 0, "it ended before");
+        assert_eq!(bench.path("out/checkpoint.h5").exists(), is_due, "{minutes}");
+        let rest = run(&bench, 1, &["--restart", "--set", &often]);
+        assert_eq!(rest.code, if is_due { 0 } else { 2 }, "{}", rest.stderr);
+        if is_due {
+            assert!(rest.stdout.contains("goes on from the checkpoint after increment"), "{}", rest.stdout);
+            assert_same(&rest, &whole);
+        }
+    }
+}
+
 /// A run that has ended goes on with the step that is added to its scene; what is written may change.
 #[test]
 fn a_step_is_added_to_a_finished_run() {
