@@ -639,6 +639,17 @@ fn amplitudes_of_loads_are_tables() {
     stress.iter().for_each(|stress| assert_close("stress", *stress, 200.0, 1e-9));
 }
 
+#[test]
+fn what_elements_become_is_told() {
+    for (deck, what) in [
+        (PLASTIC, "body `Evolumes`: elements C3D8I become `hex8-eas`"),
+        (RUBBER, "body `Solid_part-1`: elements C3D8R become those that nagata takes for its material"),
+    ] {
+        let notes = converted(deck).1.notes;
+        assert_eq!(notes.iter().filter(|note| note.contains(what)).count(), 1, "{notes:#?}");
+    }
+}
+
 /// Gravity on two densities of one body, and on one body of several alone; the direction of a card is one, its length does
 /// not count.
 #[test]

@@ -375,6 +375,8 @@ impl Body {
         }
         let is_orthotropic = self.materials.keys().any(|&material| materials[material].is_orthotropic());
         if named == ["C3D8I"] && !is_orthotropic {
+            notes
+                .whole(format!("body `{name}`: elements C3D8I become `hex8-eas`, which bends in one layer as they do"));
             return "element = \"hex8-eas\"       # C3D8I\n";
         }
         if named == ["C3D8"] && self.materials.keys().any(|&material| materials[material].locks()) {
