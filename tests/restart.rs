@@ -106,7 +106,7 @@ fn assert_same(run: &Run, whole: &Run) {
                 let scale = b.iter().fold(0.0f64, |most, x| if x.is_nan() { most } else { most.max(x.abs()) });
                 let off = a.iter().zip(&b).filter(|(a, b)| !(a.is_nan() && b.is_nan())).map(|(a, b)| (a - b).abs());
                 let off = off.fold(0.0, |most: f64, x| if x.is_nan() { f64::INFINITY } else { most.max(x) });
-                assert_small(&name, off / scale.max(1e-6), 1e-7);
+                assert_small(&name, off / scale.max(1e-6), 1e-10);
             }
         }
     }
