@@ -69,8 +69,8 @@ fn a_crushed_block_keeps_what_converged() {
     assert!(driving < -100.0 && (borne - driving).abs() < 1e-8 * driving.abs(), "{borne} {driving}");
 }
 
-/// The tip of a cone between the points of segments is in the body, and nothing resists: no matter whether the scene would go on,
-/// the end of the run is refused, and where that stood is shown.
+/// The tip of a cone between the points of segments is in the body, and nothing resists: the end of the run is refused, though the
+/// scene would go on, and where that stood is shown.
 #[test]
 fn a_master_that_no_segment_feels_is_refused_at_the_end_of_the_run() {
     let step = |name: &str, by: [f64; 3]| {
@@ -103,8 +103,6 @@ discretization = "segment"
     let read = |name: &str| failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw::<f64>().unwrap();
     let [moved, residual] = ["tool_p/node/displacement", "body_a/node/residual"].map(read);
     assert!(moved[2] < -0.05 && residual.iter().all(|r| *r == 0.0), "{moved:?}");
-    // Where the scene goes on, the tool leaves the body again.
-    assert!(bench.run(2, &[]).code == 0);
 }
 
 /// An edge of a cube is driven past the diagonal of the faces beside it, where the Jacobian at its nodes, (1 - 2d) at a way of d
