@@ -36,6 +36,11 @@ use std::time::Instant;
 #[derive(Debug, Parser)]
 // No colours: Open MPI gives every rank a terminal, also when its output goes to a file.
 #[command(name = "nagata", version = version(), color = ColorChoice::Never)]
+#[command(after_help = examples(&[
+    "nagata new first.toml",
+    "nagata check first.toml",
+    "mpirun -n 2 nagata run first.toml --report",
+]))]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -45,6 +50,11 @@ pub struct Cli {
 enum Command {
     /// Run a scene and write its results into a folder.
     #[command(override_usage = "nagata run [OPTIONS] <SCENE> [-- PETSC OPTIONS]")]
+    #[command(after_help = examples(&[
+        "nagata run first.toml",
+        "mpirun -n 2 nagata run first.toml --out out/slippery --set contact.tread.friction=0.2",
+        "nagata run first.toml --steps 1 --report -- -snes_monitor",
+    ]))]
     Run {
         #[command(flatten)]
         scene: SceneArguments,
@@ -72,6 +82,7 @@ enum Command {
         petsc: Vec<String>,
     },
     /// Write a page of HTML about one or several runs, ended or not: curves over each other, increments, convergence, costs.
+    #[command(after_help = examples(&["nagata report out/first", "nagata report out/first out/slippery --out both.html"]))]
     Report {
         /// Folders that `nagata run` has written, or writes to.
         #[arg(required = true, value_name = "OUT")]
@@ -81,25 +92,33 @@ enum Command {
         out: Option<PathBuf>,
     },
     /// Check a scene and print what would be modelled, and how large it is, without running it.
+    #[command(after_help = examples(&[
+        "nagata check first.toml",
+        "mpirun -n 2 nagata check first.toml --set body.pad.refine=1",
+    ]))]
     Check {
         #[command(flatten)]
         scene: SceneArguments,
     },
     /// Write a commented scene to start from, which runs as it is.
+    #[command(after_help = examples(&["nagata new first.toml", "nagata new ../seal.toml"]))]
     New {
         /// The scene file to write; one that is there stays.
         scene: PathBuf,
     },
     /// Print the JSON schema of scene files, by which editors complete and check them: see docs/running.md.
+    #[command(after_help = examples(&["nagata schema", "nagata schema > nagata.json"]))]
     Schema,
     /// Measure how fast this machine works, by which `check` and `run` predict time and memory, and keep it in the user's
     /// cache. Start it on as many ranks as runs will have, while nothing else computes.
+    #[command(after_help = examples(&["nagata calibrate", "mpirun -n 2 nagata calibrate --repeats 3"]))]
     Calibrate {
         /// Repetitions of each kernel, of which the fastest counts.
         #[arg(long, value_name = "N", default_value = "7")]
         repeats: NonZeroUsize,
     },
     /// Turn a whole deck of Abaqus or CalculiX into a scene; what cannot be is refused, what is passed over is named.
+    #[command(after_help = examples(&["nagata convert deck.inp", "nagata convert deck.inp --out lug.toml"]))]
     Convert {
         /// The deck (.inp), which stays the mesh of the scene.
         deck: PathBuf,
@@ -108,8 +127,18 @@ enum Command {
         out: Option<PathBuf>,
     },
     /// Measure the surface of a tool: its size, its errors against another description, and its dead zones.
+    #[command(after_help = examples(&[
+        "nagata surface inputs/ironing-rigid.toml",
+        "nagata surface inputs/ironing-rigid.toml --against profile --refine",
+        "nagata surface inputs/ironing-rigid.toml --description nurbs --points points.csv",
+    ]))]
     Surface(SurfaceArguments),
     /// Run a scene in many settings and show what speed costs in accuracy. Not under mpirun; see docs/trade.md.
+    #[command(after_help = examples(&[
+        "nagata trade first.toml --list",
+        "nagata trade first.toml --ranks 2 --vary solver.pace=2,0.5",
+        "nagata trade first.toml --reference body.pad.refine=1 --set step.drag.increments=5",
+    ]))]
     Trade(TradeArguments),
 }
 
@@ -199,6 +228,11 @@ struct SceneArguments {
     /// Override an entry of the scene by its dotted key, as in `tool.indenter.smoothing=facet`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+}
+
+/// The end of a help: command lines about the scene that `nagata new first.toml` writes, and those of `inputs/`.
+fn examples(lines: &[&str]) -> String {
+    lines.iter().fold("Examples:".into(), |text: String, line| text + "\n  " + line)
 }
 
 /// The versions of nagata and of the libraries it runs on.

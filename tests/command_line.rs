@@ -2,8 +2,12 @@
 
 mod common;
 
+use clap::{CommandFactory, Parser};
 use common::{Bench, Run, deck, nagata};
+use nagata::cli::Cli;
+use nagata::scene;
 use std::fs;
+use std::path::Path;
 
 /// A slab of cubes under a plate that presses, then slides. The mesh lies in a folder beside the scene.
 const SCENE: &str = r#"title = "Press and slide" # two steps
@@ -94,6 +98,38 @@ fn help_is_plain_text_and_said_once() {
     assert!(["  run ", "  check ", "Exit codes: 0 converged"].iter().all(|words| all.contains(words)), "{all}");
     assert!(!run.stdout.contains('\x1b') && !all.contains('\x1b'));
     assert_eq!(run.stderr, "");
+}
+
+/// Every help ends with examples: commands that are read, of its subcommand, whose scenes have what is overridden.
+#[test]
+fn help_has_examples_that_are_right() {
+    let scratch = tempfile::tempdir().unwrap();
+    let first = scratch.path().join("first.toml");
+    scene::begin(&first).unwrap();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut all = Cli::command();
+    let own = all.render_long_help().to_string();
+    let commands = all.get_subcommands_mut().filter(|own| own.get_name() != "help");
+    let helps = commands.map(|own| (own.get_name().to_string(), own.render_long_help().to_string()));
+    let helps: Vec<_> = [(String::new(), own)].into_iter().chain(helps).collect();
+    assert!(helps.len() > 9);
+    for (name, help) in &helps {
+        let (_, lines) = help.split_once("\n\nExamples:\n").unwrap_or_else(|| panic!("`{name}` has no examples"));
+        assert!((2..=3).contains(&lines.lines().count()), "{name}: {lines}");
+        for line in lines.lines() {
+            let words: Vec<&str> = line.split(" > ").next().unwrap().split_whitespace().collect();
+            let words = words.strip_prefix(&["mpirun", "-n", "2"]).unwrap_or(&words);
+            assert!(words[0] == "nagata" && (name.is_empty() || words[1] == name), "{name}: {line}");
+            Cli::try_parse_from(words).unwrap_or_else(|error| panic!("{line}: {error}"));
+            let overrides = words.windows(2).filter(|pair| ["--set", "--reference"].contains(&pair[0]));
+            let overrides: Vec<String> = overrides.map(|pair| pair[1].into()).collect();
+            let scenes = words.iter().filter(|word| **word == "first.toml" || word.starts_with("inputs/"));
+            for scene in scenes {
+                let path = if *scene == "first.toml" { first.clone() } else { root.join(scene) };
+                scene::load(&path, &overrides).unwrap_or_else(|error| panic!("{line}: {error}"));
+            }
+        }
+    }
 }
 
 /// The number before `unit` in a text.
