@@ -89,6 +89,7 @@ fn a_uniform_stretch() {
     let file = hdf5::File::open(run.out.join("fields.h5")).unwrap();
     assert!(!file.link_exists("increments/000002/body_bar/cell/error"));
     assert!(!run.out.join("fields-body_bar.vtkhdf").exists());
+    meshio_has_the_fields(&run);
     let few = Bench::new(BAR).solve(1, &["--set", "output.fields=[\"reaction\"]"]);
     assert_eq!(few.summary()["carried"]["stress_fields"], 0);
 
@@ -240,6 +241,36 @@ fn vtk_has_the_fields(run: &Run, (cell, nodes): (u8, usize)) {
     assert_eq!(whole("Connectivity").iter().map(|n| *n as f64).collect::<Vec<_>>(), cells);
     assert_eq!(whole("Offsets"), (0..=types.len() as i64).map(|k| k * nodes as i64).collect::<Vec<_>>());
     assert_eq!(read("CellData/principal_strain_1")[types.len()..], field(run, 1, "cell/principal_strain_1"));
+}
+
+/// As meshio's reader of series has it: a collection in time of nothing but uniform grids, each with its time and all of its
+/// data by path.
+fn meshio_has_the_fields(run: &Run) {
+    let text = std::fs::read_to_string(run.out.join("fields-body_bar.xdmf")).unwrap();
+    let (domain, grids) =
+        text.split_once("</Domain>").unwrap().0.split_once("<Domain>\n").unwrap().1.split_once('\n').unwrap();
+    assert_eq!(domain, r#"<Grid Name="fields" GridType="Collection" CollectionType="Temporal">"#);
+    let grids: Vec<&str> = grids.split("<Grid ").skip(1).collect();
+    assert_eq!(grids.len(), 3);
+    let file = hdf5::File::open(run.out.join("fields.h5")).unwrap();
+    for (k, grid) in grids.iter().enumerate() {
+        let time = format!("\n<Time Value=\"{:?}\"/>\n", 0.5 * k as f64);
+        assert!(grid.starts_with("Name=\"body.bar\" GridType=\"Uniform\">") && grid.contains(&time), "{grid}");
+        let mut paths = Vec::new();
+        for item in grid.split("<DataItem ").skip(1) {
+            let (_, item) = item.split_once("Dimensions=\"").unwrap();
+            let (shape, path) = item.split_once("\">fields.h5:").unwrap();
+            let path = path.split('<').next().unwrap();
+            let shape: Vec<usize> = shape.split(' ').map(|count| count.parse().unwrap()).collect();
+            assert_eq!(file.dataset(path).unwrap().shape(), shape, "{path}");
+            paths.push(path);
+        }
+        let begin = format!("/increments/{k:06}/body_bar");
+        for path in ["/node/displacement", "/node/nodal_stress", "/cell/stress"].map(|name| format!("{begin}{name}")) {
+            assert!(paths.contains(&path.as_str()), "{path}: {paths:?}");
+        }
+        assert_eq!(paths[..2], ["/grids/body_bar/cells", "/grids/body_bar/points"]);
+    }
 }
 
 /// All fields of the beam in two runs, its points and elements in another order.

@@ -100,7 +100,11 @@ impl Results {
         probes::check_same(scene, probes)?;
         let history = HistoryFile::go_on(folder, comm, &columns(model, scene), history)?;
         let probes = Probes::go_on(comm, folder, scene, model, probes)?;
-        Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)
+        let results =
+            Self::new(comm, (history, Fields::go_on(folder, "fields", comm, written)?, probes), scene, model)?;
+        // What was cut off is not told of.
+        results.index(comm)?;
+        Ok(results)
     }
 
     fn new(
@@ -141,12 +145,12 @@ impl Results {
         written && self.wanted.iter().any(|field| field.is_recovered()) || self.probes.need_recovery(written)
     }
 
-    /// Lets VTK read all that has been written until now, if it is to. Collective.
+    /// Lets meshio read all that has been written until now, and VTK, if it is to. Collective.
     ///
     /// # Errors
     /// A file that cannot be written, on all ranks.
     pub fn index(&self, comm: &SimpleCommunicator) -> Result<()> {
-        if self.vtkhdf { self.fields.index(comm) } else { Ok(()) }
+        self.fields.index(comm, self.vtkhdf)
     }
 
     /// Whether the fields have stresses of elements.

@@ -209,15 +209,24 @@ impl Fields {
         agree(comm, shown)
     }
 
-    /// Writes `NAME-GRID.vtkhdf` for each grid, by which VTK reads all that has been written until now.
+    /// Describes what has been written until now grid by grid, for readers of single grids: `NAME-GRID.xdmf`, and where VTK's
+    /// own reader is wanted `NAME-GRID.vtkhdf`.
     ///
     /// # Errors
-    /// [`Error::System`] when the file cannot be written.
-    pub fn index(&self, comm: &impl Communicator) -> Result<()> {
+    /// [`Error::System`] when a file cannot be written.
+    pub fn index(&self, comm: &impl Communicator, vtkhdf: bool) -> Result<()> {
         let name = self.h5.file_stem().unwrap_or_default().to_string_lossy();
         let one = |grid: &StoredGrid| {
-            let path = self.h5.with_file_name(format!("{name}-{}.vtkhdf", grid.folder));
-            vtkhdf::write(&self.h5, &path, &grid.folder, grid.xdmf.shape).map_err(|error| cannot_write(&path, error))
+            let path = |end| self.h5.with_file_name(format!("{name}-{}.{end}", grid.folder));
+            let (xdmf, hdf) = (path("xdmf"), path("vtkhdf"));
+            match xdmf::of_grid(&self.increments, &grid.xdmf.name) {
+                text if text.is_empty() => remove(&xdmf).map_err(|error| cannot_write(&xdmf, error))?,
+                text => replace(&xdmf, &xdmf::document(&text))?,
+            }
+            if !vtkhdf {
+                return Ok(());
+            }
+            vtkhdf::write(&self.h5, &hdf, &grid.folder, grid.xdmf.shape).map_err(|error| cannot_write(&hdf, error))
         };
         on_root(comm, || self.grids.iter().try_for_each(one))?;
         Ok(())

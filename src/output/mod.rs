@@ -46,11 +46,11 @@ pub fn is_being_written(folder: &Path) -> Option<bool> {
     lock::is_held(folder)
 }
 
-/// What the next run into a folder replaces: [`RUN`], and the tables of all probes and the grids for VTK that are there.
+/// What the next run into a folder replaces: [`RUN`], and the tables of all probes and the single grids that are there.
 pub fn results_in(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
-    let ends = [("probe-", ".csv"), ("fields-", ".vtkhdf")];
+    let ends = [("probe-", ".csv"), ("fields-", ".xdmf"), ("fields-", ".vtkhdf")];
     let is_result = |name: &String| ends.iter().any(|(start, end)| name.starts_with(start) && name.ends_with(end));
     RUN.iter().map(ToString::to_string).chain(names.filter(is_result)).collect()
 }

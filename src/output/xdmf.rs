@@ -84,7 +84,7 @@ pub(super) fn increment(time: f64, grids: &[(&XdmfGrid, Vec<XdmfField>)]) -> Str
     let _ = writeln!(text, r#"<Time Value="{time:?}"/>"#);
     for (grid, fields) in grids {
         let shape = grid.shape.map_or("Mixed", CellShape::xdmf_name);
-        let _ = writeln!(text, r#"<Grid Name="{}" GridType="Uniform">"#, escaped(&grid.name));
+        let _ = writeln!(text, "{}", grid_begin(&grid.name));
         let _ = writeln!(text, r#"<Topology TopologyType="{shape}" NumberOfElements="{}">"#, grid.cell_count);
         let _ = writeln!(text, "{}</Topology>", item(&grid.cells));
         let _ = writeln!(text, r#"<Geometry GeometryType="XYZ">{}</Geometry>"#, item(&grid.points));
@@ -113,6 +113,26 @@ pub(super) fn first(document: &str, count: usize) -> Option<&str> {
     (document.matches(BEGIN).count() >= count).then(|| &document[start..end])
 }
 
+/// Of increments one grid alone: as meshio's reader of series wants them, each a grid with its own time.
+pub(super) fn of_grid(increments: &str, name: &str) -> String {
+    let begin = grid_begin(name);
+    let (mut text, mut time, mut inside) = (String::new(), "", false);
+    for line in increments.lines() {
+        if line.starts_with("<Time ") {
+            time = line;
+        }
+        inside |= line == begin;
+        if inside {
+            let _ = writeln!(text, "{line}");
+        }
+        if line == begin {
+            let _ = writeln!(text, "{time}");
+        }
+        inside &= line != "</Grid>";
+    }
+    text
+}
+
 /// The whole file around its increments.
 pub(super) fn document(increments: &str) -> String {
     format!(
@@ -135,6 +155,10 @@ fn attribute_type(width: usize) -> &'static str {
         1 => "Scalar",
         _ => "Vector",
     }
+}
+
+fn grid_begin(name: &str) -> String {
+    format!(r#"<Grid Name="{}" GridType="Uniform">"#, escaped(name))
 }
 
 fn item(data: &Reference) -> String {
@@ -196,5 +220,10 @@ mod tests {
             [Some(""), Some(&one[..]), Some(&format!("{one}{two}"))]
         );
         assert_eq!(first(&both, 3), None);
+        let own = of_grid(&format!("{two}{one}{two}"), "a<b>");
+        let begin = r#"<Grid Name="a&lt;b&gt;" GridType="Uniform">"#;
+        assert!(own.starts_with(&format!("{begin}\n<Time Value=\"0.1\"/>\n<Topology ")), "{own}");
+        assert!(own.ends_with("</Grid>\n") && own.matches("Grid").count() == 3 && !own.contains("/m/"), "{own}");
+        assert_eq!(of_grid(&both, "other"), "");
     }
 }
