@@ -796,7 +796,7 @@ increments = 4
 duration = 2.0
 fix = [{ set = "pad.ymin", directions = "y" }]
 move = [{ target = "ball", by = [0.0, -0.1, 0.0], table = [[0.0, 0.0], [1.0, 0.5], [2.0, 1.0]] }]
-gravity = [0.0, -9810.0, 0.0]
+gravity = { acceleration = [0.0, -9810.0, 0.0], table = [[0.0, 0.0], [2.0, 1.0]] }
 spin = [{ body = "disk", point = [0.0, 0.0, 0.0], axis = [0.0, 1.0, 0.0], speed = 3.0, table = [[0.0, 0.0], [2.0, 1.0]] }]
 spring = [{ set = "pad.ymin", stiffness = [0.0, 1.0, 0.0] }]
 dashpot = [{ set = "disk", damping = [0.0, 0.1, 0.0] }]
