@@ -280,7 +280,7 @@ cylinder = { point = [0.0, 0.0, 5.0], axis = [0.0, 1.0, 0.0], radius = 5.0 }
 [contact.tread]
 slave = "pad.zmax"
 master = "roller"
-friction = 0.4
+friction = 4.0
 [[step]]
 name = "press"
 increments = 2
@@ -291,7 +291,7 @@ name = "turn"
 increments = 2
 keep = true
 force = [{ target = "roller", total = [0.0, 0.0, -4.0], directions = "z" }]
-torque = [{ tool = "roller", total = 4.0, point = [0.0, 0.0, 4.5], axis = [0.0, 2.0, 0.0] }]
+torque = [{ tool = "roller", total = 40.0, point = [0.0, 0.0, 4.5], axis = [0.0, 2.0, 0.0] }]
 [output]
 every = 100
 history = ["pad.zmin"]
