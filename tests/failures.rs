@@ -33,6 +33,12 @@ fn failure(run: &Run) -> String {
     run.stderr.clone()
 }
 
+/// What failed.h5 has of the increment that was not found.
+fn shown_of_failed(run: &Run, name: &str) -> Vec<f64> {
+    let failed = hdf5::File::open(run.out.join("failed.h5")).unwrap();
+    failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw().unwrap()
+}
+
 #[test]
 fn a_crushed_block_keeps_what_converged() {
     let bench = Bench::new(&scene());
@@ -55,8 +61,7 @@ fn a_crushed_block_keeps_what_converged() {
     let moved = run.field("increments/000001/tool_plate/node/displacement");
     assert_eq!(moved[2], history.last("plate.uz"));
     // Where the increment stood that was not found is shown apart: its time, and the residual that was told.
-    let failed = hdf5::File::open(run.out.join("failed.h5")).unwrap();
-    let read = |name: &str| failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw::<f64>().unwrap();
+    let read = |name: &str| shown_of_failed(&run, name);
     assert!((read("time")[0] - history.last("time") - 0.1).abs() < 1e-12, "{:?}", read("time"));
     let [residual, flips] = ["body_block/node/residual", "contact_top/node/flips"].map(read);
     let worst = residual.iter().fold(0.0f64, |most, r| most.max(r.abs()));
@@ -99,9 +104,8 @@ discretization = "segment"
     let run = bench.run(2, &["--steps", "1"]);
     let text = failure(&run);
     assert!(text.contains("deep in the tool `p`, but no gap is closed in the mean"), "{text}");
-    let failed = hdf5::File::open(run.out.join("failed.h5")).unwrap();
-    let read = |name: &str| failed.dataset(&format!("increments/000001/{name}")).unwrap().read_raw::<f64>().unwrap();
-    let [moved, residual] = ["tool_p/node/displacement", "body_a/node/residual"].map(read);
+    let [moved, residual] =
+        ["tool_p/node/displacement", "body_a/node/residual"].map(|name| shown_of_failed(&run, name));
     assert!(moved[2] < -0.05 && residual.iter().all(|r| *r == 0.0), "{moved:?}");
 }
 

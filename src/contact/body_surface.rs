@@ -133,7 +133,7 @@ impl BodySurface {
         let mut own = Vec::new();
         let shapes = self.near.iter().zip(&self.stencils).map(|(patch, stencil)| {
             own.clear();
-            own.extend(stencil.iter().map(|&n| positions[n as usize]));
+            own.extend(pick(positions, stencil));
             patch.shape(&own)
         });
         // A diverging iterate may be nowhere.
@@ -163,7 +163,7 @@ impl BodySurface {
         place: impl Fn(u32) -> Vec3,
     ) {
         let positions = gather(comm, &self.share_nodes, &place);
-        let current = |p: &MovingPatch| p.shape(&pick(&positions, &stencil(p, &self.share_nodes))).bounds();
+        let current = |p: &MovingPatch| shape_at(p, &positions, &stencil(p, &self.share_nodes)).bounds();
         let mut near = collect(comm, &self.share, current, slaves, (1.0 + MARGIN) * reach);
         near.extend(self.near.drain(..).filter(|p| kept.contains(&p.id)));
         near.sort_by_key(|p| p.id);
@@ -223,7 +223,7 @@ impl BodySurface {
 
     /// The shape of a near patch at the last converged increment.
     pub fn shape_before(&self, id: u32) -> Option<Patch> {
-        self.patch(id).map(|(patch, stencil)| patch.shape(&pick(&self.before, stencil)))
+        self.patch(id).map(|(patch, stencil)| shape_at(patch, &self.before, stencil))
     }
 
     /// Global number of a near node.
@@ -264,7 +264,7 @@ impl BodySurface {
         let n = self.cells(n);
         let mut cells = Tessellation::default();
         for patch in &self.share {
-            cells.add_patch(&patch.shape(&pick(&positions, &stencil(patch, &self.share_nodes))), n);
+            cells.add_patch(&shape_at(patch, &positions, &stencil(patch, &self.share_nodes)), n);
         }
         cells
     }
@@ -289,8 +289,13 @@ fn stencil(patch: &MovingPatch, nodes: &Gather) -> Vec<u32> {
     patch.nodes.iter().filter_map(|&n| nodes.index(n)).collect()
 }
 
-fn pick(positions: &[Vec3], stencil: &[u32]) -> Vec<Vec3> {
-    stencil.iter().map(|&n| positions[n as usize]).collect()
+fn pick<'a>(positions: &'a [Vec3], stencil: &'a [u32]) -> impl Iterator<Item = Vec3> + 'a {
+    stencil.iter().map(|&n| positions[n as usize])
+}
+
+/// A patch with its nodes at those of these positions that its stencil names.
+fn shape_at(patch: &MovingPatch, positions: &[Vec3], stencil: &[u32]) -> Patch {
+    patch.shape(&pick(positions, stencil).collect::<Vec<_>>())
 }
 
 fn gather(comm: &SimpleCommunicator, nodes: &Gather, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
