@@ -339,7 +339,8 @@ impl<'a> Simulation<'a> {
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }
-                slave.commit(pair.method, Vec3::zeros(), &ground, &position, 0.0);
+                let between = pair.between(s, &ground, &position);
+                pair.slaves[s].commit((pair.method, Vec3::zeros()), &ground, (&position, &between), 0.0);
             }
         }
     }

@@ -406,6 +406,39 @@ impl<'a> Ground<'a> {
         })
     }
 
+    /// Where a slave node of a pair with friction at `x`, which has the point `at`, is exactly between pieces of the master: its
+    /// points on all of them, and their shares by the angles that they fill there. The choice of one of them would push it aside.
+    ///
+    /// At most one elsewhere, and without friction: there a node on a ridge is in unstable balance, and rounding would decide
+    /// when it leaves it.
+    pub fn evenly(&self, pair: &Pair, x: &Vec3, at: &Projection) -> Vec<(Projection, f64)> {
+        let turn = pair.controls.kink_turn;
+        let mut even = match self {
+            _ if !pair.may_be_between() => return Vec::new(),
+            Self::Tool(tool) if tool.trial.axle.is_none() => tool.evenly(x, pair.reach, at, turn),
+            Self::Surface(surface, Meets::Faces) => {
+                surface.shapes().evenly(x, pair.reach, at, (turn, Some(pair.controls.edge_beside)))
+            }
+            _ => return Vec::new(),
+        };
+        let all: f64 = even.iter().map(|(_, angle)| angle).sum();
+        even.iter_mut().for_each(|(_, angle)| *angle /= all);
+        even
+    }
+
+    /// Whether a body's surface ends where a slave node meets it, in a plane that the node cannot leave, `free` being the projector
+    /// on the ways that it can go, and the normal leans out of that. The mirror image leans as much the other way: half a model
+    /// has half of what the whole has.
+    pub fn ends_in_plane(&self, at: &Projection, free: &Mat3) -> bool {
+        /// What rounding has of a normal.
+        const LEANS: f64 = 1e-12;
+        let is_at_end = || match self {
+            Self::Surface(surface, Meets::Faces) => surface.shapes().is_at_end(at),
+            _ => false,
+        };
+        (free * at.normal - at.normal).norm() > LEANS && is_at_end()
+    }
+
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
     /// starts at `warm`.
     pub fn project_point(
@@ -484,6 +517,20 @@ impl<'a> Ground<'a> {
         let beside = || beside(surface, &slave.committed.place?, now);
         let (id, xi) = kept.or_else(beside).unwrap_or((now.patch, now.xi));
         SlipOrigin::Carried(id, xi)
+    }
+
+    /// The same of a node that was exactly between pieces then: all the places, with their shares.
+    pub fn slip_origins(&self, slave: &Slave, now: &Projection) -> Vec<(SlipOrigin, f64)> {
+        let several = match self {
+            Self::Surface(surface, Meets::Faces) if slave.committed.beside[0].share > 0.0 => {
+                slave.committed.origins().all(|(id, ..)| surface.patch(id).is_some())
+            }
+            _ => false,
+        };
+        match several {
+            true => slave.committed.origins().map(|(id, xi, share)| (SlipOrigin::Carried(id, xi), share)).collect(),
+            false => vec![(self.slip_origin(slave, now), 1.0)],
+        }
     }
 
     /// The shares of a patch's own nodes in the point `at`, with which of its nodes they are; a tool has but one.

@@ -3,7 +3,8 @@
 use super::element::{Contact, Element, Method, Opposite, Origin, Portion, Site, Spread};
 use super::master::{Ground, SlipOrigin};
 use super::moves::{Movement, alike};
-use super::segment::{Segments, Share};
+use super::segment::points::mean_of;
+use super::segment::{Point, Segments, Share};
 use super::{Guide, Mover, Multiplier, Pair, Response, Slave, Status, Tangent, touching};
 use crate::surface::Projection;
 use crate::surface::moving::Transfer;
@@ -29,6 +30,8 @@ enum Touch {
     Node(SlipOrigin),
     /// In points of the faces around it.
     Faces(Vec<Share>),
+    /// In those of the pieces that it is exactly between.
+    Pieces(Vec<Point>),
 }
 
 /// Where the nodes of the slave are, and the points of its faces where it has them.
@@ -66,6 +69,7 @@ impl Meeting {
         let may_enter = slave.trial.entrances < 2 * slave.trial.patience;
         let entrance = projection.filter(|_| may_enter).and_then(|p| ground.entrance(pair, s, position, &p));
         let enters = entrance.is_some();
+        let is_nearest = !keeps && entrance.map(|p| p.patch).is_none_or(|side| projection.is_some_and(|p| p.patch == side));
         let projection = entrance.or(projection);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
@@ -73,9 +77,11 @@ impl Meeting {
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
-        let (projection, shares) = match met {
-            None => (projection, None),
-            Some(met) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(shares))),
+        let between = projection.and_then(|p| between(pair, ground, (&pair.slaves[s], position), (&p, is_nearest), &guide));
+        let (projection, several) = match (met, between) {
+            (Some(met), _) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(Touch::Faces(shares)))),
+            (_, Some((mean, points))) => (Some(mean), Some(Touch::Pieces(points))),
+            _ => (projection, None),
         };
         let slave = &mut pair.slaves[s];
         slave.trial.stand(projection, warm.map(|(patch, _)| patch));
@@ -85,7 +91,7 @@ impl Meeting {
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
-        let touch = |p: &Projection| shares.map_or_else(|| Touch::Node(ground.slip_origin(slave, p)), Touch::Faces);
+        let touch = |p: &Projection| several.unwrap_or_else(|| Touch::Node(ground.slip_origin(slave, p)));
         let contact = felt.map(|p| (touching(p, closed), touch(&p)));
         let sigma = slave.local.at(|mover| match mover {
             Mover::Slave(n) => Some((ahead.place)(n)),
@@ -99,14 +105,19 @@ impl Meeting {
         });
         let carried = from_last.map_or(Vec3::zeros(), |(_, touch)| match touch {
             Touch::Node(_) => slave.held.carried,
-            Touch::Faces(_) => ground.frame_at(slave.committed.warm) * slave.held.carried,
+            Touch::Faces(_) | Touch::Pieces(_) => ground.frame_at(slave.committed.warm) * slave.held.carried,
         });
-        if let (Some(segments), Some((_, Touch::Faces(shares)))) = (ahead.segments, &contact) {
-            let frictional = slave.law.friction > 0.0;
-            slave.met = shares.iter().flat_map(|share| segments.get(share).patches(frictional)).collect();
-            slave.met.sort_unstable();
-            slave.met.dedup();
-        }
+        let frictional = slave.law.friction > 0.0;
+        slave.met = match (ahead.segments, &contact) {
+            (Some(segments), Some((_, Touch::Faces(shares)))) => {
+                shares.iter().flat_map(|share| segments.get(share).patches(frictional)).collect()
+            }
+            (_, Some((_, Touch::Pieces(points)))) => points.iter().flat_map(|point| point.patches(frictional)).collect(),
+            (Some(_), _) => std::mem::take(&mut slave.met),
+            _ => Vec::new(),
+        };
+        slave.met.sort_unstable();
+        slave.met.dedup();
         let method = Method { law: slave.law, transfer: ground.transfer(), tangent };
         Self { method, multiplier, carried, contact, guide }
     }
@@ -122,8 +133,8 @@ impl Meeting {
             return Some(stuck);
         };
         match touch {
-            Touch::Faces(_) if status == Status::Slip => return None,
-            Touch::Faces(_) => return Some(stuck),
+            Touch::Faces(_) | Touch::Pieces(_) if status == Status::Slip => return None,
+            Touch::Faces(_) | Touch::Pieces(_) => return Some(stuck),
             Touch::Node(SlipOrigin::Fixed(place)) => *place = p.point,
             Touch::Node(SlipOrigin::Carried(id, xi)) => (*id, *xi) = (p.patch, p.xi),
         }
@@ -153,11 +164,46 @@ impl Meeting {
             _ => None,
         });
         let met = match &self.contact {
-            Some((_, Touch::Faces(_))) => &slave.met[..],
+            Some((_, Touch::Faces(_) | Touch::Pieces(_))) => &slave.met[..],
             _ => &[],
         };
         on.into_iter().chain(from).chain(met.iter().copied())
     }
+}
+
+/// What a slave node, which has the point `at`, meets where it is exactly between pieces of the master, or was at the last
+/// converged increment: the mean of their points, and each with each of the places from which slip counts. Otherwise nothing.
+fn between(
+    pair: &Pair,
+    ground: &Ground,
+    (slave, position): (&Slave, &Vec3),
+    (at, is_nearest): (&Projection, bool),
+    guide: &Guide,
+) -> Option<(Projection, Vec<Point>)> {
+    if !pair.may_be_between() {
+        return None;
+    }
+    let free = guide.free();
+    let mut even = if is_nearest { ground.evenly(pair, position, at) } else { Vec::new() };
+    let is_alone = even.len() < 2;
+    if is_alone {
+        even = vec![(*at, 1.0)];
+    }
+    if is_alone && slave.committed.beside[0].share == 0.0 && !ground.ends_in_plane(at, &free) {
+        return None;
+    }
+    let mean = mean_of(even.iter().map(|(p, share)| (p, *share)), at, &free)?;
+    let (nodes, shapes) = ([slave.node; 4], [1.0, 0.0, 0.0, 0.0]);
+    let origins = ground.slip_origins(slave, at);
+    let with_origins = |(at, share): &(Projection, f64)| {
+        let (at, share) = (*at, *share);
+        let of_origin = move |(origin, part): &(SlipOrigin, f64)| {
+            let start = ground.place_of(origin).unwrap_or(at.point);
+            Point { nodes, shapes, weight: share * part, at, origin: *origin, start }
+        };
+        origins.iter().map(of_origin).collect::<Vec<_>>()
+    };
+    Some((mean, even.iter().flat_map(with_origins).collect()))
 }
 
 /// Whether slave node `s`, found inside the master, has come past an end of it.
@@ -206,12 +252,16 @@ impl Workspace {
     ) -> Response {
         let Self { element, positions, origin } = self;
         let (method, guide, multiplier) = (&meeting.method, &meeting.guide, &meeting.multiplier);
-        if let Some(segments) = segments {
-            let shares = match &meeting.contact {
-                Some((_, Touch::Faces(shares))) => &shares[..],
-                _ => &[],
-            };
-            let portions: Vec<Portion> = shares.iter().map(|share| segments.portion(share)).collect();
+        let portions: Option<Vec<Portion>> = match (segments, &meeting.contact) {
+            (Some(segments), Some((_, Touch::Faces(shares)))) => {
+                Some(shares.iter().map(|share| segments.portion(share)).collect())
+            }
+            (_, Some((_, Touch::Pieces(points)))) => {
+                Some(points.iter().map(|point| point.portion(point.weight)).collect())
+            }
+            (segments, _) => segments.map(|_| Vec::new()),
+        };
+        if let Some(portions) = portions {
             let spread = |(p, _): &(Projection, Touch)| Spread {
                 node: slave.node,
                 portions: &portions,

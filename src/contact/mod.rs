@@ -132,6 +132,13 @@ impl Pair {
         }
     }
 
+    /// The points of all the pieces of a body that slave node `s`, at `position`, is exactly between in its iterate, with their
+    /// shares; else none. What a tool carries along is the mean of them already.
+    pub fn between(&self, s: usize, ground: &Ground, position: &Vec3) -> Vec<(Projection, f64)> {
+        let at = self.slaves[s].trial.projection.filter(|_| self.master.surface().is_some());
+        at.map_or(Vec::new(), |at| ground.evenly(self, position, &at))
+    }
+
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
     pub fn may_meet(&self, slave: usize, patch: &Patch) -> bool {
         match (self.outward.get(slave), self.avoided.get(slave)) {
@@ -173,6 +180,11 @@ impl Pair {
     /// Whether nodes alone slide over the faces of something else, and do not feel between them where these end.
     pub fn slides_at_nodes(&self) -> bool {
         self.faces.is_none() && !self.is_self() && !self.is_by_nodes()
+    }
+
+    /// Whether a slave node that is exactly between pieces of the master is on all of them, see [`Ground::evenly`].
+    pub fn may_be_between(&self) -> bool {
+        self.friction > 0.0 && self.faces.is_none() && !self.within_body && !self.is_by_nodes()
     }
 
     /// Whether a surface meets itself.

@@ -80,6 +80,8 @@ pub struct Committed {
     /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
     /// origin.
     pub warm: Option<(u32, [f64; 2])>,
+    /// The others of a deformable master that the node was exactly between, with their shares in the slip origin.
+    pub beside: [Beside; BESIDE],
     /// It keeps to that patch beyond its kink, and still does so as the next increment begins: the state would not be in
     /// equilibrium on the other side.
     pub keeps: bool,
@@ -90,7 +92,30 @@ pub struct Committed {
     pub slid: f64,
 }
 
-crate::words!(Committed { multiplier, anchor, place, warm, keeps, status, held, slid });
+crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, status, held, slid });
+
+/// As many patches as are told apart besides the first: six triangles around a corner.
+const BESIDE: usize = 5;
+
+/// Patch and parameters of a closest point that is one of several, and its share.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beside {
+    pub patch: u32,
+    pub xi: [f64; 2],
+    pub share: f64,
+}
+
+crate::words!(Beside { patch, xi, share });
+
+impl Committed {
+    /// Patch, parameters and share of each closest point of the last converged increment.
+    pub fn origins(&self) -> impl Iterator<Item = (u32, [f64; 2], f64)> {
+        let beside = self.beside.into_iter().filter(|beside| beside.share > 0.0);
+        let first = 1.0 - beside.clone().map(|beside| beside.share).sum::<f64>();
+        let first = self.warm.map(|(patch, xi)| (patch, xi, first));
+        first.into_iter().chain(beside.map(|Beside { patch, xi, share }| (patch, xi, share)))
+    }
+}
 
 /// A multiplier that is held while Newton's method runs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -328,12 +353,24 @@ impl Slave {
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
     }
 
-    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
-    /// With what force it `slid` off the master in between is noted, N.
-    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3, slid: f64) {
+    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered, and
+    /// all the pieces that it is `between`, with their shares. With what force it `slid` off the master in between is noted, N.
+    pub fn commit(
+        &mut self,
+        (method, multiplier): (Enforcement, Vec3),
+        ground: &Ground,
+        (position, between): (&Vec3, &[(Projection, f64)]),
+        slid: f64,
+    ) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
+        let others = between.iter().filter(|(at, _)| projection.is_some_and(|p| p.patch != at.patch));
+        let mut beside = [Beside::default(); BESIDE];
+        beside.iter_mut().zip(others).for_each(|(beside, (at, share))| {
+            *beside = Beside { patch: at.patch, xi: at.xi, share: *share };
+        });
         self.committed = Committed {
+            beside,
             held: self.handed_on(method, &ground.carrier(projection.as_ref())),
             multiplier,
             anchor: projection.map(|p| ground.inward(&p.point)),

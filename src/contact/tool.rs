@@ -58,6 +58,14 @@ impl Tool {
         self.surface.project(&self.trial.inward(point), reach, (warm, keeps)).map(|p| self.in_space(&p))
     }
 
+    /// Where a point in space that the tool has `at` is exactly between pieces of it: see [`crate::surface::PieceSet::evenly`].
+    pub fn evenly(&self, point: &Vec3, reach: f64, at: &Projection, turn: f64) -> Vec<(Projection, f64)> {
+        let inward = self.trial.rotation.transpose();
+        let own = Projection { normal: inward * at.normal, point: self.trial.inward(&at.point), ..*at };
+        let even = self.surface.near().evenly(&self.trial.inward(point), reach, &own, turn);
+        even.iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
+    }
+
     /// Perpendiculars from a point in space to all pieces of the tool at its trial pose, no longer than `most`; they may miss a piece
     /// by a distance of `aside`.
     pub fn perpendiculars(&self, point: &Vec3, most: f64, aside: f64) -> Vec<Projection> {

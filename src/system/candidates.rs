@@ -51,7 +51,7 @@ impl Candidates {
                     ids.extend(touching.map(|p| p.patch));
                     ids.extend(&slave.met);
                     if !ids.is_empty() && pair.friction > 0.0 {
-                        ids.extend(slave.committed.warm.map(|(id, _)| id));
+                        ids.extend(slave.committed.origins().map(|(id, ..)| id));
                     }
                     ids.sort_unstable();
                     ids.dedup();

@@ -41,6 +41,15 @@ impl Shape {
         Some(stays.unwrap_or(found))
     }
 
+    /// Where `x` is exactly between pieces: see [`PieceSet::evenly`]. Nothing of shapes without pieces.
+    pub fn evenly(&self, x: &Vec3, reach: f64, at: &Projection, turn: f64) -> Vec<(Projection, f64)> {
+        match self {
+            Self::Patches(patches) => patches.evenly(x, reach, at, (turn, None)),
+            Self::Faces(faces) => faces.evenly(x, reach, at, (turn, None)),
+            Self::Analytic(_) => Vec::new(),
+        }
+    }
+
     /// Perpendiculars from `x` to all its pieces, no longer than `most`; they may miss a piece by a distance of `aside`. None
     /// of shapes without edges.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {

@@ -42,11 +42,14 @@ fn to_and_fro(name: String, master: &str, moved: &str, friction: f64) -> Case {
     )
 }
 
-/// What symmetry says, and without friction the same force on every way. Where facets meet in a ridge a node on it slides off to one
-/// side, by the way that it came: of them only what holds for the barrel along its axis. So it is at the small kinks between the
-/// patches of a dome, and of what has been deformed.
+/// What symmetry says, and without friction the same force on every way. With friction a node that is exactly between facets is on
+/// all of them. Without, where facets meet in a ridge a node on it slides off to one side, by the way that it came: of them only
+/// what holds for the barrel along its axis. So it is at the small kinks between the patches of a dome, and of what has been
+/// deformed.
 fn symmetric(case: Case, of: &str, friction: f64, [shape, smoothing, discretization]: [&str; 3]) -> Case {
-    let tolerance = if discretization != "tool" {
+    let tolerance = if friction > 0.0 {
+        1e-9
+    } else if discretization != "tool" {
         5e-3
     } else if shape == "dome" {
         2e-4
@@ -54,11 +57,11 @@ fn symmetric(case: Case, of: &str, friction: f64, [shape, smoothing, discretizat
         1e-6
     };
     let scale = 40.0;
-    if (shape, smoothing) == ("dome", "facet") {
+    if friction == 0.0 && (shape, smoothing) == ("dome", "facet") {
         return case;
     }
     let case = case.oracle(near(&format!("{of}.fy"), 0.0, scale, tolerance, "symmetry"));
-    if smoothing == "facet" {
+    if friction == 0.0 && smoothing == "facet" {
         return case;
     }
     let case = case.oracle(near(&format!("{of}.fx@press"), 0.0, scale, tolerance, "symmetry"));
@@ -78,8 +81,9 @@ fn tool_to_and_fro() -> Vec<Case> {
         for smoothing in ["nagata", "facet"] {
             for method in METHODS {
                 for friction in [0.0, 0.3] {
-                    // Of facets of a dome only the ranks are known to be alike.
-                    for ranks in [1, 2, 3, 4].into_iter().filter(|n| *n > 1 || (shape, smoothing) != ("dome", "facet"))
+                    // Of facets of a dome without friction only the ranks are known to be alike.
+                    let is_open = friction == 0.0 && (shape, smoothing) == ("dome", "facet");
+                    for ranks in [1, 2, 3, 4].into_iter().filter(|n| *n > 1 || !is_open)
                     {
                         let tool = format!(
                             "[tool.t]\nmesh = \"t.msh\"\nsmoothing = \"{smoothing}\"\n[contact.c] # a {shape}\nslave = \"b.zmax\"\nmaster = \"t\"\nmethod = \"{method}\"\n"
@@ -124,8 +128,9 @@ fn body_to_and_fro() -> Vec<Case> {
         for discretization in ["one-pass", "two-pass", "segment"] {
             for smoothing in ["nagata", "facet"] {
                 for friction in [0.0, 0.3] {
-                    // Of facets of a dome only the ranks are known to be alike.
-                    for ranks in [1, 2, 3, 4].into_iter().filter(|n| *n > 1 || (shape, smoothing) != ("dome", "facet"))
+                    // Of facets of a dome without friction only the ranks are known to be alike.
+                    let is_open = friction == 0.0 && (shape, smoothing) == ("dome", "facet");
+                    for ranks in [1, 2, 3, 4].into_iter().filter(|n| *n > 1 || !is_open)
                     {
                         let body = format!(
                             "[body.u]\nmesh = \"u.msh\"\nmaterial = \"n\"\nelement = \"hex8\"\n[material.n]\nmodel = \"neo-hookean\"\nyoung = 1000.0\npoisson = 0.3\n[contact.c] # a {shape}\nslave = \"b.zmax\"\nmaster = \"u.zmin\"\nsmoothing = \"{smoothing}\"\ndiscretization = \"{discretization}\"\n"

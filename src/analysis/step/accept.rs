@@ -44,7 +44,8 @@ impl Simulation<'_> {
                 let node = pair.slaves[s].node as usize;
                 let position = part.points[node] + converged.u[node];
                 let slid = pair.slid_off(s, &ground, &position);
-                pair.slaves[s].commit(pair.method, *multiplier, &ground, &position, slid);
+                let between = pair.between(s, &ground, &position);
+                pair.slaves[s].commit((pair.method, *multiplier), &ground, (&position, &between), slid);
             }
         }
         frame.progress.offsets.clone_from(&converged.offsets);

@@ -19,6 +19,12 @@ static SPOTS: [Spot; 4] = [
     ([0, 3, 4, 5], [0.4, 0.3, 0.1, 0.2], 0.2, (5, [0.3, 0.5], 0.02)),
     ([0, 3, 4, 5], [0.1, 0.2, 0.3, 0.4], 0.1, (5, [0.4, 0.3], -0.05)),
 ];
+/// A node that is exactly between patches.
+static PIECES: [Spot; 3] = [
+    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.5, (4, [0.6, 0.3], -0.06)),
+    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.3, (5, [0.0, 0.5], 0.03)),
+    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.2, (1, [0.5, 1.0], 0.02)),
+];
 /// Patch and parameters of the slip origins.
 const ORIGIN: (usize, [f64; 2]) = (1, [0.55, 0.31]);
 const CENTER: [f64; 3] = [1.5, 1.6, -3.0];
@@ -31,6 +37,7 @@ struct Scene {
     stencils: Vec<Vec<u32>>,
     points: Vec<Vec3>,
     slaves: Vec<Vec3>,
+    spots: &'static [Spot],
     multiplier: Vec3,
     friction: f64,
 }
@@ -52,13 +59,13 @@ impl Scene {
         let patches = MovingPatch::all(&mesh, &numbers, smoothing, 50.0, &[], &Controls::default()).unwrap();
         let stencils = patches.iter().map(|patch| patch.nodes.iter().map(|&n| n as u32).collect()).collect();
         let points = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
-        Self { patches, stencils, points, slaves: Vec::new(), multiplier: Vec3::zeros(), friction: 0.3 }.placed()
+        Self { patches, stencils, points, slaves: Vec::new(), spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }.placed()
     }
 
     fn ball() -> Self {
         let (points, slaves) = (vec![Vec3::from(CENTER)], Vec::new());
         let (patches, stencils) = (Vec::new(), Vec::new());
-        Self { patches, stencils, points, slaves, multiplier: Vec3::zeros(), friction: 0.3 }.placed()
+        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }.placed()
     }
 
     /// Puts the slave nodes where the points are about where they are said to be.
@@ -93,7 +100,7 @@ impl Scene {
             let (gap, normal, normal_gradient) = on_surface(&x, &foot.local);
             Projection { gap, point: foot.local.point, normal, normal_gradient, patch: *patch as u32, xi: foot.xi }
         };
-        SPOTS.iter().map(of).collect()
+        self.spots.iter().map(of).collect()
     }
 
     /// The element, and its residual in the order of its rows, with this transfer.
@@ -117,7 +124,7 @@ impl Scene {
             origin,
             start,
         };
-        let portions: Vec<Portion> = SPOTS.iter().zip(&projections).map(portion).collect();
+        let portions: Vec<Portion> = self.spots.iter().zip(&projections).map(portion).collect();
         let sum = |of: &dyn Fn(&Portion) -> Vec3| portions.iter().map(|p| of(p) * p.weight).sum::<Vec3>();
         let spread = Spread {
             node: 0,
@@ -169,7 +176,15 @@ impl Scene {
 
 #[test]
 fn the_tangent_of_points_is_the_derivative_of_the_residual() {
-    for scene in [Scene::new(Smoothing::Nagata), Scene::new(Smoothing::Facet), Scene::ball()] {
+    let between = |smoothing| Scene { spots: &PIECES, ..Scene::new(smoothing) };
+    let scenes = [
+        Scene::new(Smoothing::Nagata),
+        Scene::new(Smoothing::Facet),
+        Scene::ball(),
+        between(Smoothing::Nagata),
+        between(Smoothing::Facet),
+    ];
+    for scene in scenes {
         for transfer in [Transfer::Variational, Transfer::Patch, Transfer::Bilinear] {
             let pressed = Scene { multiplier: Vec3::new(1.0, -2.0, -12.0), ..scene.clone() };
             for (friction, expected) in [(50.0, Status::Stick), (0.05, Status::Slip)] {

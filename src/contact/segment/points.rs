@@ -32,6 +32,12 @@ impl Point {
         (Spot { shapes: self.shapes, weight: self.weight }, Some((self.at.patch, self.at.xi)))
     }
 
+    /// What it is to the element, with such a share.
+    pub fn portion(&self, weight: f64) -> Portion<'_> {
+        let Self { nodes, shapes, at, origin, start, .. } = self;
+        Portion { weight, nodes, shapes, at, origin: *origin, start: *start }
+    }
+
     /// The patches of a body that it is on, with friction that of its slip origin, too.
     pub fn patches(&self, frictional: bool) -> impl Iterator<Item = u32> {
         let from = match self.origin {
@@ -99,8 +105,7 @@ impl Segments {
 
     /// A point with its share, for the element.
     pub fn portion(&self, share: &Share) -> Portion<'_> {
-        let Point { nodes, shapes, at, origin, start, .. } = self.get(share);
-        Portion { weight: share.weight, nodes, shapes, at, origin: *origin, start: *start }
+        self.get(share).portion(share.weight)
     }
 
     /// The points of the faces around slave node `s`, with w_q N_i.
@@ -145,16 +150,26 @@ impl Segments {
         }
         shares.iter_mut().for_each(|share| share.weight /= covered);
         let base = own.copied().or_else(|| self.weightiest_of(&shares))?;
-        let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
-        for share in &shares {
-            let at = &self.get(share).at;
-            gap += share.weight * at.gap;
-            normal += at.normal * share.weight;
-            point += at.point * share.weight;
-        }
-        let normal = (free * normal).try_normalize(f64::MIN_POSITIVE)?;
-        Some((Projection { gap, point, normal, ..base }, shares))
+        let weighted = shares.iter().map(|share| (&self.get(share).at, share.weight));
+        Some((mean_of(weighted, &base, free)?, shares))
     }
+}
+
+/// Mean of projections with their weights, (1) of the [module](super), the normal along the directions that are `free`; the rest
+/// is that of `base`.
+pub fn mean_of<'a>(
+    weighted: impl Iterator<Item = (&'a Projection, f64)>,
+    base: &Projection,
+    free: &Mat3,
+) -> Option<Projection> {
+    let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
+    for (at, weight) in weighted {
+        gap += weight * at.gap;
+        normal += at.normal * weight;
+        point += at.point * weight;
+    }
+    let normal = (free * normal).try_normalize(f64::MIN_POSITIVE)?;
+    Some(Projection { gap, point, normal, ..*base })
 }
 
 /// Where the overlap of a face of `pair`, at `x`, with the faces of a surface within reach has points.

@@ -39,7 +39,7 @@ pub(crate) mod tree;
 pub use search::{Admission, settle};
 
 use super::patch::Patch;
-use super::piece::{EXTENSION, Piece};
+use super::piece::{EXTENSION, Edge, Piece};
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
@@ -51,6 +51,8 @@ use tree::Tree;
 const ALIGNED: f64 = 1.0 - 1e-12;
 /// Distance, over the size of a piece, below which pieces touch.
 const TOUCH: f64 = 1e-9;
+/// Parameters within which a point inside a piece may be as close to the one beyond the edge.
+const BESIDE: f64 = 0.05;
 
 /// Pieces with a search tree over their boxes.
 pub struct PieceSet<P> {
@@ -233,6 +235,54 @@ impl<P: Piece> PieceSet<P> {
         controls.kink_gap * self.get(id).map_or(0.0, shortest_edge)
     }
 
+    /// Where `x`, whose point of contact `at` is next to an edge, is exactly between pieces: the projections onto all of them, by
+    /// rising id, with the angles that they fill there. One where it is not, or on the edge that ends the surface; none
+    /// farther from an edge. Those whose normals differ from that at `at` by more than `turn`, 1 - cosine, do not count.
+    /// Outside a sharp edge there are none, unless there the sides count by an `extension`, see [`Self::beside_edge`].
+    pub fn evenly(
+        &self,
+        x: &Vec3,
+        reach: f64,
+        at: &Projection,
+        (turn, extension): (f64, Option<f64>),
+    ) -> Vec<(Projection, f64)> {
+        let Some(k) = self.index(at.patch) else { return Vec::new() };
+        let piece = &self.pieces[k];
+        if piece.sides(at.xi)[..piece.count()].iter().all(|side| *side > BESIDE) {
+            return Vec::new();
+        }
+        let near = search::KEEP * self.largest;
+        let mut even = if at.gap.abs() <= near {
+            // Whether it is inside or outside is rounding.
+            self.sides_of(x, (&at.point, near), EXTENSION).collect()
+        } else {
+            let all = |_: &P, _: &Foot| true;
+            let mut search = Search::new(self, x, reach, Some(k), Question::Even, &all);
+            search.run(Some(at.xi));
+            match (search.even(), extension) {
+                (Ok(even), _) => even,
+                (Err(_), None) => Vec::new(),
+                (Err(edge), Some(extension)) => {
+                    let mut sides: Vec<_> = self.sides_of(x, (&edge, TOUCH * self.largest), extension).collect();
+                    let farthest = sides.iter().map(|(p, _)| p.gap).fold(f64::NEG_INFINITY, f64::max);
+                    sides.retain(|(p, _)| farthest - p.gap <= near);
+                    sides
+                }
+            }
+        };
+        even.retain(|(p, _)| p.normal.dot(&at.normal) >= 1.0 - turn);
+        even.sort_by_key(|(p, _)| p.patch);
+        if even.iter().any(|(p, _)| p.patch == at.patch) { even } else { Vec::new() }
+    }
+
+    /// Whether a point of a piece is on an edge of it that ends the surface.
+    pub fn is_at_end(&self, at: &Projection) -> bool {
+        self.get(at.patch).is_some_and(|piece| {
+            let (edges, sides) = (piece.edges(), piece.sides(at.xi));
+            (0..piece.count()).any(|k| edges[k] == Edge::Boundary && sides[k].abs() < search::KEEP)
+        })
+    }
+
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
     /// around it, extended by so much of its own parameters, whose side `x` is farthest from. `None` when `at` is on no such
     /// edge, or too far away.
@@ -241,15 +291,25 @@ impl<P: Piece> PieceSet<P> {
         if at.gap <= 0.0 || own.overshoot(at.xi) > 0.0 || own.normal(at.xi).dot(&at.normal) > ALIGNED {
             return None;
         }
-        let touch = Vec3::repeat(TOUCH * self.largest);
-        let around = self.tree.meeting(&(at.point - touch), &(at.point + touch)).map(|(k, _)| k);
-        let extended = |k: usize| {
+        let sides = self.sides_of(x, (&at.point, TOUCH * self.largest), extension).map(|(p, _)| p);
+        sides.max_by(|a, b| a.gap.total_cmp(&b.gap).then(b.patch.cmp(&a.patch)))
+    }
+
+    /// The projections onto the pieces around a point of an edge or corner, within a distance of it, extended by so much, and the
+    /// angles that they fill there.
+    fn sides_of(
+        &self,
+        x: &Vec3,
+        (edge, touch): (&Vec3, f64),
+        extension: f64,
+    ) -> impl Iterator<Item = (Projection, f64)> {
+        let around = Vec3::repeat(touch);
+        self.tree.meeting(&(edge - around), &(edge + around)).filter_map(move |(k, _)| {
             let (piece, extent) = (&self.pieces[k], self.extent(k));
-            let core = piece.core(extent, &at.point, None, touch.x);
-            let foot = (core.distance <= touch.x).then(|| descend(piece, x, &[extension; 4], core.xi))?;
-            (foot.limits == 0).then(|| on_surface(piece, x, &foot))
-        };
-        around.filter_map(extended).max_by(|a, b| a.gap.total_cmp(&b.gap).then(b.patch.cmp(&a.patch)))
+            let core = piece.core(extent, edge, None, touch);
+            let foot = (core.distance <= touch).then(|| descend(piece, x, &[extension; 4], core.xi))?;
+            (foot.limits == 0).then(|| (on_surface(piece, x, &foot), search::angle(piece, core.xi)))
+        })
     }
 
     /// Perpendiculars from `x` to all pieces, no longer than `most`; they may miss a piece by a distance of `aside`.

@@ -10,13 +10,15 @@ use smallvec::SmallVec;
 /// Distances that differ by less, over the size of a piece, are equal.
 const EQUAL: f64 = 1e-12;
 /// The same for the piece of the last projection.
-const KEEP: f64 = 1e-6;
+pub(super) const KEEP: f64 = 1e-6;
 /// Distance to an edge, over the size of the piece, below which the direction to it means nothing.
 const TOUCH: f64 = 1e-9;
 /// Angle between the normals of a surface and one of its pieces, in radians, below which there is no edge.
 const FLAT: f64 = 1e-3;
 /// Overshoots that differ by less are equal.
 const ROUNDED: f64 = 1e-9;
+/// Parameters within which a point that is between pieces counts as on the edge or corner where they meet.
+const BORDER: f64 = 1e-3;
 
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -27,6 +29,8 @@ pub enum Question {
     Contact,
     /// The same, asking the neighbours of every edge.
     WaryContact,
+    /// The points of contact that are as good.
+    Even,
 }
 
 /// Which pieces count.
@@ -111,7 +115,8 @@ impl<'a, P: Piece> Search<'a, P> {
             self.consider(kept, warm);
         }
         let set = self.set;
-        let margin = EQUAL * set.largest + self.rounding() + set.seam;
+        let equal = if self.question == Question::Even { KEEP } else { EQUAL };
+        let margin = equal * set.largest + self.rounding() + set.seam;
         if !self.hits.is_empty() {
             let around = Vec3::repeat(self.best + margin);
             for (index, bounds) in set.tree.meeting(&(self.x - around), &(self.x + around)) {
@@ -137,6 +142,19 @@ impl<'a, P: Piece> Search<'a, P> {
     /// The projection to choose.
     pub fn answer(&self) -> Option<Projection> {
         self.choice().map(|hit| self.projection(hit))
+    }
+
+    /// The projections onto pieces between which there is nothing to choose, with the angles that the pieces fill there. None on a sharp edge or corner, whose point is what is left then.
+    pub fn even(&self) -> Result<Vec<(Projection, f64)>, Vec3> {
+        let Some(chosen) = self.choice() else { return Ok(Vec::new()) };
+        let pieces = &self.set.pieces;
+        if chosen.place.limits != 0 {
+            return Err(pieces[chosen.index].point(chosen.core.xi));
+        }
+        let is_inside = |hit: &&Hit| hit.place.limits == 0 && self.is_close(hit, 0.0);
+        let least = self.hits.iter().filter(is_inside).map(|hit| hit.overshoot).fold(f64::INFINITY, f64::min);
+        let even = self.hits.iter().filter(is_inside).filter(|hit| hit.overshoot <= least + KEEP);
+        Ok(even.map(|hit| (self.projection(hit), angle(&pieces[hit.index], hit.core.xi))).collect())
     }
 
     fn consider(&mut self, index: usize, start: Option<[f64; 2]>) {
@@ -215,7 +233,8 @@ impl<'a, P: Piece> Search<'a, P> {
 
     /// How much further away than the best a piece may be and count as equally close.
     fn slack(&self, index: usize) -> f64 {
-        let keep = if self.kept == Some(index) { KEEP } else { EQUAL };
+        let keeps = self.kept == Some(index) || self.question == Question::Even;
+        let keep = if keeps { KEEP } else { EQUAL };
         keep * self.set.radii[index] + self.rounding()
     }
 
@@ -300,6 +319,13 @@ impl<'a, P: Piece> Search<'a, P> {
         };
         self.hits.iter().filter(|hit| self.is_close(hit, 0.0)).filter_map(of_hit).sum()
     }
+}
+
+/// The angle that a piece fills around a point of its own, which is on an edge or a corner if it is as good as there.
+pub fn angle<P: Piece>(piece: &P, xi: [f64; 2]) -> f64 {
+    let sides = piece.sides(xi);
+    let limits = (0..piece.count()).filter(|k| sides[*k] < BORDER).map(|k| 1 << k).sum();
+    piece.angle_normal(&Foot { xi, limits, local: piece.local(xi), distance: 0.0 }).norm()
 }
 
 /// From the closest point of a piece without extension to the one with the extension that its edges allow, and how much

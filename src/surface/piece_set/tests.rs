@@ -69,6 +69,49 @@ fn the_sides_of_an_edge_reach_beyond_it() {
     check_derivatives(&Vec3::new(0.3, 1.01, 1.02), |x| cube.beside_edge(x, &cube.closest(x, 1.0, None).unwrap(), 0.5));
 }
 
+/// A point that is as far from several facets as from one: over and under a ridge, over a valley, and in a corner. Facets that meet
+/// more sharply are one surface no longer.
+#[test]
+fn exactly_between_pieces() {
+    let turn = 0.1;
+    let even = |set: &PatchSet, x: [f64; 3]| -> Vec<(f64, f64)> {
+        let x = Vec3::from(x);
+        let at = set.closest(&x, 1.0, None).unwrap();
+        let at = set.beside_edge(&x, &at, 0.5).unwrap_or(at);
+        set.evenly(&x, 1.0, &at, (turn, Some(0.5))).iter().map(|(p, angle)| (p.gap, *angle)).collect()
+    };
+    let roof = |slope: f64| set(&grid(2, 2, false, |s, t| [s - 0.5, t, -slope * (s - 0.5).abs()]), Smoothing::Facet);
+    for slope in [0.2, -0.2] {
+        let roof = roof(slope);
+        let steep = (1.0 + slope * slope).sqrt();
+        for z in [-1e-3, 0.0, 1e-12, 1e-3] {
+            let of = even(&roof, [0.0, 0.3, z]);
+            assert!(of.len() == 2 && of.iter().all(|(gap, _)| (gap - z / steep).abs() < 1e-15), "{z}: {of:?}");
+            assert_eq!(of[0].1, of[1].1, "{of:?}");
+            // Four in the corner.
+            assert_eq!(even(&roof, [0.0, 0.5, z]).len(), 4, "{z}");
+            // One beside the ridge, and where the surface ends; elsewhere none.
+            let beside = even(&roof, [1e-3, 0.3, z]);
+            assert!(beside.len() < 2, "{z}: {beside:?}");
+            assert_eq!(even(&roof, [0.25, 0.0, z]).len(), 1);
+            assert!(even(&roof, [0.25, 0.3, z]).is_empty());
+        }
+    }
+    for z in [-1e-3, 0.0, 1e-3] {
+        assert!(even(&roof(0.3), [0.0, 0.3, z]).len() < 2, "{z}");
+    }
+    // Three corners of triangles and six, by their angles.
+    let flat = set(&grid(2, 2, true, |s, t| [s, t, 0.0]), Smoothing::Facet);
+    let around = even(&flat, [0.5, 0.5, 1e-3]);
+    assert_eq!(around.len(), 6);
+    assert!((around.iter().map(|(_, angle)| angle).sum::<f64>() - 2.0 * std::f64::consts::PI).abs() < 1e-12);
+    // The kinks between smooth patches count, too.
+    let bulge = |s: f64, t: f64| 0.1 * (s - s * s) + 0.2 * (t - t * t) * (1.0 + s);
+    let smooth = set(&grid(3, 3, false, |s, t| [s, t, bulge(s, t)]), Smoothing::Nagata);
+    let edge = smooth.get(4).unwrap().point([0.5, 0.0]);
+    assert_eq!(even(&smooth, edge.into()).len(), 2);
+}
+
 /// A blade of 20 degrees: the point is behind the plane of one side and yet outside.
 #[test]
 fn outside_an_acute_edge_is_outside() {
