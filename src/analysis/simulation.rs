@@ -5,6 +5,7 @@ use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::{Event, Observer, Rounded, State, preflight};
+use crate::contact::meeting::{mean_of_pieces, pieces_of};
 use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::{Model, outward_of};
@@ -332,15 +333,16 @@ impl<'a> Simulation<'a> {
                         segments.meet(pair, s, projection.as_ref(), &Mat3::identity()).map(|(mean, _)| mean)
                     }
                 };
+                let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at));
                 let slave = &mut pair.slaves[s];
-                slave.trial.projection = projection;
+                slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));
+                slave.pieces = pieces_of(&even);
                 // An active set begins with what touches; nothing else may hold a body.
                 let touches = projection.is_some_and(|p| p.gap <= pair.controls.touching_gap * pair.facet_size);
                 if touches && pair.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }
-                let between = pair.between(s, &ground, &position);
-                pair.slaves[s].commit((pair.method, Vec3::zeros()), &ground, (&position, &between), 0.0);
+                slave.commit(pair.method, Vec3::zeros(), &ground, &position, 0.0);
             }
         }
     }

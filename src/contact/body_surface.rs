@@ -149,7 +149,7 @@ impl BodySurface {
         reach: f64,
         place: impl Fn(u32) -> Vec3,
     ) -> bool {
-        let kept: BTreeSet<u32> = pair.slaves.iter().flat_map(|s| s.committed.origins()).map(|(id, ..)| id).collect();
+        let kept: BTreeSet<u32> = pair.slaves.iter().flat_map(|s| s.committed.origins()).map(|at| at.patch).collect();
         let slaves: Vec<Vec3> = pair.slaves.iter().map(|s| place(s.node)).collect();
         self.follow(comm, &slaves, reach, &kept, place)
     }

@@ -360,13 +360,15 @@ fn frictional(
     let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
     let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
+    // What rounding of places makes of a node that stands still has no direction to slip along.
+    let still = 16.0 * f64::EPSILON * place.point.amax() * law.tangential;
     // A node that slipped last stands on the cone to rounding, and is taken to slip on.
     let status = match set {
         // Without a direction.
         Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
         Some(status) => status,
         None if lambda_n > 0.0 && !law.clings => Status::Gap,
-        None if (law.rough || law.clings || size <= bound * (1.0 - 1e-9)) && !drawn => Status::Stick,
+        None if (law.rough || law.clings || size <= (bound * (1.0 - 1e-9)).max(still)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
     let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;

@@ -7,7 +7,7 @@
 use super::element::frame;
 use super::method::Tangent;
 use super::pose::way_past;
-use super::{BodySurface, Outlook, Pair, Pose, Slave, Tool};
+use super::{Beside, BodySurface, Outlook, Pair, Pose, Slave, Tool};
 use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
@@ -406,37 +406,27 @@ impl<'a> Ground<'a> {
         })
     }
 
-    /// Where a slave node of a pair with friction at `x`, which has the point `at`, is exactly between pieces of the master: its
-    /// points on all of them, and their shares by the angles that they fill there. The choice of one of them would push it aside.
-    ///
-    /// At most one elsewhere, and without friction: there a node on a ridge is in unstable balance, and rounding would decide
-    /// when it leaves it.
+    /// Where a slave node of a pair at `x`, which has the point `at`, is exactly between pieces of the master: its points on all of
+    /// them, and their shares by the angles that they fill there. The choice of one of them would push it aside. At most one
+    /// elsewhere.
     pub fn evenly(&self, pair: &Pair, x: &Vec3, at: &Projection) -> Vec<(Projection, f64)> {
         let turn = pair.controls.kink_turn;
-        let mut even = match self {
-            _ if !pair.may_be_between() => return Vec::new(),
-            Self::Tool(tool) if tool.trial.axle.is_none() => tool.evenly(x, pair.reach, at, turn),
-            Self::Surface(surface, Meets::Faces) => {
+        in_shares(match self {
+            _ if !pair.may_be_between() => Vec::new(),
+            Self::Tool(tool) => tool.evenly(x, pair.reach, at, turn),
+            Self::Surface(surface, _) => {
                 surface.shapes().evenly(x, pair.reach, at, (turn, Some(pair.controls.edge_beside)))
             }
-            _ => return Vec::new(),
-        };
-        let all: f64 = even.iter().map(|(_, angle)| angle).sum();
-        even.iter_mut().for_each(|(_, angle)| *angle /= all);
-        even
+        })
     }
 
-    /// Whether a body's surface ends where a slave node meets it, in a plane that the node cannot leave, `free` being the projector
-    /// on the ways that it can go, and the normal leans out of that. The mirror image leans as much the other way: half a model
-    /// has half of what the whole has.
-    pub fn ends_in_plane(&self, at: &Projection, free: &Mat3) -> bool {
-        /// What rounding has of a normal.
-        const LEANS: f64 = 1e-12;
-        let is_at_end = || match self {
-            Self::Surface(surface, Meets::Faces) => surface.shapes().is_at_end(at),
-            _ => false,
-        };
-        (free * at.normal - at.normal).norm() > LEANS && is_at_end()
+    /// The same where it keeps to the `pieces` that it was between, on their extensions; none where it is not between them any more.
+    pub fn evenly_on(&self, pair: &Pair, x: &Vec3, at: &Projection, pieces: &[Beside]) -> Vec<(Projection, f64)> {
+        let (turn, ids) = (pair.controls.kink_turn, pieces.iter().map(|piece| piece.patch));
+        in_shares(match self {
+            Self::Tool(tool) => tool.evenly_on(x, at, ids, turn),
+            Self::Surface(surface, _) => surface.shapes().evenly_on(x, at, ids, turn),
+        })
     }
 
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
@@ -519,16 +509,17 @@ impl<'a> Ground<'a> {
         SlipOrigin::Carried(id, xi)
     }
 
-    /// The same of a node that was exactly between pieces then: all the places, with their shares.
+    /// The same of a node that was exactly between pieces of a body then: all the places, with their shares. What a tool carries
+    /// along is the mean of them.
     pub fn slip_origins(&self, slave: &Slave, now: &Projection) -> Vec<(SlipOrigin, f64)> {
         let several = match self {
-            Self::Surface(surface, Meets::Faces) if slave.committed.beside[0].share > 0.0 => {
-                slave.committed.origins().all(|(id, ..)| surface.patch(id).is_some())
+            Self::Surface(surface, Meets::Faces) if slave.committed.was_between() => {
+                slave.committed.origins().all(|origin| surface.patch(origin.patch).is_some())
             }
             _ => false,
         };
         match several {
-            true => slave.committed.origins().map(|(id, xi, share)| (SlipOrigin::Carried(id, xi), share)).collect(),
+            true => slave.committed.origins().map(|at| (SlipOrigin::Carried(at.patch, at.xi), at.share)).collect(),
             false => vec![(self.slip_origin(slave, now), 1.0)],
         }
     }
@@ -675,6 +666,13 @@ impl<'a> Ground<'a> {
             Self::Surface(surface, _) => Past::Places(surface.places(comm, place)),
         }
     }
+}
+
+/// Angles as shares of their sum.
+fn in_shares(mut even: Vec<(Projection, f64)>) -> Vec<(Projection, f64)> {
+    let all: f64 = even.iter().map(|(_, angle)| angle).sum();
+    even.iter_mut().for_each(|(_, angle)| *angle /= all);
+    even
 }
 
 /// Where a node that was at `before` at the last converged increment was beside the patch that it is on `now`.

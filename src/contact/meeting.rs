@@ -5,7 +5,8 @@ use super::master::{Ground, SlipOrigin};
 use super::moves::{Movement, alike};
 use super::segment::points::mean_of;
 use super::segment::{Point, Segments, Share};
-use super::{Guide, Mover, Multiplier, Pair, Response, Slave, Status, Tangent, touching};
+use super::slave::number_of;
+use super::{Beside, Guide, Mover, Multiplier, Pair, Response, Slave, Status, Tangent, touching};
 use crate::surface::Projection;
 use crate::surface::moving::Transfer;
 use crate::{Mat3, Vec3};
@@ -69,7 +70,8 @@ impl Meeting {
         let may_enter = slave.trial.entrances < 2 * slave.trial.patience;
         let entrance = projection.filter(|_| may_enter).and_then(|p| ground.entrance(pair, s, position, &p));
         let enters = entrance.is_some();
-        let is_nearest = !keeps && entrance.map(|p| p.patch).is_none_or(|side| projection.is_some_and(|p| p.patch == side));
+        let is_nearest =
+            !keeps && entrance.map(|p| p.patch).is_none_or(|side| projection.is_some_and(|p| p.patch == side));
         let projection = entrance.or(projection);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
         let (tangent, controls) = (pair.tangent, pair.controls);
@@ -77,14 +79,21 @@ impl Meeting {
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
-        let between = projection.and_then(|p| between(pair, ground, (&pair.slaves[s], position), (&p, is_nearest), &guide));
+        let even = projection.map_or(Vec::new(), |at| match () {
+            // One that goes to and fro over a kink keeps to what it was on.
+            () if may_keep => ground.evenly_on(pair, position, &at, &pair.slaves[s].pieces),
+            () if is_nearest => ground.evenly(pair, position, &at),
+            () => Vec::new(),
+        });
+        let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
         let (projection, several) = match (met, between) {
             (Some(met), _) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(Touch::Faces(shares)))),
             (_, Some((mean, points))) => (Some(mean), Some(Touch::Pieces(points))),
             _ => (projection, None),
         };
         let slave = &mut pair.slaves[s];
-        slave.trial.stand(projection, warm.map(|(patch, _)| patch));
+        slave.pieces = if even.len() > 1 { pieces_of(&even) } else { Vec::new() };
+        slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)));
         slave.trial.keeps = keeps;
         slave.trial.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
@@ -112,7 +121,9 @@ impl Meeting {
             (Some(segments), Some((_, Touch::Faces(shares)))) => {
                 shares.iter().flat_map(|share| segments.get(share).patches(frictional)).collect()
             }
-            (_, Some((_, Touch::Pieces(points)))) => points.iter().flat_map(|point| point.patches(frictional)).collect(),
+            (_, Some((_, Touch::Pieces(points)))) => {
+                points.iter().flat_map(|point| point.patches(frictional)).collect()
+            }
             (Some(_), _) => std::mem::take(&mut slave.met),
             _ => Vec::new(),
         };
@@ -171,30 +182,38 @@ impl Meeting {
     }
 }
 
-/// What a slave node, which has the point `at`, meets where it is exactly between pieces of the master, or was at the last
-/// converged increment: the mean of their points, and each with each of the places from which slip counts. Otherwise nothing.
+/// The pieces of points that a slave node has `evenly`, with their shares.
+pub fn pieces_of(even: &[(Projection, f64)]) -> Vec<Beside> {
+    even.iter().map(|(at, share)| Beside { patch: at.patch, xi: at.xi, share: *share }).collect()
+}
+
+/// The mean of the points that a slave node has `even`ly; the rest is that of `at`.
+pub fn mean_of_pieces(even: &[(Projection, f64)], at: &Projection) -> Option<Projection> {
+    mean_of(even.iter().map(|(p, share)| (p, *share)), at, &Mat3::identity())
+}
+
+/// What a slave node, which has the point `at`, meets where it is exactly between pieces of the master, on which it has points
+/// `even`ly, or was at the last converged increment: the mean of these points, and each with each of the places from which slip
+/// counts. Otherwise nothing.
 fn between(
     pair: &Pair,
     ground: &Ground,
-    (slave, position): (&Slave, &Vec3),
-    (at, is_nearest): (&Projection, bool),
-    guide: &Guide,
+    slave: &Slave,
+    at: &Projection,
+    even: &[(Projection, f64)],
 ) -> Option<(Projection, Vec<Point>)> {
-    if !pair.may_be_between() {
+    let alone = [(*at, 1.0)];
+    if even.len() < 2 && (pair.friction == 0.0 || !slave.committed.was_between()) {
         return None;
     }
-    let free = guide.free();
-    let mut even = if is_nearest { ground.evenly(pair, position, at) } else { Vec::new() };
-    let is_alone = even.len() < 2;
-    if is_alone {
-        even = vec![(*at, 1.0)];
-    }
-    if is_alone && slave.committed.beside[0].share == 0.0 && !ground.ends_in_plane(at, &free) {
-        return None;
-    }
-    let mean = mean_of(even.iter().map(|(p, share)| (p, *share)), at, &free)?;
-    let (nodes, shapes) = ([slave.node; 4], [1.0, 0.0, 0.0, 0.0]);
     let origins = ground.slip_origins(slave, at);
+    let even = match even.len() {
+        0 | 1 if origins.len() > 1 => &alone[..],
+        0 | 1 => return None,
+        _ => even,
+    };
+    let mean = mean_of_pieces(even, at)?;
+    let (nodes, shapes) = ([slave.node; 4], [1.0, 0.0, 0.0, 0.0]);
     let with_origins = |(at, share): &(Projection, f64)| {
         let (at, share) = (*at, *share);
         let of_origin = move |(origin, part): &(SlipOrigin, f64)| {
@@ -262,11 +281,12 @@ impl Workspace {
             (segments, _) => segments.map(|_| Vec::new()),
         };
         if let Some(portions) = portions {
-            let spread = |(p, _): &(Projection, Touch)| Spread {
+            let spread = |(p, touch): &(Projection, Touch)| Spread {
                 node: slave.node,
                 portions: &portions,
                 gap: p.gap,
                 normal: p.normal,
+                free: if let Touch::Faces(_) = touch { guide.free() } else { Mat3::identity() },
                 carried: meeting.carried,
             };
             let spread = meeting.contact.as_ref().map(spread);

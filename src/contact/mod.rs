@@ -46,7 +46,7 @@ pub use moves::Movement;
 pub use pose::{Axle, Pose, Rotation};
 pub use segment::{Faces, Segments};
 pub use self_contact::{Avoided, Outlook};
-pub use slave::{Committed, Held, Local, Manner, Mover, Slave};
+pub use slave::{Beside, Committed, Held, Local, Manner, Mover, Slave};
 pub use tool::Tool;
 pub use trial::{Trial, touching};
 pub use watch::Sight;
@@ -132,13 +132,6 @@ impl Pair {
         }
     }
 
-    /// The points of all the pieces of a body that slave node `s`, at `position`, is exactly between in its iterate, with their
-    /// shares; else none. What a tool carries along is the mean of them already.
-    pub fn between(&self, s: usize, ground: &Ground, position: &Vec3) -> Vec<(Projection, f64)> {
-        let at = self.slaves[s].trial.projection.filter(|_| self.master.surface().is_some());
-        at.map_or(Vec::new(), |at| ground.evenly(self, position, &at))
-    }
-
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
     pub fn may_meet(&self, slave: usize, patch: &Patch) -> bool {
         match (self.outward.get(slave), self.avoided.get(slave)) {
@@ -184,7 +177,7 @@ impl Pair {
 
     /// Whether a slave node that is exactly between pieces of the master is on all of them, see [`Ground::evenly`].
     pub fn may_be_between(&self) -> bool {
-        self.friction > 0.0 && self.faces.is_none() && !self.within_body && !self.is_by_nodes()
+        self.faces.is_none() && !self.within_body && !self.is_by_nodes()
     }
 
     /// Whether a surface meets itself.

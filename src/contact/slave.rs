@@ -66,6 +66,8 @@ pub struct Slave {
     pub sighted: Sight,
     /// The patches of a body that its points were on at the last iterate, with their slip origins.
     pub met: Vec<u32>,
+    /// The pieces of the master that it was exactly between at the last iterate; none if it was not.
+    pub pieces: Vec<Beside>,
 }
 
 /// What a slave node remembers of the last converged increment.
@@ -80,7 +82,7 @@ pub struct Committed {
     /// Patch and parameters of the closest point, where the next projection starts: on a deformable master, the slip
     /// origin.
     pub warm: Option<(u32, [f64; 2])>,
-    /// The others of a deformable master that the node was exactly between, with their shares in the slip origin.
+    /// The others, where the node was exactly between pieces, with their shares.
     pub beside: [Beside; BESIDE],
     /// It keeps to that patch beyond its kink, and still does so as the next increment begins: the state would not be in
     /// equilibrium on the other side.
@@ -94,10 +96,10 @@ pub struct Committed {
 
 crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, status, held, slid });
 
-/// As many patches as are told apart besides the first: six triangles around a corner.
+/// As many pieces as are told apart besides the first: six triangles around a corner.
 const BESIDE: usize = 5;
 
-/// Patch and parameters of a closest point that is one of several, and its share.
+/// Piece and parameters of a closest point that is one of several, and its share.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Beside {
     pub patch: u32,
@@ -107,13 +109,24 @@ pub struct Beside {
 
 crate::words!(Beside { patch, xi, share });
 
+/// A number for several pieces, beyond the ids of pieces.
+pub fn number_of(pieces: &[Beside]) -> Option<u32> {
+    const FIRST: u32 = 1 << 31;
+    let number = |number: u32, piece: &Beside| number.wrapping_mul(31).wrapping_add(piece.patch);
+    (!pieces.is_empty()).then(|| pieces.iter().fold(0, number) | FIRST)
+}
+
 impl Committed {
-    /// Patch, parameters and share of each closest point of the last converged increment.
-    pub fn origins(&self) -> impl Iterator<Item = (u32, [f64; 2], f64)> {
+    /// Piece, parameters and share of each closest point of the last converged increment.
+    pub fn origins(&self) -> impl Iterator<Item = Beside> {
         let beside = self.beside.into_iter().filter(|beside| beside.share > 0.0);
-        let first = 1.0 - beside.clone().map(|beside| beside.share).sum::<f64>();
-        let first = self.warm.map(|(patch, xi)| (patch, xi, first));
-        first.into_iter().chain(beside.map(|Beside { patch, xi, share }| (patch, xi, share)))
+        let share = 1.0 - beside.clone().map(|beside| beside.share).sum::<f64>();
+        self.warm.map(|(patch, xi)| Beside { patch, xi, share }).into_iter().chain(beside)
+    }
+
+    /// Whether the node was exactly between pieces.
+    pub fn was_between(&self) -> bool {
+        self.beside[0].share > 0.0
     }
 }
 
@@ -197,6 +210,7 @@ impl Slave {
             sight,
             sighted,
             met: Vec::new(),
+            pieces: Vec::new(),
         }
     }
 
@@ -228,7 +242,10 @@ impl Slave {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
         let returns = if self.committed.keeps { patience } else { 0 };
-        self.trial = Trial { status, yields, patience, returns, ..Trial::default() };
+        self.pieces.clear();
+        self.pieces.extend(self.committed.origins().filter(|_| self.committed.was_between()));
+        let on = number_of(&self.pieces).or(self.committed.warm.map(|(patch, _)| patch));
+        self.trial = Trial { status, yields, patience, returns, on, ..Trial::default() };
         let automatic = manner.automatic || manner.soft;
         let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
@@ -353,22 +370,14 @@ impl Slave {
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
     }
 
-    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered, and
-    /// all the pieces that it is `between`, with their shares. With what force it `slid` off the master in between is noted, N.
-    pub fn commit(
-        &mut self,
-        (method, multiplier): (Enforcement, Vec3),
-        ground: &Ground,
-        (position, between): (&Vec3, &[(Projection, f64)]),
-        slid: f64,
-    ) {
+    /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
+    /// With what force it `slid` off the master in between is noted, N.
+    pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3, slid: f64) {
         (self.accepted, self.sight) = (self.trial, self.sighted);
         let projection = self.trial.projection;
-        let others = between.iter().filter(|(at, _)| projection.is_some_and(|p| p.patch != at.patch));
+        let others = self.pieces.iter().filter(|at| projection.is_some_and(|p| p.patch != at.patch));
         let mut beside = [Beside::default(); BESIDE];
-        beside.iter_mut().zip(others).for_each(|(beside, (at, share))| {
-            *beside = Beside { patch: at.patch, xi: at.xi, share: *share };
-        });
+        beside.iter_mut().zip(others).for_each(|(beside, other)| *beside = *other);
         self.committed = Committed {
             beside,
             held: self.handed_on(method, &ground.carrier(projection.as_ref())),

@@ -17,7 +17,9 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
-    /// The piece of the master that it left last, and how often it has come back to one.
+    /// The piece of the master that it is on, or a number of those that it is between; that which it left last, and how often it
+    /// has come back to one.
+    pub on: Option<u32>,
     pub left: Option<u32>,
     pub returns: u32,
     /// From so many returns on it keeps to its side of kinks.
@@ -49,6 +51,7 @@ crate::words!(Trial {
     received,
     yields,
     projection,
+    on,
     left,
     returns,
     patience,
@@ -85,15 +88,16 @@ impl Trial {
         (self.asked, self.violation, self.local) = (asked, violation, constraint.amax());
     }
 
-    /// Takes over where it is on the master; it was on the piece `last` before.
-    pub fn stand(&mut self, projection: Option<Projection>, last: Option<u32>) {
+    /// Takes over where it is on the master: `on` a piece, or on several of which it has a number.
+    pub fn stand(&mut self, projection: Option<Projection>, on: Option<u32>) {
         self.projection = projection;
-        if let (Some(here), Some(last)) = (projection.map(|p| p.patch), last)
+        if let (Some(here), Some(last)) = (on, self.on)
             && here != last
         {
             self.returns += u32::from(self.left == Some(here));
             self.left = Some(last);
         }
+        self.on = on.or(self.on);
     }
 
     /// Notes whether it is on the side that it was on, or came through.

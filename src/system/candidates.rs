@@ -6,7 +6,7 @@
 //! facets at least and four at most, so that their number does not grow with the fineness of the master. In
 //! self-contact those around the node are none, nor those that look the same way. The matrix couples the node, its
 //! multiplier and the stencil of each candidate; with friction the stencils of any two, since the node may be on one
-//! and have its slip origin on the other.
+//! and have its slip origin on the other; without, the stencils of those that it is exactly between.
 
 use super::dofs::{DofMap, NONE};
 use super::masters::equations;
@@ -22,6 +22,8 @@ use mpi::topology::SimpleCommunicator;
 pub struct Candidates {
     /// For each pair and slave node the ids of its candidates, ascending.
     ids: Vec<Vec<Vec<u32>>>,
+    /// The same of those that are coupled with each other.
+    together: Vec<Vec<Vec<u32>>>,
 }
 
 impl Candidates {
@@ -51,7 +53,7 @@ impl Candidates {
                     ids.extend(touching.map(|p| p.patch));
                     ids.extend(&slave.met);
                     if !ids.is_empty() && pair.friction > 0.0 {
-                        ids.extend(slave.committed.origins().map(|(id, ..)| id));
+                        ids.extend(slave.committed.origins().map(|at| at.patch));
                     }
                     ids.sort_unstable();
                     ids.dedup();
@@ -60,12 +62,20 @@ impl Candidates {
                 pair.slaves.iter().enumerate().map(near).collect()
             }
         };
-        Self { ids: pairs.iter().map(of_pair).collect() }
+        let ids: Vec<Vec<Vec<u32>>> = pairs.iter().map(of_pair).collect();
+        let together = |(pair, ids): (&Pair, &Vec<Vec<u32>>)| match pair.friction > 0.0 || pair.faces.is_some() {
+            true => ids.clone(),
+            false => pair.slaves.iter().map(|slave| slave.met.clone()).collect(),
+        };
+        let together = pairs.iter().zip(&ids).map(together).collect();
+        Self { ids, together }
     }
 
-    /// Whether a slave node was expected on a patch.
-    pub fn has(&self, pair: usize, slave: usize, patch: u32) -> bool {
-        self.ids[pair][slave].binary_search(&patch).is_ok()
+    /// Whether a slave node was expected on these patches at once.
+    pub fn has(&self, pair: usize, slave: usize, patches: &[u32]) -> bool {
+        let has = |ids: &[u32], patch: &u32| ids.binary_search(patch).is_ok();
+        let ids = if patches.len() < 2 { &self.ids } else { &self.together };
+        patches.iter().all(|patch| has(&ids[pair][slave], patch))
     }
 
     /// Groups of equations that are coupled with each other.
@@ -90,12 +100,12 @@ impl Candidates {
                 if is_tool && of_tool().next().is_some() {
                     groups.push(own.iter().copied().chain(of_tool()).collect());
                 }
-                let all = pair.friction > 0.0 || pair.faces.is_some();
-                let together = if all { ids.len().max(1) } else { 1 };
                 if pair.faces.is_some() && ids.is_empty() {
                     groups.push(own.clone());
                 }
-                for ids in ids.chunks(together) {
+                let together = &self.together[p][s];
+                let alone = ids.iter().filter(|id| together.binary_search(id).is_err()).map(std::slice::from_ref);
+                for ids in alone.chain((!together.is_empty()).then_some(&together[..])) {
                     let mut group: Vec<i64> = ids.iter().flat_map(of_patch).chain(own.iter().copied()).collect();
                     group.sort_unstable();
                     group.dedup();

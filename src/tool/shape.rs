@@ -50,6 +50,21 @@ impl Shape {
         }
     }
 
+    /// The same on pieces that it was between: see [`PieceSet::evenly_on`].
+    pub fn evenly_on(
+        &self,
+        x: &Vec3,
+        at: &Projection,
+        pieces: impl Iterator<Item = u32>,
+        turn: f64,
+    ) -> Vec<(Projection, f64)> {
+        match self {
+            Self::Patches(patches) => patches.evenly_on(x, at, pieces, turn),
+            Self::Faces(faces) => faces.evenly_on(x, at, pieces, turn),
+            Self::Analytic(_) => Vec::new(),
+        }
+    }
+
     /// Perpendiculars from `x` to all its pieces, no longer than `most`; they may miss a piece by a distance of `aside`. None
     /// of shapes without edges.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {

@@ -14,6 +14,7 @@ use crate::model::Model;
 use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
+use smallvec::SmallVec;
 
 /// What contact works with besides the model.
 #[derive(Default)]
@@ -207,9 +208,9 @@ impl Newton<'_> {
             let ground = masters.of(pair.master);
             for (s, _) in pair.slaves.iter().enumerate().filter(|(_, s)| s.trial.status != Status::Gap) {
                 let slave = &pair.slaves[s];
-                let mut patches = self.touching.meetings[p][s].iter().flat_map(|meeting| meeting.patches(slave));
-                let is_new = |id: u32| ground.patch(id).is_some() && !self.system.pattern.candidates.has(p, s, id);
-                lacks |= patches.any(is_new);
+                let patches = self.touching.meetings[p][s].iter().flat_map(|meeting| meeting.patches(slave));
+                let patches: SmallVec<[u32; 4]> = patches.filter(|id| ground.patch(*id).is_some()).collect();
+                lacks |= !self.system.pattern.candidates.has(p, s, &patches);
             }
         }
         any(self.system.comm, lacks)

@@ -10,7 +10,8 @@
 //!     dR_a = (Σ_q w_q T_qa B_q) dF + [Σ_q w_q T_qa ((n_q - n) F^T - F_n I)] dn + Σ_q w_q F_n T_qa dn_q + Σ_q dT_qa f_q
 //! ```
 //!
-//! with F_n = F·n. The mean normal has no component along directions that are held: dn = (I - nn)/|P m| P dm with m = Σ w_q n_q.
+//! with F_n = F·n. The mean normal may have to have no component along directions that are held: with P the projector on the
+//! others dn = (I - nn)/|P m| P dm, m = Σ w_q n_q.
 //! A tangential force that is held goes with the tool; with a patch it stands still in the tangent.
 
 use super::motion::{Motion, Part};
@@ -59,6 +60,8 @@ pub struct Spread<'a> {
     /// Gap and normal.
     pub gap: f64,
     pub normal: Vec3,
+    /// P, the projector on the directions that the normal may have.
+    pub free: Mat3,
     /// With a multiplier that is held, a part of λ_t, in space.
     pub carried: Vec3,
 }
@@ -129,7 +132,7 @@ impl Element {
             None => self.assemble(method, width, &response, None),
             Some(spread) => {
                 self.add_points(method.transfer, &response, (spread, bed));
-                self.assemble_points(method, width, (&response, spread), guide);
+                self.assemble_points(method, width, (&response, spread));
             }
         }
         if response.inverse != Mat3::zeros() {
@@ -303,13 +306,7 @@ impl Element {
     }
 
     /// The tangent from the sums.
-    fn assemble_points(
-        &mut self,
-        method: &Method,
-        width: usize,
-        (response, spread): (&Response, &Spread),
-        guide: &Guide,
-    ) {
+    fn assemble_points(&mut self, method: &Method, width: usize, (response, spread): (&Response, &Spread)) {
         let sums = std::mem::take(&mut self.sums);
         let (count, epsilon, n) = (sums.gap.len(), method.law.normal, spread.normal);
         let size = 3 * count + width;
@@ -319,7 +316,7 @@ impl Element {
         let start = |k: usize| if k == 0 { 0 } else { 3 * k + width };
         let (by, constraint_by) = (&response.force_by, &response.constraint_by);
         self.set(3, 3, [width; 2], &(constraint_by.multiplier * epsilon));
-        let free = guide.free();
+        let free = spread.free;
         let mean: Vec3 = spread.portions.iter().map(|point| point.at.normal * point.weight).sum();
         let turn = (Mat3::identity() - n * n.transpose()) * free / (free * mean).norm();
         let normal_force = n.dot(&response.force);

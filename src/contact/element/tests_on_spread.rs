@@ -59,7 +59,8 @@ impl Scene {
         let patches = MovingPatch::all(&mesh, &numbers, smoothing, 50.0, &[], &Controls::default()).unwrap();
         let stencils = patches.iter().map(|patch| patch.nodes.iter().map(|&n| n as u32).collect()).collect();
         let points = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
-        Self { patches, stencils, points, slaves: Vec::new(), spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }.placed()
+        Self { patches, stencils, points, slaves: Vec::new(), spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }
+            .placed()
     }
 
     fn ball() -> Self {
@@ -131,6 +132,7 @@ impl Scene {
             portions: &portions,
             gap: portions.iter().map(|p| p.weight * p.at.gap).sum(),
             normal: sum(&|p| p.at.normal).normalize(),
+            free: Mat3::identity(),
             carried: Vec3::zeros(),
         };
         let friction = if width == 3 { self.friction } else { 0.0 };

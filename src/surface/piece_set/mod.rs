@@ -39,7 +39,7 @@ pub(crate) mod tree;
 pub use search::{Admission, settle};
 
 use super::patch::Patch;
-use super::piece::{EXTENSION, Edge, Piece};
+use super::piece::{EXTENSION, Piece};
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
@@ -254,7 +254,7 @@ impl<P: Piece> PieceSet<P> {
         let near = search::KEEP * self.largest;
         let mut even = if at.gap.abs() <= near {
             // Whether it is inside or outside is rounding.
-            self.sides_of(x, (&at.point, near), EXTENSION).collect()
+            self.sides_of(x, (&piece.point(piece.clamp(at.xi)), near), EXTENSION).collect()
         } else {
             let all = |_: &P, _: &Foot| true;
             let mut search = Search::new(self, x, reach, Some(k), Question::Even, &all);
@@ -275,12 +275,27 @@ impl<P: Piece> PieceSet<P> {
         if even.iter().any(|(p, _)| p.patch == at.patch) { even } else { Vec::new() }
     }
 
-    /// Whether a point of a piece is on an edge of it that ends the surface.
-    pub fn is_at_end(&self, at: &Projection) -> bool {
-        self.get(at.patch).is_some_and(|piece| {
-            let (edges, sides) = (piece.edges(), piece.sides(at.xi));
-            (0..piece.count()).any(|k| edges[k] == Edge::Boundary && sides[k].abs() < search::KEEP)
-        })
+    /// The same on given pieces, one of which has the point `at`, and their extensions. None where `x` is not evenly between them.
+    pub fn evenly_on(
+        &self,
+        x: &Vec3,
+        at: &Projection,
+        pieces: impl Iterator<Item = u32>,
+        turn: f64,
+    ) -> Vec<(Projection, f64)> {
+        let near = search::KEEP * self.largest;
+        let on = |id: u32| {
+            let piece = self.get(id)?;
+            if id == at.patch {
+                return Some((*at, search::angle(piece, piece.clamp(at.xi))));
+            }
+            let foot = descend(piece, x, &[EXTENSION; 4], piece.center());
+            let found = on_surface(piece, x, &foot);
+            let is_even = (found.gap - at.gap).abs() <= near && found.normal.dot(&at.normal) >= 1.0 - turn;
+            (foot.limits == 0 && is_even).then(|| (found, search::angle(piece, piece.clamp(foot.xi))))
+        };
+        let even: Vec<_> = pieces.map(on).collect::<Option<_>>().unwrap_or_default();
+        if even.iter().any(|(p, _)| p.patch == at.patch) { even } else { Vec::new() }
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece
