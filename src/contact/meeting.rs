@@ -79,12 +79,12 @@ impl Meeting {
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
-        let even = projection.map_or(Vec::new(), |at| match () {
+        let even = match &projection {
             // One that goes to and fro over a kink keeps to what it was on.
-            () if may_keep => ground.evenly_on(pair, position, &at, &pair.slaves[s].pieces),
-            () if is_nearest => ground.evenly(pair, position, &at),
-            () => Vec::new(),
-        });
+            Some(at) if may_keep => ground.evenly_on(pair, position, at, &pair.slaves[s].pieces),
+            Some(at) if is_nearest => ground.evenly(pair, position, at),
+            _ => Vec::new(),
+        };
         let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
         let (projection, several) = match (met, between) {
             (Some(met), _) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(Touch::Faces(shares)))),

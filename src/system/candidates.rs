@@ -63,7 +63,8 @@ impl Candidates {
             }
         };
         let ids: Vec<Vec<Vec<u32>>> = pairs.iter().map(of_pair).collect();
-        let together = |(pair, ids): (&Pair, &Vec<Vec<u32>>)| match pair.friction > 0.0 || pair.faces.is_some() {
+        let all = |pair: &Pair| pair.friction > 0.0 || pair.faces.is_some() || pair.master.tool().is_some();
+        let together = |(pair, ids): (&Pair, &Vec<Vec<u32>>)| match all(pair) {
             true => ids.clone(),
             false => pair.slaves.iter().map(|slave| slave.met.clone()).collect(),
         };
