@@ -54,6 +54,7 @@ enum Command {
         "nagata run first.toml",
         "mpirun -n 2 nagata run first.toml --out out/slippery --set contact.tread.friction=0.2",
         "nagata run first.toml --steps 1 --report -- -snes_monitor",
+        "mpirun -n 4 nagata run out/first --restart",
     ]))]
     Run {
         #[command(flatten)]
@@ -223,7 +224,7 @@ struct SurfaceArguments {
 
 #[derive(Args, Debug)]
 struct SceneArguments {
-    /// The scene file (TOML).
+    /// The scene file (TOML); to go on also the folder of the run, which has its scene.
     scene: PathBuf,
     /// Override an entry of the scene by its dotted key, as in `tool.indenter.smoothing=facet`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -270,8 +271,13 @@ impl Cli {
         petsc.reserve_memory()?;
         match &self.command {
             Command::Run { scene, out, steps, restart, estimate, quiet, report, .. } => {
-                let loaded = scene.load(comm)?;
-                let default = Path::new("out").join(&loaded.name);
+                // A run that goes on has left its scene in its folder.
+                let left = (*restart && scene.scene.is_dir()).then_some(&scene.scene);
+                let loaded = match left {
+                    None => scene.load(comm)?,
+                    Some(folder) => Scene { name: name_of(folder), ..scene.of_folder(folder).load(comm)? },
+                };
+                let default = left.map_or_else(|| Path::new("out").join(&loaded.name), Clone::clone);
                 let steps = steps.map(NonZeroUsize::get);
                 let out = out.as_deref().unwrap_or(&default);
                 let source = &scene.scene;
@@ -433,6 +439,17 @@ impl SceneArguments {
     fn load(&self, comm: &SimpleCommunicator) -> Result<Scene> {
         agree(comm, scene::load(&self.scene, &self.overrides))
     }
+
+    /// Those of the scene that a run has left in its folder.
+    fn of_folder(&self, folder: &Path) -> Self {
+        Self { scene: folder.join("scene.toml"), overrides: self.overrides.clone() }
+    }
+}
+
+/// The name that a run has in its folder.
+fn name_of(folder: &Path) -> String {
+    let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
+    folder.file_name().unwrap_or_default().to_string_lossy().into()
 }
 
 /// Says what was converted, and what of it is not as in the deck.

@@ -219,6 +219,23 @@ fn checkpoints_are_written_by_the_clock() {
 }
 
 /// A run that has ended goes on with the step that is added to its scene; what is written may change.
+/// The folder of a run has all that it takes to go on, what was set on the command line, too.
+#[test]
+fn a_run_goes_on_from_its_folder_alone() {
+    let bench = Bench::new(PRESS);
+    let friction = ["--set", "contact.top.friction=0.25"];
+    let whole = bench.solve(1, &friction);
+    let job = Job::start(&bench, 2, 5, &friction);
+    send("USR1", job.child.id());
+    let (code, said) = job.end();
+    assert_eq!(code, 4, "{said}");
+    std::fs::rename(bench.path("scene.toml"), bench.path("gone.toml")).unwrap();
+    let run = nagata(&bench.path(""), 1, &["run", "out", "--restart"], bench.path("out"));
+    assert_same(&run, &whole);
+    let fresh = nagata(&bench.path(""), 1, &["run", "out"], bench.path("out"));
+    assert!(fresh.code == 2 && fresh.stderr.contains("cannot read the scene out"), "{}", fresh.stderr);
+}
+
 #[test]
 fn a_step_is_added_to_a_finished_run() {
     let bench = Bench::new(PRESS);

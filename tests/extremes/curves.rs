@@ -146,7 +146,8 @@ fn body_to_and_fro() -> Vec<Case> {
                                 "1 rank",
                             ))
                         };
-                        cases.push(case.slow());
+                        let is_quick = [shape, discretization, smoothing] == ["dome", "two-pass", "nagata"];
+                        cases.push(case.quick_if(is_quick && friction > 0.0 && ranks == 1));
                     }
                 }
             }
