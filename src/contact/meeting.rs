@@ -79,9 +79,11 @@ impl Meeting {
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
+        // One that goes to and fro over a kink keeps to what it was on; to a single piece as long as it is not exactly between that
+        // and others, which on the way it is by symmetry alone.
+        let is_free = slave.pieces.is_empty() && slave.trial.returns < 2 * slave.trial.patience;
         let even = match &projection {
-            // One that goes to and fro over a kink keeps to what it was on.
-            Some(at) if may_keep => ground.evenly_on(pair, position, at, &pair.slaves[s].pieces),
+            Some(at) if may_keep && !is_free => ground.evenly_on(pair, position, at, &slave.pieces),
             Some(at) if is_nearest => ground.evenly(pair, position, at),
             _ => Vec::new(),
         };

@@ -63,7 +63,7 @@ impl Newton<'_> {
         if self.is_central() {
             return self.end_stage();
         }
-        let Controls { uzawa_tolerance, outer_rounds, .. } = self.system.model.controls;
+        let Controls { uzawa_tolerance, outer_rounds, rounding, .. } = self.system.model.controls;
         let tolerance = self.tolerance_now();
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
@@ -77,8 +77,14 @@ impl Newton<'_> {
                 _ => continue,
             };
             for (s, slave) in pair.slaves.iter().enumerate() {
-                if slave.trial.violation / allowed > worst.0 {
-                    *worst = (slave.trial.violation / allowed, Some((p, s)));
+                // Gaps and slips are no more exact than the places that they are between.
+                let exact = match pair.method {
+                    Enforcement::Uzawa => rounding * f64::EPSILON * slave.trial.position.amax(),
+                    _ => 0.0,
+                };
+                let off = slave.trial.violation / allowed.max(exact);
+                if off > worst.0 {
+                    *worst = (off, Some((p, s)));
                 }
             }
         }
