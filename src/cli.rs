@@ -51,10 +51,9 @@ enum Command {
     /// Run a scene and write its results into a folder.
     #[command(override_usage = "nagata run [OPTIONS] <SCENE> [-- PETSC OPTIONS]")]
     #[command(after_help = examples(&[
-        "nagata run first.toml",
         "mpirun -n 2 nagata run first.toml --out out/slippery --set contact.tread.friction=0.2",
         "nagata run first.toml --steps 1 --report -- -snes_monitor",
-        "mpirun -n 4 nagata run out/first --restart",
+        "nagata run out/first --restart",
     ]))]
     Run {
         #[command(flatten)]
