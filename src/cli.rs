@@ -65,7 +65,7 @@ enum Command {
         #[arg(long, value_name = "N")]
         steps: Option<NonZeroUsize>,
         /// Go on from the checkpoint in the folder for the results, on any number of ranks; the scene must be the same, but for
-        /// steps that are added and its `output`.
+        /// steps that are added and its `output`. The folder in place of the scene file stands for the scene that was run.
         #[arg(long, conflicts_with = "estimate")]
         restart: bool,
         /// Estimate the error of the increments, too, by a second run with increments twice as long: half the time more.
@@ -223,7 +223,7 @@ struct SurfaceArguments {
 
 #[derive(Args, Debug)]
 struct SceneArguments {
-    /// The scene file (TOML); to go on also the folder of the run, which has its scene.
+    /// The scene file (TOML).
     scene: PathBuf,
     /// Override an entry of the scene by its dotted key, as in `tool.indenter.smoothing=facet`; may be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -274,7 +274,10 @@ impl Cli {
                 let left = (*restart && scene.scene.is_dir()).then_some(&scene.scene);
                 let loaded = match left {
                     None => scene.load(comm)?,
-                    Some(folder) => Scene { name: name_of(folder), ..scene.of_folder(folder).load(comm)? },
+                    Some(folder) => {
+                        let loaded = agree(comm, scene::load(&folder.join("scene.toml"), &scene.overrides))?;
+                        Scene { name: name_of(folder), ..loaded }
+                    }
                 };
                 let default = left.map_or_else(|| Path::new("out").join(&loaded.name), Clone::clone);
                 let steps = steps.map(NonZeroUsize::get);
@@ -437,11 +440,6 @@ impl SceneArguments {
     /// Collective.
     fn load(&self, comm: &SimpleCommunicator) -> Result<Scene> {
         agree(comm, scene::load(&self.scene, &self.overrides))
-    }
-
-    /// Those of the scene that a run has left in its folder.
-    fn of_folder(&self, folder: &Path) -> Self {
-        Self { scene: folder.join("scene.toml"), overrides: self.overrides.clone() }
     }
 }
 

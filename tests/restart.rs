@@ -218,7 +218,6 @@ fn checkpoints_are_written_by_the_clock() {
     }
 }
 
-/// A run that has ended goes on with the step that is added to its scene; what is written may change.
 /// The folder of a run has all that it takes to go on, what was set on the command line, too.
 #[test]
 fn a_run_goes_on_from_its_folder_alone() {
@@ -236,6 +235,7 @@ fn a_run_goes_on_from_its_folder_alone() {
     assert!(fresh.code == 2 && fresh.stderr.contains("cannot read the scene out"), "{}", fresh.stderr);
 }
 
+/// A run that has ended goes on with the step that is added to its scene; what is written may change.
 #[test]
 fn a_step_is_added_to_a_finished_run() {
     let bench = Bench::new(PRESS);

@@ -333,7 +333,7 @@ impl<'a> Simulation<'a> {
                         segments.meet(pair, s, projection.as_ref(), &Mat3::identity()).map(|(mean, _)| mean)
                     }
                 };
-                let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at));
+                let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at, None));
                 let slave = &mut pair.slaves[s];
                 slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));
                 slave.pieces = pieces_of(&even);

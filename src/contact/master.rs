@@ -12,7 +12,7 @@ use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
+use crate::surface::{Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -408,25 +408,22 @@ impl<'a> Ground<'a> {
 
     /// Where a slave node of a pair at `x`, which has the point `at`, is exactly between pieces of the master: its points on all of
     /// them, and their shares by the angles that they fill there. The choice of one of them would push it aside. At most one
-    /// elsewhere.
-    pub fn evenly(&self, pair: &Pair, x: &Vec3, at: &Projection) -> Vec<(Projection, f64)> {
-        let turn = pair.controls.kink_turn;
-        in_shares(match self {
-            _ if !pair.may_be_between() => Vec::new(),
-            Self::Tool(tool) => tool.evenly(x, pair.reach, at, turn),
+    /// elsewhere. One that keeps to the pieces `kept` counts on these, and on their extensions, or on none.
+    pub fn evenly(&self, pair: &Pair, x: &Vec3, at: &Projection, kept: Option<&[Beside]>) -> Vec<(Projection, f64)> {
+        if !pair.may_be_between() {
+            return Vec::new();
+        }
+        let kept: Option<Vec<u32>> = kept.map(|kept| kept.iter().map(|piece| piece.patch).collect());
+        let even = Even { turn: pair.controls.kink_turn, reach: pair.reach, extension: None, kept: kept.as_deref() };
+        let mut found = match self {
+            Self::Tool(tool) => tool.evenly(x, at, &even),
             Self::Surface(surface, _) => {
-                surface.shapes().evenly(x, pair.reach, at, (turn, Some(pair.controls.edge_beside)))
+                surface.shapes().evenly(x, at, &Even { extension: Some(pair.controls.edge_beside), ..even })
             }
-        })
-    }
-
-    /// The same where it keeps to the `pieces` that it was between, on their extensions; none where it is not between them any more.
-    pub fn evenly_on(&self, pair: &Pair, x: &Vec3, at: &Projection, pieces: &[Beside]) -> Vec<(Projection, f64)> {
-        let (turn, ids) = (pair.controls.kink_turn, pieces.iter().map(|piece| piece.patch));
-        in_shares(match self {
-            Self::Tool(tool) => tool.evenly_on(x, at, ids, turn),
-            Self::Surface(surface, _) => surface.shapes().evenly_on(x, at, ids, turn),
-        })
+        };
+        let all: f64 = found.iter().map(|(_, angle)| angle).sum();
+        found.iter_mut().for_each(|(_, angle)| *angle /= all);
+        found
     }
 
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
@@ -666,13 +663,6 @@ impl<'a> Ground<'a> {
             Self::Surface(surface, _) => Past::Places(surface.places(comm, place)),
         }
     }
-}
-
-/// Angles as shares of their sum.
-fn in_shares(mut even: Vec<(Projection, f64)>) -> Vec<(Projection, f64)> {
-    let all: f64 = even.iter().map(|(_, angle)| angle).sum();
-    even.iter_mut().for_each(|(_, angle)| *angle /= all);
-    even
 }
 
 /// Where a node that was at `before` at the last converged increment was beside the patch that it is on `now`.

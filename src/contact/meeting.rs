@@ -82,11 +82,9 @@ impl Meeting {
         // One that goes to and fro over a kink keeps to what it was on; to a single piece as long as it is not exactly between that
         // and others, which on the way it is by symmetry alone.
         let is_free = slave.pieces.is_empty() && slave.trial.returns < 2 * slave.trial.patience;
-        let even = match &projection {
-            Some(at) if may_keep && !is_free => ground.evenly_on(pair, position, at, &slave.pieces),
-            Some(at) if is_nearest => ground.evenly(pair, position, at),
-            _ => Vec::new(),
-        };
+        let kept = (may_keep && !is_free).then_some(&slave.pieces[..]);
+        let even = projection.filter(|_| kept.is_some() || is_nearest);
+        let even = even.map_or(Vec::new(), |at| ground.evenly(pair, position, &at, kept));
         let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
         let (projection, several) = match (met, between) {
             (Some(met), _) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(Touch::Faces(shares)))),
@@ -94,8 +92,9 @@ impl Meeting {
             _ => (projection, None),
         };
         let slave = &mut pair.slaves[s];
-        slave.pieces = if even.len() > 1 { pieces_of(&even) } else { Vec::new() };
-        slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)));
+        let last = number_of(&slave.pieces).or(warm.map(|(patch, _)| patch));
+        slave.pieces = pieces_of(&even);
+        slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)), last);
         slave.trial.keeps = keeps;
         slave.trial.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
@@ -184,8 +183,9 @@ impl Meeting {
     }
 }
 
-/// The pieces of points that a slave node has `evenly`, with their shares.
+/// The pieces of points that a slave node has `evenly`, with their shares; none of a single one.
 pub fn pieces_of(even: &[(Projection, f64)]) -> Vec<Beside> {
+    let even = if even.len() > 1 { even } else { &[] };
     even.iter().map(|(at, share)| Beside { patch: at.patch, xi: at.xi, share: *share }).collect()
 }
 

@@ -244,8 +244,7 @@ impl Slave {
         let returns = if self.committed.keeps { patience } else { 0 };
         self.pieces.clear();
         self.pieces.extend(self.committed.origins().filter(|_| self.committed.was_between()));
-        let on = number_of(&self.pieces).or(self.committed.warm.map(|(patch, _)| patch));
-        self.trial = Trial { status, yields, patience, returns, on, ..Trial::default() };
+        self.trial = Trial { status, yields, patience, returns, ..Trial::default() };
         let automatic = manner.automatic || manner.soft;
         let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };

@@ -5,7 +5,7 @@ use crate::Vec3;
 use crate::controls::Controls;
 use crate::error::Result;
 use crate::scene;
-use crate::surface::{Projection, Sides, Way};
+use crate::surface::{Even, Projection, Sides, Way};
 use crate::tool::Surface;
 use mpi::topology::SimpleCommunicator;
 
@@ -60,33 +60,14 @@ impl Tool {
 
     /// Where a point in space that the tool has `at` is exactly between pieces of it: see [`crate::surface::PieceSet::evenly`]. Not
     /// on one that a torque turns.
-    pub fn evenly(&self, point: &Vec3, reach: f64, at: &Projection, turn: f64) -> Vec<(Projection, f64)> {
-        self.pieces(point, at, |x, at| self.surface.near().evenly(x, reach, at, turn))
-    }
-
-    /// The same on the pieces that it was between: see [`crate::surface::PieceSet::evenly_on`].
-    pub fn evenly_on(
-        &self,
-        point: &Vec3,
-        at: &Projection,
-        pieces: impl Iterator<Item = u32>,
-        turn: f64,
-    ) -> Vec<(Projection, f64)> {
-        self.pieces(point, at, |x, at| self.surface.near().evenly_on(x, at, pieces, turn))
-    }
-
-    fn pieces(
-        &self,
-        point: &Vec3,
-        at: &Projection,
-        of: impl FnOnce(&Vec3, &Projection) -> Vec<(Projection, f64)>,
-    ) -> Vec<(Projection, f64)> {
+    pub fn evenly(&self, point: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         if self.trial.axle.is_some() {
             return Vec::new();
         }
         let [x, place] = [point, &at.point].map(|x| self.trial.inward(x));
         let own = Projection { normal: self.trial.rotation.tr_mul(&at.normal), point: place, ..*at };
-        of(&x, &own).iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
+        let found = self.surface.near().evenly(&x, &own, even);
+        found.iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
     }
 
     /// Perpendiculars from a point in space to all pieces of the tool at its trial pose, no longer than `most`; they may miss a piece

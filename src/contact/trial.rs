@@ -17,9 +17,7 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
-    /// The piece of the master that it is on, or a number of those that it is between; that which it left last, and how often it
-    /// has come back to one.
-    pub on: Option<u32>,
+    /// The piece of the master that it left last, or a number of those that it was between, and how often it has come back to one.
     pub left: Option<u32>,
     pub returns: u32,
     /// From so many returns on it keeps to its side of kinks.
@@ -51,7 +49,6 @@ crate::words!(Trial {
     received,
     yields,
     projection,
-    on,
     left,
     returns,
     patience,
@@ -88,16 +85,15 @@ impl Trial {
         (self.asked, self.violation, self.local) = (asked, violation, constraint.amax());
     }
 
-    /// Takes over where it is on the master: `on` a piece, or on several of which it has a number.
-    pub fn stand(&mut self, projection: Option<Projection>, on: Option<u32>) {
+    /// Takes over where it is on the master: `here`, a piece or the number of several; it was on `last` before.
+    pub fn stand(&mut self, projection: Option<Projection>, here: Option<u32>, last: Option<u32>) {
         self.projection = projection;
-        if let (Some(here), Some(last)) = (on, self.on)
+        if let (Some(here), Some(last)) = (here, last)
             && here != last
         {
             self.returns += u32::from(self.left == Some(here));
             self.left = Some(last);
         }
-        self.on = on.or(self.on);
     }
 
     /// Notes whether it is on the side that it was on, or came through.

@@ -22,8 +22,8 @@ use mpi::topology::SimpleCommunicator;
 pub struct Candidates {
     /// For each pair and slave node the ids of its candidates, ascending.
     ids: Vec<Vec<Vec<u32>>>,
-    /// The same of those that are coupled with each other.
-    together: Vec<Vec<Vec<u32>>>,
+    /// For each pair those that are coupled with each other, where it is not all of them.
+    between: Vec<Option<Vec<Vec<u32>>>>,
 }
 
 impl Candidates {
@@ -62,21 +62,20 @@ impl Candidates {
                 pair.slaves.iter().enumerate().map(near).collect()
             }
         };
-        let ids: Vec<Vec<Vec<u32>>> = pairs.iter().map(of_pair).collect();
         let all = |pair: &Pair| pair.friction > 0.0 || pair.faces.is_some() || pair.master.tool().is_some();
-        let together = |(pair, ids): (&Pair, &Vec<Vec<u32>>)| match all(pair) {
-            true => ids.clone(),
-            false => pair.slaves.iter().map(|slave| slave.met.clone()).collect(),
-        };
-        let together = pairs.iter().zip(&ids).map(together).collect();
-        Self { ids, together }
+        let between = |pair: &Pair| (!all(pair)).then(|| pair.slaves.iter().map(|slave| slave.met.clone()).collect());
+        Self { ids: pairs.iter().map(of_pair).collect(), between: pairs.iter().map(between).collect() }
+    }
+
+    /// The candidates of a slave node that are coupled with each other.
+    fn together(&self, pair: usize, slave: usize) -> &[u32] {
+        self.between[pair].as_ref().map_or(&self.ids[pair][slave], |between| &between[slave])
     }
 
     /// Whether a slave node was expected on these patches at once.
     pub fn has(&self, pair: usize, slave: usize, patches: &[u32]) -> bool {
-        let has = |ids: &[u32], patch: &u32| ids.binary_search(patch).is_ok();
-        let ids = if patches.len() < 2 { &self.ids } else { &self.together };
-        patches.iter().all(|patch| has(&ids[pair][slave], patch))
+        let ids = if patches.len() < 2 { &self.ids[pair][slave] } else { self.together(pair, slave) };
+        patches.iter().all(|patch| ids.binary_search(patch).is_ok())
     }
 
     /// Groups of equations that are coupled with each other.
@@ -104,9 +103,9 @@ impl Candidates {
                 if pair.faces.is_some() && ids.is_empty() {
                     groups.push(own.clone());
                 }
-                let together = &self.together[p][s];
+                let together = self.together(p, s);
                 let alone = ids.iter().filter(|id| together.binary_search(id).is_err()).map(std::slice::from_ref);
-                for ids in alone.chain((!together.is_empty()).then_some(&together[..])) {
+                for ids in alone.chain((!together.is_empty()).then_some(together)) {
                     let mut group: Vec<i64> = ids.iter().flat_map(of_patch).chain(own.iter().copied()).collect();
                     group.sort_unstable();
                     group.dedup();

@@ -3,7 +3,7 @@
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::surface::analytic::Profile;
-use crate::surface::{Analytic, FaceSet, PatchSet, Piece, PieceSet, Projection};
+use crate::surface::{Analytic, Even, FaceSet, PatchSet, Piece, PieceSet, Projection};
 
 /// The whole of a surface, or what is near.
 pub enum Shape {
@@ -42,25 +42,10 @@ impl Shape {
     }
 
     /// Where `x` is exactly between pieces: see [`PieceSet::evenly`]. Nothing of shapes without pieces.
-    pub fn evenly(&self, x: &Vec3, reach: f64, at: &Projection, turn: f64) -> Vec<(Projection, f64)> {
+    pub fn evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         match self {
-            Self::Patches(patches) => patches.evenly(x, reach, at, (turn, None)),
-            Self::Faces(faces) => faces.evenly(x, reach, at, (turn, None)),
-            Self::Analytic(_) => Vec::new(),
-        }
-    }
-
-    /// The same on pieces that it was between: see [`PieceSet::evenly_on`].
-    pub fn evenly_on(
-        &self,
-        x: &Vec3,
-        at: &Projection,
-        pieces: impl Iterator<Item = u32>,
-        turn: f64,
-    ) -> Vec<(Projection, f64)> {
-        match self {
-            Self::Patches(patches) => patches.evenly_on(x, at, pieces, turn),
-            Self::Faces(faces) => faces.evenly_on(x, at, pieces, turn),
+            Self::Patches(patches) => patches.evenly(x, at, even),
+            Self::Faces(faces) => faces.evenly(x, at, even),
             Self::Analytic(_) => Vec::new(),
         }
     }

@@ -69,20 +69,17 @@ impl Newton<'_> {
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.system.model.pairs.iter().enumerate() {
             let limit = self.found.balance.limit(self.system.model.sections.len() + p, tolerance);
-            let (worst, allowed) = match pair.method {
+            // Gaps and slips are no more exact than the places that they are between.
+            let (worst, allowed, exact) = match pair.method {
                 Enforcement::Uzawa => {
-                    (&mut open, pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.system.model.stiffness))
+                    let allowed = pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.system.model.stiffness);
+                    (&mut open, allowed, rounding * f64::EPSILON)
                 }
-                Enforcement::Lagrange => (&mut wrong, limit),
+                Enforcement::Lagrange => (&mut wrong, limit, 0.0),
                 _ => continue,
             };
             for (s, slave) in pair.slaves.iter().enumerate() {
-                // Gaps and slips are no more exact than the places that they are between.
-                let exact = match pair.method {
-                    Enforcement::Uzawa => rounding * f64::EPSILON * slave.trial.position.amax(),
-                    _ => 0.0,
-                };
-                let off = slave.trial.violation / allowed.max(exact);
+                let off = slave.trial.violation / allowed.max(exact * slave.trial.position.amax());
                 if off > worst.0 {
                     *worst = (off, Some((p, s)));
                 }

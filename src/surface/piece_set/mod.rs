@@ -54,6 +54,19 @@ const TOUCH: f64 = 1e-9;
 /// Parameters within which a point inside a piece may be as close to the one beyond the edge.
 const BESIDE: f64 = 0.05;
 
+/// What is asked of a point that is exactly between pieces, see [`PieceSet::evenly`].
+#[derive(Clone, Copy, Debug)]
+pub struct Even<'a> {
+    /// Pieces whose normals differ from that of the point of contact by more, 1 - cosine, do not count.
+    pub turn: f64,
+    /// How far pieces may be.
+    pub reach: f64,
+    /// Outside a sharp edge no pieces count, or its sides by so much extension, see [`PieceSet::beside_edge`].
+    pub extension: Option<f64>,
+    /// The pieces to which it keeps, and to their extensions; all of them count, or none.
+    pub kept: Option<&'a [u32]>,
+}
+
 /// Pieces with a search tree over their boxes.
 pub struct PieceSet<P> {
     /// By rising id.
@@ -235,67 +248,64 @@ impl<P: Piece> PieceSet<P> {
         controls.kink_gap * self.get(id).map_or(0.0, shortest_edge)
     }
 
-    /// Where `x`, whose point of contact `at` is next to an edge, is exactly between pieces: the projections onto all of them, by
-    /// rising id, with the angles that they fill there. One where it is not, or on the edge that ends the surface; none
-    /// farther from an edge. Those whose normals differ from that at `at` by more than `turn`, 1 - cosine, do not count.
-    /// Outside a sharp edge there are none, unless there the sides count by an `extension`, see [`Self::beside_edge`].
-    pub fn evenly(
-        &self,
-        x: &Vec3,
-        reach: f64,
-        at: &Projection,
-        (turn, extension): (f64, Option<f64>),
-    ) -> Vec<(Projection, f64)> {
+    /// Where `x`, whose point of contact is `at`, is exactly between pieces: the projections onto all of them, by rising id, with the
+    /// angles that they fill there. One next to an edge where it is not, or on the edge that ends the surface; none farther from
+    /// an edge, or where it is between them no more.
+    pub fn evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
+        let mut found = match even.kept {
+            Some(kept) => self.kept(x, at, kept),
+            None => self.nearest_evenly(x, at, even),
+        };
+        found.retain(|(p, _)| p.normal.dot(&at.normal) >= 1.0 - even.turn);
+        let lacks = even.kept.is_some_and(|kept| found.len() < kept.len());
+        if lacks || !found.iter().any(|(p, _)| p.patch == at.patch) {
+            return Vec::new();
+        }
+        found.sort_by_key(|(p, _)| p.patch);
+        found
+    }
+
+    /// Those of the pieces that are the nearest.
+    fn nearest_evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         let Some(k) = self.index(at.patch) else { return Vec::new() };
         let piece = &self.pieces[k];
         if piece.sides(at.xi)[..piece.count()].iter().all(|side| *side > BESIDE) {
             return Vec::new();
         }
         let near = search::KEEP * self.largest;
-        let mut even = if at.gap.abs() <= near {
+        if at.gap.abs() <= near {
             // Whether it is inside or outside is rounding.
-            self.sides_of(x, (&piece.point(piece.clamp(at.xi)), near), EXTENSION).collect()
-        } else {
-            let all = |_: &P, _: &Foot| true;
-            let mut search = Search::new(self, x, reach, Some(k), Question::Even, &all);
-            search.run(Some(at.xi));
-            match (search.even(), extension) {
-                (Ok(even), _) => even,
-                (Err(_), None) => Vec::new(),
-                (Err(edge), Some(extension)) => {
-                    let mut sides: Vec<_> = self.sides_of(x, (&edge, TOUCH * self.largest), extension).collect();
-                    let farthest = sides.iter().map(|(p, _)| p.gap).fold(f64::NEG_INFINITY, f64::max);
-                    sides.retain(|(p, _)| farthest - p.gap <= near);
-                    sides
-                }
+            return self.sides_of(x, (&piece.point(piece.clamp(at.xi)), near), EXTENSION).collect();
+        }
+        let all = |_: &P, _: &Foot| true;
+        let mut search = Search::new(self, x, even.reach, Some(k), Question::Even, &all);
+        search.run(Some(at.xi));
+        match (search.even(), even.extension) {
+            (Ok(found), _) => found,
+            (Err(_), None) => Vec::new(),
+            (Err(edge), Some(extension)) => {
+                let mut sides: Vec<_> = self.sides_of(x, (&edge, TOUCH * self.largest), extension).collect();
+                let farthest = sides.iter().map(|(p, _)| p.gap).fold(f64::NEG_INFINITY, f64::max);
+                sides.retain(|(p, _)| farthest - p.gap <= near);
+                sides
             }
-        };
-        even.retain(|(p, _)| p.normal.dot(&at.normal) >= 1.0 - turn);
-        even.sort_by_key(|(p, _)| p.patch);
-        if even.iter().any(|(p, _)| p.patch == at.patch) { even } else { Vec::new() }
+        }
     }
 
-    /// The same on given pieces, one of which has the point `at`, and their extensions. None where `x` is not evenly between them.
-    pub fn evenly_on(
-        &self,
-        x: &Vec3,
-        at: &Projection,
-        pieces: impl Iterator<Item = u32>,
-        turn: f64,
-    ) -> Vec<(Projection, f64)> {
+    /// Those of given pieces, or of their extensions, that are as near as `at`, which is on one of them.
+    fn kept(&self, x: &Vec3, at: &Projection, kept: &[u32]) -> Vec<(Projection, f64)> {
         let near = search::KEEP * self.largest;
-        let on = |id: u32| {
-            let piece = self.get(id)?;
-            if id == at.patch {
+        let on = |id: &u32| {
+            let piece = self.get(*id)?;
+            if *id == at.patch {
                 return Some((*at, search::angle(piece, piece.clamp(at.xi))));
             }
             let foot = descend(piece, x, &[EXTENSION; 4], piece.center());
             let found = on_surface(piece, x, &foot);
-            let is_even = (found.gap - at.gap).abs() <= near && found.normal.dot(&at.normal) >= 1.0 - turn;
-            (foot.limits == 0 && is_even).then(|| (found, search::angle(piece, piece.clamp(foot.xi))))
+            let is_even = foot.limits == 0 && (found.gap - at.gap).abs() <= near;
+            is_even.then(|| (found, search::angle(piece, piece.clamp(foot.xi))))
         };
-        let even: Vec<_> = pieces.map(on).collect::<Option<_>>().unwrap_or_default();
-        if even.iter().any(|(p, _)| p.patch == at.patch) { even } else { Vec::new() }
+        kept.iter().filter_map(on).collect()
     }
 
     /// For `x` outside a sharp edge or corner, on which its point of contact `at` lies: the projection onto the piece

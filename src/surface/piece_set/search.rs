@@ -144,7 +144,8 @@ impl<'a, P: Piece> Search<'a, P> {
         self.choice().map(|hit| self.projection(hit))
     }
 
-    /// The projections onto pieces between which there is nothing to choose, with the angles that the pieces fill there. None on a sharp edge or corner, whose point is what is left then.
+    /// The projections onto pieces between which there is nothing to choose, with the angles that the pieces fill there; on a
+    /// sharp edge or corner the point of it instead.
     pub fn even(&self) -> Result<Vec<(Projection, f64)>, Vec3> {
         let Some(chosen) = self.choice() else { return Ok(Vec::new()) };
         let pieces = &self.set.pieces;

@@ -73,12 +73,12 @@ fn the_sides_of_an_edge_reach_beyond_it() {
 /// more sharply are one surface no longer.
 #[test]
 fn exactly_between_pieces() {
-    let turn = 0.1;
+    let question = Even { turn: 0.1, reach: 1.0, extension: Some(0.5), kept: None };
     let even = |set: &PatchSet, x: [f64; 3]| -> Vec<(f64, f64)> {
         let x = Vec3::from(x);
         let at = set.closest(&x, 1.0, None).unwrap();
         let at = set.beside_edge(&x, &at, 0.5).unwrap_or(at);
-        set.evenly(&x, 1.0, &at, (turn, Some(0.5))).iter().map(|(p, angle)| (p.gap, *angle)).collect()
+        set.evenly(&x, &at, &question).iter().map(|(p, angle)| (p.gap, *angle)).collect()
     };
     let roof = |slope: f64| set(&grid(2, 2, false, |s, t| [s - 0.5, t, -slope * (s - 0.5).abs()]), Smoothing::Facet);
     for slope in [0.2, -0.2] {
@@ -100,7 +100,16 @@ fn exactly_between_pieces() {
     for z in [-1e-3, 0.0, 1e-3] {
         assert!(even(&roof(0.3), [0.0, 0.3, z]).len() < 2, "{z}");
     }
-    // Three corners of triangles and six, by their angles.
+    // What keeps to two pieces is between these beyond their ends, too, and not beside them.
+    let (ridge, x) = (roof(0.2), Vec3::new(0.0, 0.51, -1e-3));
+    let question = Even { kept: Some(&[0, 1]), ..question };
+    let kept = |x: Vec3| {
+        let (gap, normal) = ((x.z - 0.2 * x.x) / 1.04f64.sqrt(), ridge.get(0).unwrap().normal([1.0, 1.0]));
+        let point = x - normal * gap;
+        ridge.evenly(&x, &Projection { gap, point, normal, xi: [1.0, 1.0], ..Projection::default() }, &question).len()
+    };
+    assert_eq!((kept(x), kept(x + Vec3::x() * 1e-3)), (2, 0));
+    // Six corners of triangles, by their angles.
     let flat = set(&grid(2, 2, true, |s, t| [s, t, 0.0]), Smoothing::Facet);
     let around = even(&flat, [0.5, 0.5, 1e-3]);
     assert_eq!(around.len(), 6);
