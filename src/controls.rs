@@ -319,6 +319,8 @@ controls! {
             "The same, deeper than this, ends the run: what is between nodes is larger than what they feel.";
         watch_slid: f64 = 0.1, [1e-3, 1.0], "force of the contact",
             "Nodes that slide off the end of a master in an increment with more of its force are told of at the end: a facet that still reaches over the end feels it no more. One row of ten leaves a block of ten with a tenth.";
+        watch_shared: f64 = 0.1, [1e-3, 1.0], "force of the contact",
+            "Nodes that several tools hold by friction at once, and that bear more of it, are told of at the end: what each tool bears of them is left open. Two rows of ten that meet in a corner share a tenth.";
         watch_mirror: f64 = 1e-3, [1e-9, 1.0], "extent of the body across the plane",
             "How far a body may come beyond a plane of symmetry: more than rounding; what a penalty lets through that holds it off is added.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",

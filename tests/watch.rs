@@ -644,3 +644,59 @@ fn a_pad_goes_over_the_joint_of_two_masters() {
         assert_close(column, two.last(column), one.last(column), 1e-9);
     }
 }
+
+/// A platen that is narrower than a block goes into the facets at its edges, whose outer nodes are beside it: told of, however
+/// thick the layer.
+#[test]
+fn a_rim_that_no_node_feels_is_told_of() {
+    for thickness in [0.1, 3.0] {
+        let bench = Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [4.0, 2.0, {thickness}] }}, elements = [8, 4, 1] }} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            contact.c = {{ slave = "b.ymax", master = "t" }}
+            [tool.t.profile]
+            points = [[1.05, 3.0], [1.05, 2.0], [2.95, 2.0], [2.95, 3.0]]
+            closed = true
+            extrude = {{ origin = [0.0, 0.0, -1.0], x = [1.0, 0.0, 0.0], y = [0.0, 1.0, 0.0], length = 5.0 }}
+            [[step]]
+            increments = 4
+            fix = [{{ set = "b.ymin" }}]
+            move = [{{ target = "t", by = [0.0, -0.4, 0.0] }}]
+            "#
+        ));
+        let run = bench.solve(1, &[]);
+        assert!(run.log().contains("deep in body `b` between its nodes"), "{thickness}: {}", run.log());
+    }
+}
+
+/// A block in the corner of two tools with friction: what the nodes of its edge bear on each does not follow from equilibrium.
+/// Told of where they bear much, and where friction holds them.
+#[test]
+fn what_tools_share_with_friction_is_told_of() {
+    let run = |elements: usize, friction: f64, ranks: usize| {
+        Bench::new(&format!(
+            r#"
+            body.b = {{ material = "m", plane_strain = true, block = {{ box = {{ size = [1.0, 1.0, 0.1] }}, elements = [{elements}, {elements}, 1] }} }}
+            material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+            tool.floor.plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }}
+            tool.wall.plane = {{ point = [0.0, 0.0, 0.0], normal = [1.0, 0.0, 0.0] }}
+            contact.below = {{ slave = "b.ymin", master = "floor", friction = {friction:?} }}
+            contact.beside = {{ slave = "b.xmin", master = "wall", friction = {friction:?} }}
+            [[step]]
+            increments = 2
+            pressure = [{{ set = "b.xmax", value = 2.0 }}, {{ set = "b.ymax", value = 5.0 }}]
+            "#
+        ))
+        .solve(ranks, &[])
+    };
+    let told = |elements, friction, ranks| {
+        let log = run(elements, friction, ranks).log();
+        ["below", "beside"].map(|name| log.contains(&format!("contact `{name}`: nodes that the tool")))
+    };
+    for ranks in [1, 2] {
+        assert_eq!(told(2, 0.5, ranks), [true, true]);
+    }
+    assert_eq!(told(2, 0.0, 1), [false, false]);
+    assert!(!told(24, 0.5, 1)[0]);
+}

@@ -117,6 +117,8 @@ struct Facet {
     touches: bool,
     /// What depths count against: its diagonal where it touches, else the edge of a square of its area; of a layer its length.
     size: f64,
+    /// Its longest edge.
+    longest: f64,
     /// How deep the deepest of its nodes is.
     deep: f64,
     /// Where it is looked at, along both parameters.
@@ -131,14 +133,15 @@ impl Facet {
         let nodes = all.iter().map(|&n| part.tie[n as usize]).collect::<Vec<_>>();
         let slave = nodes.iter().find_map(|&n| pair.index_of(n))?;
         let corners = Corners::new(all).map(|n| part.points[n as usize] + u[part.tie[n as usize] as usize]);
-        let seen = sights.of(&nodes);
-        let nearest = seen.iter().map(|[gap, ..]| *gap).fold(f64::INFINITY, f64::min);
-        if nearest == f64::NEG_INFINITY || nearest > corners.longest() {
-            return None;
-        }
         // How wide a layer is says nothing.
         let is_layer = model.bodies[pair.body].is_layer();
         let length = |line: Vec3| if is_layer { line.xy().norm() } else { line.norm() };
+        let longest = corners.edges().map(length).fold(0.0, f64::max);
+        let seen = sights.of(&nodes);
+        let nearest = seen.iter().map(|[gap, ..]| *gap).fold(f64::INFINITY, f64::min);
+        if nearest == f64::NEG_INFINITY || nearest > longest {
+            return None;
+        }
         let along = |edge: &Vec3| !is_layer || edge.z.abs() < edge.xy().norm();
         let shortest = corners.edges().filter(along).map(length).fold(f64::INFINITY, f64::min);
         let touches = nearest <= pair.controls.watch_deep * shortest;
@@ -159,13 +162,13 @@ impl Facet {
             _ if is_layer => [CLOSELY, MIDDLE],
             _ => [CLOSELY, CLOSELY],
         };
-        Some(Self { corners, inward, slave, touches, size, deep: f64::max(-nearest, 0.0), spots })
+        Some(Self { corners, inward, slave, touches, size, longest, deep: f64::max(-nearest, 0.0), spots })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
         let view = View { ground: model.masters.of(pair.master), pair, slave: self.slave };
         let may = allowance(pair, 0.0, travel);
-        let around = (reach(pair, travel) - self.corners.longest()).max(0.0);
+        let around = (reach(pair, travel) - self.longest).max(0.0);
         let most = 2.0 * pair.controls.watch_between_most * self.size + self.deep;
         let largest = if self.touches { pair.controls.watch_between_most } else { f64::INFINITY };
         let at = |place: Vec3| {

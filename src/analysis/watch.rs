@@ -19,7 +19,7 @@ use crate::parallel::{first_word, max, sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Instant;
 
 /// What a contact did until now.
@@ -44,9 +44,26 @@ pub struct Touch {
     /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
     slid: Loss,
     jumped: Loss,
+    /// The largest share of that with which nodes bore on several tools at once, held by friction, and when.
+    shared: f64,
+    shared_at: f64,
 }
 
-crate::words!(Touch { until, now, force, middle, on_tool, between, deepest_at, depth, borne, slid, jumped });
+crate::words!(Touch {
+    until,
+    now,
+    force,
+    middle,
+    on_tool,
+    between,
+    deepest_at,
+    depth,
+    borne,
+    slid,
+    jumped,
+    shared,
+    shared_at
+});
 
 /// A change of a contact's force that comes from its discretization, or over which there was no equilibrium.
 #[derive(Clone, Copy, Debug, Default)]
@@ -247,10 +264,11 @@ impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
     pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
-        const EACH: usize = 9;
+        const EACH: usize = 10;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
-        for (pair, slid) in self.model.pairs.iter().zip(slid) {
+        let shared = shared(&self.model.pairs);
+        for ((pair, slid), shared) in self.model.pairs.iter().zip(slid).zip(shared) {
             let (mut count, mut borne, mut force, mut middle) = (0.0, 0.0, Vec3::zeros(), Vec3::zeros());
             for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
                 let node = slave.node as usize;
@@ -259,7 +277,7 @@ impl Simulation<'_> {
                 force -= slave.accepted.force;
                 middle += self.model.part.points[node] + self.state.u[node];
             }
-            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid]);
+            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared]);
         }
         sum(self.comm, &mut sums);
         let deepest = |pair: &Pair| pair.slaves.iter().map(|slave| slave.sight.depth).fold(0.0, f64::max);
@@ -279,6 +297,10 @@ impl Simulation<'_> {
             if is_jump {
                 let change = (borne[1] - borne[0]).abs();
                 touch.jumped = touch.jumped.or_larger(Loss::new(change, borne, self.state.time));
+            }
+            let shared = if sums[9] > 0.0 { sums[9] / sums[7] } else { 0.0 };
+            if shared > touch.shared {
+                (touch.shared, touch.shared_at) = (shared, self.state.time);
             }
             touch.now = sums[0] > 0.0;
             if touch.now {
@@ -327,6 +349,15 @@ impl Simulation<'_> {
                      {to:.6e} N (time {at:.6}): between its nodes a slave does not feel where a master ends; extend that, refine \
                      the slave, or take `discretization = \"segment\"`",
                     100.0 * share
+                ));
+            }
+            if touch.shared > pair.controls.watch_shared {
+                warnings.push(format!(
+                    "contact `{name}`: nodes that {master} and another tool hold by friction at once bear {:.0} % of its force \
+                     (time {:.6}): which tool bears how much of it does not follow from equilibrium; what all tools bear does, \
+                     and without friction, or with one group of nodes for each tool, so does each",
+                    100.0 * touch.shared,
+                    touch.shared_at
                 ));
             }
             if touch.jumped.share > 0.0 {
@@ -382,6 +413,27 @@ fn take_slid(pairs: &mut [Pair]) -> Vec<f64> {
         if touching.contains(&slave.node) { 0.0 } else { slid }
     };
     pairs.iter_mut().map(|pair| pair.slaves.iter_mut().map(take).sum()).collect()
+}
+
+/// What slave nodes of this rank bear of each tool that are on several at once, and that friction holds on one, N: forces that
+/// push these tools apart are in balance by themselves.
+fn shared(pairs: &[Pair]) -> Vec<f64> {
+    let mut met: BTreeMap<u32, (usize, bool)> = BTreeMap::new();
+    let on_tool = |pair: &Pair| pair.master.tool().is_some();
+    let acts = |slave: &&Slave| slave.accepted.force != Vec3::zeros();
+    for pair in pairs.iter().filter(|pair| on_tool(pair)) {
+        for slave in pair.slaves.iter().filter(acts) {
+            let (tools, is_held) = met.entry(slave.node).or_default();
+            *tools += 1;
+            *is_held |= pair.friction > 0.0 && slave.accepted.status == Status::Stick;
+        }
+    }
+    met.retain(|_, (tools, is_held)| *tools > 1 && *is_held);
+    let of = |pair: &Pair| match on_tool(pair) && !met.is_empty() {
+        true => pair.slaves.iter().filter(|s| met.contains_key(&s.node)).map(|s| s.accepted.force.norm()).sum(),
+        false => 0.0,
+    };
+    pairs.iter().map(of).collect()
 }
 
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its

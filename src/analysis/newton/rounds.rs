@@ -68,11 +68,14 @@ impl Newton<'_> {
         // Violations over what may be left of them.
         let [mut open, mut wrong] = [(0.0f64, None), (0.0f64, None)];
         for (p, pair) in self.system.model.pairs.iter().enumerate() {
-            let limit = self.found.balance.limit(self.system.model.sections.len() + p, tolerance);
+            let group = self.system.model.sections.len() + p;
+            let limit = self.found.balance.limit(group, tolerance);
             // Gaps and slips are no more exact than the places that they are between.
             let (worst, allowed, exact) = match pair.method {
                 Enforcement::Uzawa => {
-                    let allowed = pair.tolerance.unwrap_or(uzawa_tolerance * limit / self.system.model.stiffness);
+                    // What rounding leaves is no tolerance, and is let through once.
+                    let force = limit.max(uzawa_tolerance * tolerance * self.found.balance.scale(group));
+                    let allowed = pair.tolerance.unwrap_or(force / self.system.model.stiffness);
                     (&mut open, allowed, rounding * f64::EPSILON)
                 }
                 Enforcement::Lagrange => (&mut wrong, limit, 0.0),
@@ -103,7 +106,9 @@ impl Newton<'_> {
         }
         if !is_open && !is_wrong {
             self.course.rounds.settled = true;
-            return if self.found.balance.holds(self.tolerance_now()) { Round::Done } else { self.again() };
+            // What held by the loose tolerance of a set that was not known to be the last is judged again.
+            let now = self.tolerance_now();
+            return if now >= tolerance && self.found.balance.holds(now) { Round::Done } else { self.again() };
         }
         self.course.rounds.count += 1;
         self.course.rounds.settled = !is_wrong;
