@@ -22,8 +22,9 @@ use toml::Value;
 const MEMORY: u64 = 1 << 30;
 /// Seconds that one mutant may take: all of the seeds together take a fraction of one.
 const TIME: Duration = Duration::from_secs(60);
-/// One in so many mutants goes through the whole of `nagata check`, too.
+/// One in so many mutants goes through the whole of `nagata check`, too, and is run for a while where that accepts it.
 const END_TO_END: u64 = 40;
+const RUN: Duration = Duration::from_secs(5);
 /// Names the work of a process that [`batch`] starts: kind, first mutant, number, folder.
 const WORKER: &str = "NAGATA_FUZZ_WORKER";
 
@@ -354,13 +355,14 @@ fn work(kind: Kind, first: u64, count: u64, folder: &Path) {
     fs::write(folder.join("seed"), "done").unwrap();
 }
 
-/// How a child ended that may have no more than [`MEMORY`] and `limit`: its complaint, if it did not end in order.
+/// How a child ended that may have no more than [`MEMORY`] and `limit`: its exit code, none at the limit; its complaint, if it
+/// did not end in order.
 fn limited(
     program: &Path,
     arguments: &[&str],
     variable: Option<(&str, String)>,
     limit: Duration,
-) -> Result<i32, String> {
+) -> Result<Option<i32>, String> {
     let said = tempfile::tempfile().unwrap();
     let mut command = Command::new("prlimit");
     command.arg(format!("--data={MEMORY}")).arg("--core=0").arg(program).args(arguments).envs(variable);
@@ -376,7 +378,7 @@ fn limited(
             None if started.elapsed() > limit => {
                 child.kill().unwrap();
                 child.wait().unwrap();
-                return Err(format!("no end within {} s", limit.as_secs()));
+                return Ok(None);
             }
             None => std::thread::sleep(Duration::from_millis(5)),
         }
@@ -388,10 +390,15 @@ fn limited(
     let _ = said.read_to_string(&mut text);
     let text: String = text.chars().take(2000).collect();
     match status.code() {
-        Some(code) if !text.contains("panicked") => Ok(code),
+        Some(code) if !text.contains("panicked") => Ok(Some(code)),
         Some(code) => Err(format!("exit code {code}: {text}")),
         None => Err(format!("signal {:?}: {text}", status.signal())),
     }
+}
+
+/// How a child ended, in words.
+fn ended(code: Option<i32>, limit: Duration) -> String {
+    code.map_or(format!("no end within {} s", limit.as_secs()), |code| format!("exit code {code}"))
 }
 
 /// Runs mutants in a process of their own; those that fail it, each with what it said.
@@ -406,9 +413,9 @@ fn batch(test: &str, kind: Kind, first: u64, count: u64, folder: &Path) -> Vec<(
         let outcome = limited(&program, &arguments, Some((WORKER, job)), limit);
         let seed = fs::read_to_string(folder.join("seed")).unwrap_or_default();
         match (outcome, seed.parse::<u64>()) {
-            (Ok(0), Err(_)) => break,
+            (Ok(Some(0)), Err(_)) => break,
             (outcome, Ok(seed)) => {
-                failures.push((seed, outcome.map_or_else(|text| text, |code| format!("exit code {code}"))));
+                failures.push((seed, outcome.map_or_else(|text| text, |code| ended(code, limit))));
                 from = seed + 1;
             }
             (outcome, Err(_)) => panic!("{outcome:?}"),
@@ -435,7 +442,7 @@ fn is_large(text: &str) -> bool {
     })
 }
 
-/// Runs `nagata check` on a mutant; what is wrong with how it ends.
+/// Runs `nagata check` on a mutant, and `nagata run` on what that accepts; what is wrong with how they end.
 fn check(kind: Kind, data: &[u8], folder: &Path) -> Option<String> {
     if kind == Kind::Scene && is_large(&String::from_utf8_lossy(data)) {
         return None;
@@ -448,11 +455,18 @@ fn check(kind: Kind, data: &[u8], folder: &Path) -> Option<String> {
         let _ = std::os::unix::fs::symlink(&mesh, folder.join(mesh.file_name().unwrap()));
     }
     let program = Path::new(env!("CARGO_BIN_EXE_nagata"));
-    let outcome = limited(program, &["check", scene.to_str().unwrap()], None, TIME);
-    match outcome {
-        Ok(0 | 2) => None,
-        Ok(code) => Some(format!("`nagata check`: exit code {code}")),
-        Err(text) => Some(format!("`nagata check`: {text}")),
+    let scene = scene.to_str().unwrap();
+    match limited(program, &["check", scene], None, TIME) {
+        Ok(Some(0)) => {}
+        Ok(Some(2)) => return None,
+        Ok(code) => return Some(format!("`nagata check`: {}", ended(code, TIME))),
+        Err(text) => return Some(format!("`nagata check`: {text}")),
+    }
+    let out = tempfile::tempdir_in(folder).unwrap();
+    match limited(program, &["run", scene, "--quiet", "--out", out.path().to_str().unwrap()], None, RUN) {
+        Ok(None | Some(0..=2)) => None,
+        Ok(Some(code)) => Some(format!("`nagata run`: exit code {code}")),
+        Err(text) => Some(format!("`nagata run`: {text}")),
     }
 }
 
@@ -533,7 +547,7 @@ fn the_corpus() {
         let job = format!("corpus {}", copy.display());
         let arguments = ["--exact", "the_corpus", "--nocapture"];
         let outcome = limited(&std::env::current_exe().unwrap(), &arguments, Some((WORKER, job)), TIME);
-        assert_eq!(outcome, Ok(0), "{}", path.display());
+        assert_eq!(outcome, Ok(Some(0)), "{}", path.display());
         assert_eq!(check(kind, &data, folder.path()), None, "{}", path.display());
     }
 }
@@ -549,11 +563,11 @@ fn failures_are_seen() {
             let run = |job: &str| {
                 let arguments = ["--exact", "failures_are_seen", "--nocapture"];
                 let limit = Duration::from_secs(if job == "hang" { 2 } else { 60 });
-                limited(&std::env::current_exe().unwrap(), &arguments, Some((WORKER, job.into())), limit).unwrap_err()
+                limited(&std::env::current_exe().unwrap(), &arguments, Some((WORKER, job.into())), limit)
             };
-            assert!(run("panic").contains("on purpose"));
-            assert!(run("memory").contains("memory allocation"));
-            assert_eq!(run("hang"), "no end within 2 s");
+            assert!(run("panic").unwrap_err().contains("on purpose"));
+            assert!(run("memory").unwrap_err().contains("memory allocation"));
+            assert_eq!(run("hang"), Ok(None));
         }
     }
 }

@@ -120,8 +120,10 @@ fn body_to_and_fro() -> Vec<Case> {
         });
         for discretization in ["one-pass", "two-pass", "segment"] {
             for smoothing in ["nagata", "facet"] {
-                for friction in [0.0, 0.3] {
-                    for ranks in [1, 2, 3, 4] {
+                for friction in [0.0, 0.02, 0.3, 1.0, 5.0] {
+                    // Of frictions beside the usual one the first rank says it for all.
+                    let most = if [0.0, 0.3].contains(&friction) { 4 } else { 1 };
+                    for ranks in 1..=most {
                         let body = format!(
                             "[body.u]\nmesh = \"u.msh\"\nmaterial = \"n\"\nelement = \"hex8\"\n[material.n]\nmodel = \"neo-hookean\"\nyoung = 1000.0\npoisson = 0.3\n[contact.c] # a {shape}\nslave = \"b.zmax\"\nmaster = \"u.zmin\"\nsmoothing = \"{smoothing}\"\ndiscretization = \"{discretization}\"\n"
                         );
@@ -144,7 +146,7 @@ fn body_to_and_fro() -> Vec<Case> {
                             ))
                         };
                         let is_quick = [shape, discretization, smoothing] == ["dome", "two-pass", "nagata"];
-                        cases.push(case.quick_if(is_quick && friction > 0.0 && ranks == 1));
+                        cases.push(case.quick_if(is_quick && friction == 0.3 && ranks == 1));
                     }
                 }
             }

@@ -12,7 +12,9 @@ family!(
     coincident_tools,
     trench,
     across_an_edge,
-    closed_platens
+    closed_platens,
+    past_a_platen,
+    off_a_body
 );
 
 /// A slab is drawn over a grid of facets by whole facets and back: its nodes begin, turn and end on vertices.
@@ -398,6 +400,65 @@ fn closed_platens() -> Vec<Case> {
                         cases.push(case.quick_if(over == 0.05 && method == METHODS[0] && increments == 1));
                     }
                 }
+            }
+        }
+    }
+    cases
+}
+
+/// A block that is wider than the platen that is pressed into it, whose edges are between its nodes: as on a fine mesh that has
+/// nodes under them, or told of. Of a layer it does not matter how thick it is.
+fn past_a_platen() -> Vec<Case> {
+    let scene = |[across, deep]: [usize; 2], size: f64, kind: &str, rim: f64| {
+        let high = 4.0 - rim;
+        format!(
+            "[body.b]\nmaterial = \"m\"\n{kind}\nblock = {{ box = {{ size = [4.0, 2.0, {size:?}] }}, elements = [{across}, {}, {deep}] }}\n[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n[tool.t.profile]\npoints = [[{rim:?}, 3.0], [{rim:?}, 2.0], [{high:?}, 2.0], [{high:?}, 3.0]]\nclosed = true\nextrude = {{ origin = [0.0, 0.0, -1.0], x = [1.0, 0.0, 0.0], y = [0.0, 1.0, 0.0], length = 12.0 }}\n[contact.c]\nslave = \"b.ymax\"\nmaster = \"t\"\n[[step]]\nincrements = 4\nfix = [{{ set = \"b.ymin\" }}]\nmove = [{{ target = \"t\", by = [0.0, -0.4, 0.0] }}]\n[output]\nevery = 1000\nhistory = [\"b.ymin\"]\n",
+            across / 2
+        )
+    };
+    let mut cases = Vec::new();
+    let layer = |size: f64| (format!("a layer of {size}"), "plane_strain = true", size);
+    for (name, kind, size) in [layer(0.1), layer(1.0), layer(10.0), ("a block".into(), "", 4.0)] {
+        for across in [4, 8, 16] {
+            for rim in [0.05, 0.3, 0.8] {
+                let [deep, fine] = if kind.is_empty() { [across, 40] } else { [1, 80] };
+                let fine = Case::text("fine", scene([fine, deep.min(4)], size, kind, rim)).limit(300);
+                let text = scene([across, deep], size, kind, rim);
+                // What four elements are too stiff by is theirs.
+                let tolerance = if across == 4 { 0.25 } else { 0.1 };
+                let case = Case::text(format!("{name}, {across} elements, {rim} wider"), text)
+                    .oracle(same("t.fy", fine, tolerance, "a fine mesh"))
+                    .or_warns(&["between its nodes"]);
+                cases.push(case.quick_if(across == 8 && kind != "" && rim == 0.3));
+            }
+        }
+    }
+    cases
+}
+
+/// A block is drawn off another until a half of it hangs over: as from segment to segment, or told of.
+fn off_a_body() -> Vec<Case> {
+    let scene = |elements: usize, friction: f64| {
+        format!(
+            "[body.lower]\nmaterial = \"m\"\nplane_strain = true\nblock = {{ box = {{ size = [4.0, 1.0, 1.0] }}, elements = [{elements}, {}, 1] }}\n[body.upper]\nmaterial = \"m\"\nplane_strain = true\nblock = {{ box = {{ origin = [2.0, 1.0, 0.0], size = [2.0, 1.0, 1.0] }}, elements = [{}, {}, 1] }}\n[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n[contact.c]\nslave = \"upper.ymin\"\nmaster = \"lower.ymax\"\nfriction = {friction:?}\n[[step]]\nname = \"press\"\nincrements = 2\nfix = [{{ set = \"lower.ymin\" }}]\nmove = [{{ target = \"upper.ymax\", by = [0.0, -0.1, 0.0] }}]\n[[step]]\nname = \"draw\"\nincrements = 10\nfix = [{{ set = \"lower.ymin\" }}]\nmove = [{{ target = \"upper.ymax\", by = [1.0, 0.0, 0.0] }}]\n[output]\nevery = 1000\nhistory = [\"lower.ymin\", \"upper.ymax\"]\n",
+            elements / 4,
+            elements / 2 + 1,
+            elements / 4
+        )
+    };
+    let mut cases = Vec::new();
+    for elements in [4, 8, 16, 32] {
+        for friction in [0.0, 0.2] {
+            let fine = Case::text("fine", scene(32, friction)).set("contact.c.discretization=segment").limit(300);
+            for discretization in ["one-pass", "two-pass", "segment"] {
+                let name = format!("{elements} elements, mu = {friction}, {discretization}");
+                let case = Case::text(name, scene(elements, friction))
+                    .set(format!("contact.c.discretization={discretization}"))
+                    .oracle(same("upper.ymax.fy", fine.clone(), 0.15, "a fine mesh of segments"))
+                    .oracle(balance(&["lower.ymin", "upper.ymax"], 1e-8))
+                    .or_warns(&["slid off", "between its nodes", "a jump took its force"])
+                    .limit(300);
+                cases.push(case.quick_if(elements == 8 && discretization == "segment" && friction > 0.0));
             }
         }
     }

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::oracle::{balance, same, value};
 use crate::scenes::{METHODS, sphere};
 
-family!(rubber_with_friction, ordinary, far_from_automatic);
+family!(rubber_with_friction, ordinary, far_from_automatic, uzawa);
 
 /// nu = 0.4999 with friction and defaults.
 fn rubber_with_friction() -> Vec<Case> {
@@ -79,6 +79,48 @@ fn far_from_automatic() -> Vec<Case> {
                 }
                 .slow(),
             );
+        }
+    }
+    cases
+}
+
+/// Uzawa's method by its automatic tolerance, moved by little, beside contacts of other methods, and far from the origin: as by
+/// multipliers.
+fn uzawa() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for share in [1.0, 1e-2, 1e-4, 1e-6] {
+        for offset in [0.0, 1e3] {
+            for beside in ["none", "lagrange", "augmented-lagrangian", "penalty"] {
+                let [x, z] = [offset, offset + 2.0];
+                // A plate below, too, whose contact is the one beside.
+                let below = format!(
+                    "[tool.q]\nplane = {{ point = [{x:?}, {x:?}, {x:?}], normal = [0.0, 0.0, 1.0] }}\n[contact.d]\nslave = \"b.zmin\"\nmaster = \"q\"\nfriction = 0.3\nmethod = \"{beside}\"\n[contact.c]"
+                );
+                let text = crate::scenes::SLAB
+                    .replace(
+                        "size = [4.0, 4.0, 2.0]",
+                        &format!("origin = [{x:?}, {x:?}, {x:?}], size = [4.0, 4.0, 2.0]"),
+                    )
+                    .replace("point = [0.0, 0.0, 2.0]", &format!("point = [{x:?}, {x:?}, {z:?}]"))
+                    .replace("[0.0, 0.0, -0.2]", &format!("[0.0, 0.0, {:?}]", -0.2 * share))
+                    .replace("[0.5, 0.0, 0.0]", &format!("[{:?}, 0.0, 0.0]", 0.5 * share));
+                let text = match beside {
+                    "none" => text,
+                    _ => text
+                        .replace("[contact.c]", &below)
+                        .replace("{ set = \"b.zmin\" }", "{ set = \"b.xmin\", directions = \"xy\" }"),
+                };
+                let of = |method: &str| Case::text(method, text.as_str()).set(format!("contact.c.method={method}"));
+                let name = format!("moved by {share:e}, at {offset:e}, beside {beside}");
+                let exact = of("lagrange");
+                // What is far from the origin is as exact as places are there.
+                let tolerance = 1e-6 + 640.0 * f64::EPSILON * offset / (0.2 * share);
+                let case = of("uzawa").named(&name);
+                let case = ["t.fx", "t.fz", "t.fz@press"]
+                    .iter()
+                    .fold(case, |case, force| case.oracle(same(force, exact.clone(), tolerance, "method=lagrange")));
+                cases.push(case.quick_if(offset == 0.0 && beside != "penalty" && share != 1e-2));
+            }
         }
     }
     cases
