@@ -19,7 +19,7 @@ pub mod ties;
 pub mod tractions;
 
 use crate::Vec3;
-use crate::contact::{Avoided, BodySurface, Masters, Pair, Tool, guidance, self_contact};
+use crate::contact::{Avoided, BodySurface, Masters, Pair, Tool, Within, guidance, self_contact};
 use crate::controls::Controls;
 use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
@@ -249,21 +249,22 @@ impl Model {
 
     /// Turns the slave nodes of pairs within a body to where their faces look with nodes displaced by `u`.
     pub fn turn_slaves(&mut self, u: &[Vec3]) {
-        for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
-            let part = &self.part;
-            let outward = outward_of(part, pair.set, |n| part.points[n as usize] + u[n as usize]);
-            pair.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
+        let part = &self.part;
+        for pair in &mut self.pairs {
+            let Some(within) = &mut pair.within else { continue };
+            let outward = outward_of(part, pair.side.set, |n| part.points[n as usize] + u[n as usize]);
+            within.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
         }
     }
 
     /// Takes the thickness of sheets that meet themselves as they are with nodes displaced by `u`. Collective.
     pub fn follow_sheets(&mut self, comm: &SimpleCommunicator, u: &[Vec3]) {
         let part = &self.part;
-        for pair in self.pairs.iter_mut().filter(|p| p.within_body) {
-            let flat = pair.sheet.fetch(comm, 3, |n, d| part.points[n as usize][d] + u[n as usize][d]);
+        for Within { sheet, avoided, .. } in self.pairs.iter_mut().filter_map(|pair| pair.within.as_mut()) {
+            let flat = sheet.fetch(comm, 3, |n, d| part.points[n as usize][d] + u[n as usize][d]);
             let places = flat.as_chunks::<3>().0;
-            let place = |n: u64| pair.sheet.index(n).map_or(Vec3::zeros(), |k| Vec3::from(places[k as usize]));
-            pair.avoided.iter_mut().for_each(|avoided| avoided.follow(self.controls.self_depth, place));
+            let place = |n: u64| sheet.index(n).map_or(Vec3::zeros(), |k| Vec3::from(places[k as usize]));
+            avoided.iter_mut().for_each(|avoided| avoided.follow(self.controls.self_depth, place));
         }
     }
 

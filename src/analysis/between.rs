@@ -51,14 +51,14 @@ pub(super) fn between(
     u: &[Vec3],
 ) -> Vec<Between> {
     let deepest = |((pair, travel), is_idle): ((&Pair, &f64), &bool)| {
-        if pair.other.is_some() || matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes)) {
+        if pair.pass.other().is_some() || matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes)) {
             return Between::default();
         }
         let sights = Sights::new(comm, model, pair);
-        let facets = model.part.pieces(&model.part.sets[pair.set].facets);
+        let facets = model.part.pieces(&model.part.sets[pair.side.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
         let beside = facets.iter().filter_map(of).fold(Between::default(), Between::or_deeper);
-        if *is_idle && !pair.within_body { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside }
+        if *is_idle && !pair.is_within_body() { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside }
     };
     let mine: Vec<Between> = model.pairs.iter().zip(travels).zip(idle).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
@@ -134,7 +134,7 @@ impl Facet {
         let slave = nodes.iter().find_map(|&n| pair.index_of(n))?;
         let corners = Corners::new(all).map(|n| part.points[n as usize] + u[part.tie[n as usize] as usize]);
         // How wide a layer is says nothing.
-        let is_layer = model.bodies[pair.body].is_layer();
+        let is_layer = model.bodies[pair.side.body].is_layer();
         let length = |line: Vec3| if is_layer { line.xy().norm() } else { line.norm() };
         let longest = corners.edges().map(length).fold(0.0, f64::max);
         let seen = sights.of(&nodes);
@@ -202,7 +202,7 @@ fn swallowed(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) 
     };
     let feet: Vec<(f64, Vec3)> = pair.slaves.iter().filter_map(foot).collect();
     let points: Vec<Vec3> = feet.iter().flat_map(|(_, foot)| around(foot, &axes, margin)).collect();
-    let held = held(comm, model, pair.body, &points, &place);
+    let held = held(comm, model, pair.side.body, &points, &place);
     let within = feet.iter().zip(held.chunks(1 << axes.len())).filter(|(_, held)| held.iter().all(|held| *held));
     let nearest = within.map(|(foot, _)| *foot).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or(Between::default(), |(depth, place)| Between { share: f64::INFINITY, depth, place })

@@ -372,8 +372,9 @@ impl Conditions {
     /// Whether the tangent is symmetric: no friction, no follower pressure, no F-bar, and forces on deformable masters that
     /// have a potential.
     pub fn is_symmetric(&self, model: &Model) -> bool {
-        let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.tangent);
-        let conservative = model.pairs.iter().all(|p| p.friction == 0.0 && potential(p)) && self.pressures.is_empty();
+        let potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.rules.tangent);
+        let conservative =
+            model.pairs.iter().all(|p| p.rules.friction == 0.0 && potential(p)) && self.pressures.is_empty();
         conservative && self.has_symmetric_bodies(model)
     }
 

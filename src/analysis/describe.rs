@@ -57,14 +57,14 @@ pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
     let mut text = String::new();
     let slaves = model.slave_counts(comm);
     for (pair, count) in model.pairs.iter().zip(slaves) {
-        let method = match pair.method {
+        let method = match pair.rules.method {
             Enforcement::Penalty => "penalty",
             Enforcement::Lagrange => "Lagrange",
             Enforcement::AugmentedLagrangian => "augmented Lagrangian",
             Enforcement::Uzawa => "Uzawa",
         };
         let multipliers = ["no multipliers", "1 multiplier a node", "", "at most 3 multipliers a node"][pair.width()];
-        let friction = match pair.friction {
+        let friction = match pair.rules.friction {
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };

@@ -81,7 +81,7 @@ impl Grids {
         }
         let mut contacts = Vec::new();
         for pair in &model.pairs {
-            let set = &model.part.sets[pair.set];
+            let set = &model.part.sets[pair.side.set];
             let pieces = model.part.pieces(&set.facets);
             let cells: Vec<NumberedCell> = pieces.iter().filter(|f| f.mine).map(facet_cell).collect();
             contacts.push(show(comm, fields, model, &format!("contact.{}", pair.name), set.nodes.clone(), &cells)?);

@@ -84,7 +84,7 @@ impl Simulation<'_> {
             moved <= pair.controls.watch_deep * pair.facet_size
                 || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
-        let rubs = |p: usize| self.model.pairs[p].friction > 0.0;
+        let rubs = |p: usize| self.model.pairs[p].rules.friction > 0.0;
         let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {
             _ if !rubs(p) || !bears(p, slave) => Hold::Normal,
             Status::Stick => Hold::Firm,

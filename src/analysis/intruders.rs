@@ -25,7 +25,7 @@ pub(super) type Suspect = (usize, u32);
 /// Nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
 pub(super) fn intruders(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
     let of_bodies = || model.pairs.iter().filter(|pair| !pair.is_self());
-    let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body).collect();
+    let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body()).collect();
     bodies.sort_unstable();
     bodies.dedup();
     bodies.into_iter().flat_map(|body| in_body(comm, model, body, u, conditions)).collect()
@@ -69,12 +69,12 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
     let part = &model.part;
     let mut of_node: BTreeMap<u32, Option<Suspect>> = BTreeMap::new();
     let pairs = model.pairs.iter().enumerate();
-    for (p, pair) in pairs.filter(|(_, pair)| pair.master_body == Some(body) && pair.body != body) {
-        for n in part.owned_of(pair.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32) {
+    for (p, pair) in pairs.filter(|(_, pair)| pair.master_body() == Some(body) && pair.side.body != body) {
+        for n in part.owned_of(pair.side.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32) {
             of_node.entry(n).or_insert(Some((p, n)));
         }
     }
-    for pair in model.pairs.iter().filter(|pair| pair.master_body == Some(body) && !pair.is_self()) {
+    for pair in model.pairs.iter().filter(|pair| pair.master_body() == Some(body) && !pair.is_self()) {
         for slave in pair.slaves.iter().filter(|slave| is_seen(&slave.sighted)) {
             of_node.insert(slave.node, None);
         }
@@ -97,7 +97,7 @@ fn bulge(comm: &SimpleCommunicator, model: &Model, body: usize) -> f64 {
         let patches = pair.master.surface().map_or(&[][..], |k| model.masters.surfaces[k].shapes().patches());
         patches.iter().map(Patch::bulge).fold(0.0, f64::max)
     };
-    let pairs = model.pairs.iter().filter(|pair| pair.master_body == Some(body));
+    let pairs = model.pairs.iter().filter(|pair| pair.master_body() == Some(body));
     let mut most = [pairs.map(of_pair).fold(0.0, f64::max)];
     max(comm, &mut most);
     most[0]

@@ -25,7 +25,7 @@ pub struct End {
 
 /// Whether increments leave an error at all.
 pub fn matter(simulation: &Simulation) -> bool {
-    simulation.model().can_flow() || simulation.model().pairs.iter().any(|pair| pair.friction > 0.0)
+    simulation.model().can_flow() || simulation.model().pairs.iter().any(|pair| pair.rules.friction > 0.0)
 }
 
 impl End {
@@ -55,7 +55,7 @@ impl End {
             })
             .collect();
         let mut contacts = Map::new();
-        for (p, pair) in model.pairs.iter().enumerate().filter(|(_, pair)| !pair.is_second) {
+        for (p, pair) in model.pairs.iter().enumerate().filter(|(_, pair)| !pair.pass.is_second()) {
             let mut squares = [0.0; 3];
             for (a, b) in self.nodes[p].iter().zip(&other.nodes[p]) {
                 squares[0] += (a[0] - b[0]).norm_squared();

@@ -190,8 +190,8 @@ impl<'a> Simulation<'a> {
             course: progress.increments.course(),
             tries: progress.ladder.tries(),
             past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
-            held: self.model.pairs.iter().map(|pair| pair.method != pair.asked.0).collect(),
-            eased: self.model.pairs.iter().map(|pair| pair.eased).collect(),
+            held: self.model.pairs.iter().map(|pair| pair.rules.method != pair.rules.asked.0).collect(),
+            eased: self.model.pairs.iter().map(|pair| pair.rules.eased).collect(),
             points,
         }
     }
@@ -219,7 +219,7 @@ impl<'a> Simulation<'a> {
         let mut rows = Vec::new();
         for (s, slave) in pair.slaves.iter().enumerate() {
             let Slave { committed, accepted, sight, .. } = *slave;
-            let deep = pair.avoided.get(s).map(|avoided| avoided.deep());
+            let deep = pair.avoided(s).map(|avoided| avoided.deep());
             OfSlave { committed, accepted, sight, deep, near: frame.dofs.near[p][s] }.put(&mut rows);
             let equations = &frame.dofs.multiplier[p][s];
             let past = frame.progress.past.iter().map(|(_, x)| unknowns(equations, |e| frame.dofs.local(e), x));
@@ -272,7 +272,7 @@ impl<'a> Simulation<'a> {
         self.restore_solids(stored, layout, common.points)?;
         for (pair, (held, eased)) in self.model.pairs.iter_mut().zip(common.held.iter().zip(&common.eased)) {
             if *held || *eased < 1.0 {
-                pair.eased = *eased;
+                pair.rules.eased = *eased;
                 pair.enforce(Enforcement::Uzawa);
             }
         }
@@ -339,7 +339,9 @@ impl<'a> Simulation<'a> {
                 let of = OfSlave::take(&mut words);
                 (slave.committed, slave.sight) = (of.committed, of.sight);
                 (slave.accepted, slave.trial) = (of.accepted, of.accepted);
-                if let Some((deep, avoided)) = of.deep.zip(pair.avoided.get_mut(s)) {
+                if let Some((deep, avoided)) =
+                    of.deep.zip(pair.within.as_mut().and_then(|within| within.avoided.get_mut(s)))
+                {
                     avoided.remember(deep);
                 }
                 of_pair.push((of, (0..past).map(|_| Vec3::take(&mut words)).collect()));
@@ -449,7 +451,7 @@ impl<'a> Simulation<'a> {
         newton.start_behind(&mut here);
         let (mut x, mut r) = (here.clone(), vec![0.0; here.len()]);
         newton.start_ahead(&here, &mut x);
-        let uzawa = newton.system.model.pairs.iter_mut().filter(|pair| pair.method == Enforcement::Uzawa);
+        let uzawa = newton.system.model.pairs.iter_mut().filter(|pair| pair.rules.method == Enforcement::Uzawa);
         uzawa.flat_map(|pair| &mut pair.slaves).for_each(Slave::hand_back);
         let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));
         let broken = any(self.comm, broken);

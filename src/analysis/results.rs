@@ -183,21 +183,21 @@ impl Results {
             sum(comm, &mut energies);
             row.extend(energies);
         }
-        for pair in model.pairs.iter().filter(|p| !p.is_second) {
+        for pair in model.pairs.iter().filter(|p| !p.pass.is_second()) {
             let mut counts = [0.0; 3];
             let mut most = [0.0f64; 2];
             let mut force = [0.0; 3];
-            for pass in std::iter::once(pair).chain(pair.other.map(|other| &model.pairs[other])) {
+            for pass in std::iter::once(pair).chain(pair.pass.other().map(|other| &model.pairs[other])) {
                 let tractions = tractions(comm, model, pass, &state.u);
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
-                let sign = if pass.is_second { 1.0 } else { -1.0 };
+                let sign = if pass.pass.is_second() { 1.0 } else { -1.0 };
                 for slave in &pass.slaves {
                     // In self-contact all that the nodes get, which adds up to nothing: what they bear themselves depends on
                     // how those that meet each other share a force, which is left open.
                     let on_slave = if pair.is_self() { slave.accepted.on_node() } else { sign * slave.accepted.force };
                     (0..3).for_each(|d| force[d] += on_slave[d]);
                     counts[0] += f64::from(slave.accepted.status != Status::Gap);
-                    counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.friction > 0.0);
+                    counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.rules.friction > 0.0);
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);
                     most[0] = most[0].max(slave.sight.depth);
                     if let Some(p) = &slave.accepted.projection {
@@ -296,7 +296,7 @@ fn columns(model: &Model, scene: &Scene) -> Vec<String> {
     for (_, body) in plastic_bodies(model) {
         columns.extend(["elastic_energy", "plastic_work"].map(|c| format!("{}.{c}", body.name)));
     }
-    for pair in model.pairs.iter().filter(|p| !p.is_second) {
+    for pair in model.pairs.iter().filter(|p| !p.pass.is_second()) {
         let quantities = ["active", "stick", "slip", "max_penetration", "max_pressure"];
         columns.extend(quantities.map(|c| format!("{}.{c}", pair.name)));
         if pair.master.surface().is_some() {

@@ -80,7 +80,7 @@ impl Simulation<'_> {
             for (slave, at) in pair.slaves.iter().filter_map(|s| Some((s, s.accepted.projection?))) {
                 let by = drive.velocity(&at.slave());
                 let along = at.normal.dot(&by);
-                let against = along + pair.friction * (by - at.normal * along).norm();
+                let against = along + pair.rules.friction * (by - at.normal * along).norm();
                 sums[0] += 1.0;
                 sums[1] += f64::from(against > ROUNDING * by.norm());
                 // What turns into the slave bears the more, the more it is turned.

@@ -24,7 +24,7 @@ impl<'a> Simulation<'a> {
             touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
         }
         let mut shared = vec![0.0; pairs.len()];
-        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].friction > 0.0)) {
+        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].rules.friction > 0.0)) {
             at.iter().for_each(|&p| shared[p] = 1.0);
         }
         max(self.comm, &mut shared);

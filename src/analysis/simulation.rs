@@ -208,7 +208,7 @@ impl<'a> Simulation<'a> {
     /// A failing library.
     pub fn go_back(&mut self, to: &Checkpoint) -> Result<()> {
         self.state.clone_from(&to.state);
-        let same_methods = self.model.pairs.iter().map(|pair| pair.method).eq(to.memory.methods());
+        let same_methods = self.model.pairs.iter().map(|pair| pair.rules.method).eq(to.memory.methods());
         to.memory.give(&mut self.model);
         let same =
             |running: &&mut Running| to.progress.as_ref().is_some_and(|p| p.serial == running.frame.progress.serial);
@@ -320,7 +320,7 @@ impl<'a> Simulation<'a> {
         for pair in pairs {
             let ground = masters.of(pair.master);
             let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
-            let outward = outward_of(part, pair.set, place);
+            let outward = outward_of(part, pair.side.set, place);
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;
                 let position = place(node);
@@ -339,10 +339,10 @@ impl<'a> Simulation<'a> {
                 slave.pieces = pieces_of(&even);
                 // An active set begins with what touches; nothing else may hold a body.
                 let touches = projection.is_some_and(|p| p.gap <= pair.controls.touching_gap * pair.facet_size);
-                if touches && pair.method == Enforcement::Lagrange {
+                if touches && pair.rules.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;
                 }
-                slave.commit(pair.method, Vec3::zeros(), &ground, &position, 0.0);
+                slave.commit(pair.rules.method, Vec3::zeros(), &ground, &position, 0.0);
             }
         }
     }

@@ -104,19 +104,18 @@ struct OfPair {
     eased: f64,
     /// Of the last converged increment; the iterate; what was seen.
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
-    outward: Vec<Vec3>,
-    avoided: Vec<Avoided>,
+    /// Within a body where slave nodes looked, and what they were not to meet.
+    within: Option<(Vec<Vec3>, Vec<Avoided>)>,
 }
 
 impl Memory {
     /// What a model remembers.
     pub fn of(model: &Model) -> Self {
         let of_pair = |pair: &Pair| OfPair {
-            method: pair.method,
-            eased: pair.eased,
+            method: pair.rules.method,
+            eased: pair.rules.eased,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
-            outward: pair.outward.clone(),
-            avoided: pair.avoided.clone(),
+            within: pair.within.as_ref().map(|within| (within.outward.clone(), within.avoided.clone())),
         };
         Self {
             solids: model.history.clone(),
@@ -141,15 +140,17 @@ impl Memory {
             joint.slaves.iter_mut().zip(forces).for_each(|(slave, force)| slave.force = *force);
         }
         for (pair, memory) in model.pairs.iter_mut().zip(&self.pairs) {
-            if (pair.method, pair.eased) != (memory.method, memory.eased) {
-                pair.eased = memory.eased;
+            if (pair.rules.method, pair.rules.eased) != (memory.method, memory.eased) {
+                pair.rules.eased = memory.eased;
                 pair.enforce(memory.method);
             }
             for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {
                 (slave.committed, slave.accepted, slave.trial, slave.sight) = (*committed, *accepted, *trial, *sight);
             }
-            pair.outward.clone_from(&memory.outward);
-            pair.avoided.clone_from(&memory.avoided);
+            if let Some((within, (outward, avoided))) = pair.within.as_mut().zip(memory.within.as_ref()) {
+                within.outward.clone_from(outward);
+                within.avoided.clone_from(avoided);
+            }
         }
     }
 }

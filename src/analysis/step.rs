@@ -125,7 +125,7 @@ impl<'a> Simulation<'a> {
 
     /// The next step at its start, where the simulation is.
     pub(super) fn progress(&mut self, step: &Step, conditions: Conditions) -> Progress {
-        let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
+        let frictional = self.model.pairs.iter().any(|p| p.rules.friction > 0.0);
         let contacts = &self.scene.contacts;
         let given = contacts.iter().any(|c| c.penalty.is_some() && !c.method.holds_multipliers());
         let jumps = match frictional || self.model.can_flow() {
@@ -223,7 +223,7 @@ impl<'a> Simulation<'a> {
 
     fn seek(&mut self, running: &mut Running<'a>, observer: &mut Observer) -> Result<Option<Increment>> {
         let Running { frame, snes, x, told, .. } = running;
-        let frictional = self.model.pairs.iter().any(|p| p.friction > 0.0);
+        let frictional = self.model.pairs.iter().any(|p| p.rules.friction > 0.0);
         let duration = frame.progress.step.duration;
         while let Some(end) = frame.progress.increments.next() {
             frame.progress.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(frame);
@@ -368,7 +368,7 @@ impl<'a> Simulation<'a> {
 /// Whether contacts may be sought along the central path: two tools press on a body, or bodies on each other, and all contacts
 /// have smooth forces there.
 fn can_center(pairs: &[Pair]) -> bool {
-    let is_other = |a: &Pair, b: &Pair| a.body == b.body && a.master.tool() != b.master.tool();
+    let is_other = |a: &Pair, b: &Pair| a.side.body == b.side.body && a.master.tool() != b.master.tool();
     let is_between = |pair: &Pair| pair.master.tool().is_none() || pairs.iter().any(|other| is_other(pair, other));
     pairs.iter().all(Pair::is_smooth) && pairs.iter().any(is_between)
 }

@@ -36,7 +36,7 @@ struct Stray {
 
 /// Those of all tools and bodies at displacements `u`, of which the tools see what is near. Collective.
 pub(super) fn strays(comm: &SimpleCommunicator, model: &mut Model, u: &[Vec3]) -> Vec<Strays> {
-    let key = |pair: &Pair| pair.master.tool().map(|t| (t, pair.body));
+    let key = |pair: &Pair| pair.master.tool().map(|t| (t, pair.side.body));
     let firsts: Vec<usize> = (0..model.pairs.len())
         .filter(|&p| {
             let own = key(&model.pairs[p]);
@@ -48,7 +48,7 @@ pub(super) fn strays(comm: &SimpleCommunicator, model: &mut Model, u: &[Vec3]) -
         let pairs = model.pairs.iter().filter(|pair| key(pair) == own);
         let slaves: BTreeSet<u32> = pairs.flat_map(|pair| pair.slaves.iter().map(|slave| slave.node)).collect();
         let part = &model.part;
-        let own = part.owned_of(model.pairs[p].body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32);
+        let own = part.owned_of(model.pairs[p].side.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32);
         let nodes: Vec<u32> = own.filter(|n| !slaves.contains(n)).collect();
         look(comm, model, p, &nodes, 0.0, u);
         let (pair, may) = (&model.pairs[p], allowed(&model.pairs[p], 0.0));
@@ -71,8 +71,8 @@ fn allowed(pair: &Pair, travel: f64) -> Allowance<'_> {
 /// How deep slave nodes are that a penalty lets into the tool of a pair, or the mean over facets: nodes beside them are, too.
 /// Collective.
 fn let_in(comm: &SimpleCommunicator, model: &Model, p: usize) -> f64 {
-    let alike = |pair: &&Pair| pair.master == model.pairs[p].master && pair.body == model.pairs[p].body;
-    let gives_way = |pair: &&Pair| pair.method == Enforcement::Penalty || pair.faces.is_some();
+    let alike = |pair: &&Pair| pair.master == model.pairs[p].master && pair.side.body == model.pairs[p].side.body;
+    let gives_way = |pair: &&Pair| pair.rules.method == Enforcement::Penalty || pair.faces.is_some();
     let slaves = model.pairs.iter().filter(alike).filter(gives_way).flat_map(|pair| &pair.slaves);
     let mut deepest = [slaves.map(|slave| slave.sighted.depth).fold(0.0, f64::max)];
     max(comm, &mut deepest);
@@ -165,7 +165,7 @@ pub(super) fn beyond(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Op
         let set = &plane.set.value;
         let body = model.bodies.iter().position(|body| body.name == body_of(set))?;
         // What holds it off under a penalty gives way.
-        let gives = |pair: &&Pair| pair.body == body && pair.method == Enforcement::Penalty;
+        let gives = |pair: &&Pair| pair.side.body == body && pair.rules.method == Enforcement::Penalty;
         let given = model.pairs.iter().filter(gives).flat_map(|pair| &pair.slaves).map(|slave| slave.sighted.depth);
         let mut given = [given.fold(0.0, f64::max)];
         max(comm, &mut given);

@@ -22,7 +22,7 @@ fn of_hold(comm: &SimpleCommunicator, pair: &Pair) -> Option<String> {
     let touching = pair.slaves.iter().map(|slave| &slave.accepted).filter(|at| at.status != Status::Gap);
     for (at, normal) in touching.filter_map(|at| Some((at, at.projection?.normal))) {
         let pressed = at.force.dot(&normal).abs();
-        sums = [sums[0] + 1.0, sums[1] + at.traction().norm(), sums[2] + pair.friction * pressed];
+        sums = [sums[0] + 1.0, sums[1] + at.traction().norm(), sums[2] + pair.rules.friction * pressed];
     }
     sum(comm, &mut sums);
     let ([count, along, most], name) = (sums, &pair.name);

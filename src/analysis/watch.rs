@@ -237,7 +237,7 @@ impl Simulation<'_> {
     /// A node inside the body of the master of a pair, in words.
     fn word_within(&self, (p, n): Suspect) -> String {
         let pair = &self.model.pairs[p];
-        let body = pair.master_body.map_or("", |body| &self.model.bodies[body].name);
+        let body = pair.master_body().map_or("", |body| &self.model.bodies[body].name);
         format!(
             "node {} is inside body `{body}`, which it entered where no contact names a face, beside {} (contact `{}`)",
             node_name(&self.model, n),
@@ -249,7 +249,7 @@ impl Simulation<'_> {
     /// How deep the master of a pair is between the nodes of the slave.
     fn word_between(&self, p: usize, Between { share, depth, place }: &Between) -> String {
         let pair = &self.model.pairs[p];
-        let (master, slave) = (self.model.master_name(pair), &self.model.bodies[pair.body].name);
+        let (master, slave) = (self.model.master_name(pair), &self.model.bodies[pair.side.body].name);
         format!(
             "contact `{}`: {master} is {depth:.3e} deep in body `{slave}` between its nodes, {}at ({:.6}, {:.6}, {:.6}), \
              where nothing resists it",
@@ -368,7 +368,7 @@ impl Simulation<'_> {
                 ));
             }
             // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
-            let is_of_penalty = pair.method == Enforcement::Penalty && pair.faces.is_none();
+            let is_of_penalty = pair.rules.method == Enforcement::Penalty && pair.faces.is_none();
             if is_of_penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
                 warnings.push(format!(
                     "contact `{name}`: its penalty let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
@@ -377,8 +377,8 @@ impl Simulation<'_> {
                     touch.depth / pair.facet_size
                 ));
             }
-            let other = pair.other.map(|other| self.state.touches[other]);
-            if pair.is_second || touch.now || other.is_some_and(|o| o.now) {
+            let other = pair.pass.other().map(|other| self.state.touches[other]);
+            if pair.pass.is_second() || touch.now || other.is_some_and(|o| o.now) {
                 continue;
             }
             let until = [touch.until, other.and_then(|o| o.until)].into_iter().flatten().reduce(f64::max);
@@ -418,20 +418,23 @@ fn take_slid(pairs: &mut [Pair]) -> Vec<f64> {
 /// What slave nodes of this rank bear of each tool that are on several at once, and that friction holds on one, N: forces that
 /// push these tools apart are in balance by themselves.
 fn shared(pairs: &[Pair]) -> Vec<f64> {
-    let mut met: BTreeMap<u32, (usize, bool)> = BTreeMap::new();
-    let on_tool = |pair: &Pair| pair.master.tool().is_some();
+    let mut met: BTreeMap<u32, (BTreeSet<usize>, bool)> = BTreeMap::new();
     let acts = |slave: &&Slave| slave.accepted.force != Vec3::zeros();
-    for pair in pairs.iter().filter(|pair| on_tool(pair)) {
+    for pair in pairs {
+        let Some(tool) = pair.master.tool() else { continue };
         for slave in pair.slaves.iter().filter(acts) {
             let (tools, is_held) = met.entry(slave.node).or_default();
-            *tools += 1;
-            *is_held |= pair.friction > 0.0 && slave.accepted.status == Status::Stick;
+            tools.insert(tool);
+            *is_held |= pair.rules.friction > 0.0 && slave.accepted.status == Status::Stick;
         }
     }
-    met.retain(|_, (tools, is_held)| *tools > 1 && *is_held);
-    let of = |pair: &Pair| match on_tool(pair) && !met.is_empty() {
-        true => pair.slaves.iter().filter(|s| met.contains_key(&s.node)).map(|s| s.accepted.force.norm()).sum(),
-        false => 0.0,
+    met.retain(|_, (tools, is_held)| tools.len() > 1 && *is_held);
+    let of = |pair: &Pair| match pair.master.tool() {
+        Some(_) if !met.is_empty() => {
+            let shared = pair.slaves.iter().filter(|slave| met.contains_key(&slave.node));
+            shared.map(|slave| slave.accepted.force.norm()).sum()
+        }
+        _ => 0.0,
     };
     pairs.iter().map(of).collect()
 }
@@ -510,10 +513,12 @@ fn judge_pair(
 fn explained(model: &Model, pair: &Pair, s: usize, residual: f64) -> f64 {
     let slave = &pair.slaves[s];
     residual / slave.measure()
-        + match pair.method {
+        + match pair.rules.method {
             // A node that leaves the contact to one of the other side has that one's force.
             Enforcement::Penalty => slave.trial.on_node().norm() / slave.law.penalty,
-            Enforcement::Uzawa => pair.tolerance.unwrap_or(pair.controls.uzawa_tolerance * residual / model.stiffness),
+            Enforcement::Uzawa => {
+                pair.rules.tolerance.unwrap_or(pair.controls.uzawa_tolerance * residual / model.stiffness)
+            }
             _ => 0.0,
         }
 }

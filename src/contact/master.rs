@@ -363,14 +363,12 @@ impl<'a> Ground<'a> {
             Self::Tool(tool) => return tool.project(x, pair.reach, (warm, keeps)),
             Self::Surface(surface, Meets::Nodes) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
             Self::Surface(surface, Meets::Own) => (surface, pair.outlook(s, x)),
-            Self::Surface(surface, Meets::Faces) => {
-                (surface, Outlook { x, outward: None, avoided: None, facing: pair.facing })
-            }
+            Self::Surface(surface, Meets::Faces) => (surface, Outlook::everywhere(x)),
         };
         let shapes = surface.shapes();
         let found = on_faces(shapes, pair, warm, &outlook)?;
         let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
-        Some(stays.unwrap_or(found)).filter(|p| pair.outward.get(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+        Some(stays.unwrap_or(found)).filter(|p| pair.outward(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last
@@ -381,7 +379,7 @@ impl<'a> Ground<'a> {
         let normal = slave.accepted.projection.map(|p| p.normal);
         match self {
             Self::Tool(tool) => tool.entrance(x, found, (&place, normal), sides),
-            Self::Surface(surface, Meets::Faces) if !pair.within_body => {
+            Self::Surface(surface, Meets::Faces) if !pair.is_within_body() => {
                 let from = |at: &Projection| {
                     let before = surface.shape_before(at.patch)?;
                     Some(at.point + (place - before.point(at.xi)))
@@ -399,7 +397,7 @@ impl<'a> Ground<'a> {
         let sides = pair.sides();
         sides.facing(found, outward, |most| match self {
             Self::Tool(tool) => tool.perpendiculars(x, most, sides.aside),
-            Self::Surface(surface, Meets::Faces) if !pair.within_body => {
+            Self::Surface(surface, Meets::Faces) if !pair.is_within_body() => {
                 surface.shapes().perpendiculars(x, most, sides.aside)
             }
             Self::Surface(..) => Vec::new(),
@@ -438,8 +436,8 @@ impl<'a> Ground<'a> {
         let found = match self {
             Self::Tool(tool) => tool.project(x, pair.reach, (warm, false)),
             Self::Surface(surface, _) => {
-                let outward = pair.within_body.then_some(outward);
-                on_faces(surface.shapes(), pair, warm, &Outlook { x, outward, avoided: None, facing: pair.facing })
+                let outward = pair.is_within_body().then_some(outward);
+                on_faces(surface.shapes(), pair, warm, &Outlook { outward, ..Outlook::everywhere(x) })
             }
         };
         found.filter(|p| outward.dot(&p.normal) < 0.0)

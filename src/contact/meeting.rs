@@ -62,26 +62,26 @@ impl Meeting {
         let slave = &pair.slaves[s];
         let position = &(ahead.place)(slave.node);
         let warm = slave.trial.projection.map(|p| (p.patch, p.xi)).or(slave.committed.warm);
-        let may_keep = slave.trial.returns >= slave.trial.patience;
+        let may_keep = slave.trial.kinks.is_settled();
         let projection = ground.project(pair, s, position, (warm, may_keep));
         let other = || ground.project(pair, s, position, (warm, false));
         let keeps = may_keep && projection.map(|p| p.patch) != other().map(|p| p.patch);
         // One that goes to and fro between sides is on the nearest.
-        let may_enter = slave.trial.entrances < 2 * slave.trial.patience;
+        let may_enter = slave.trial.kinks.may_enter();
         let entrance = projection.filter(|_| may_enter).and_then(|p| ground.entrance(pair, s, position, &p));
         let enters = entrance.is_some();
         let is_nearest =
             !keeps && entrance.map(|p| p.patch).is_none_or(|side| projection.is_some_and(|p| p.patch == side));
         let projection = entrance.or(projection);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
-        let (tangent, controls) = (pair.tangent, pair.controls);
+        let (tangent, controls) = (pair.rules.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
         // One that goes to and fro over a kink keeps to what it was on; to a single piece as long as it is not exactly between that
         // and others, which on the way it is by symmetry alone.
-        let is_free = slave.pieces.is_empty() && slave.trial.returns < 2 * slave.trial.patience;
+        let is_free = slave.pieces.is_empty() && !slave.trial.kinks.is_restless();
         let kept = (may_keep && !is_free).then_some(&slave.pieces[..]);
         let even = projection.filter(|_| kept.is_some() || is_nearest);
         let even = even.map_or(Vec::new(), |at| ground.evenly(pair, position, &at, kept));
@@ -95,11 +95,11 @@ impl Meeting {
         let last = number_of(&slave.pieces).or(warm.map(|(patch, _)| patch));
         slave.pieces = pieces_of(&even);
         slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)), last);
-        slave.trial.keeps = keeps;
+        slave.trial.kinks.keeps = keeps;
         slave.trial.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
-        slave.trial.yields = pair.is_second && projection.is_some_and(|p| ground.is_at_node(&p, near));
+        slave.trial.yields = pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(&p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
         let touch = |p: &Projection| several.unwrap_or_else(|| Touch::Node(ground.slip_origin(slave, p)));
         let contact = felt.map(|p| (touching(p, closed), touch(&p)));
@@ -107,7 +107,7 @@ impl Meeting {
             Mover::Slave(n) => Some((ahead.place)(n)),
             Mover::Master(n) => ground.position_of(n),
         });
-        let multiplier = slave.multiplier(pair.method, unknown * slave.law.normal, sigma);
+        let multiplier = slave.multiplier(pair.rules.method, unknown * slave.law.normal, sigma);
         (slave.trial.sigma, slave.trial.position) = (sigma, *position);
         let from_last = contact.as_ref().filter(|(_, touch)| match touch {
             Touch::Node(SlipOrigin::Carried(id, xi)) => Some((*id, *xi)) == slave.committed.warm,
@@ -205,7 +205,7 @@ fn between(
     even: &[(Projection, f64)],
 ) -> Option<(Projection, Vec<Point>)> {
     let alone = [(*at, 1.0)];
-    if even.len() < 2 && (pair.friction == 0.0 || !slave.committed.was_between()) {
+    if even.len() < 2 && (pair.rules.friction == 0.0 || !slave.committed.was_between()) {
         return None;
     }
     let origins = ground.slip_origins(slave, at);

@@ -57,19 +57,19 @@ use crate::partition::Gather;
 use crate::surface::{Patch, Projection, Sides};
 use std::collections::BTreeMap;
 
-/// A contact pair on this rank: the owned nodes of a slave surface against a master.
+/// A surface of a body that takes part in a contact.
 #[derive(Clone, Debug)]
-pub struct Pair {
-    pub name: String,
-    pub master: Master,
-    /// Index of the body of the slave nodes, and of that of the master.
+pub struct Side {
+    /// Index of the body, and of the surface in the part's sets.
     pub body: usize,
-    pub master_body: Option<usize>,
-    /// Sections that nodes of the slave count as, and of a master on a body.
+    pub set: usize,
+    /// Sections that its nodes count as.
     pub sections: Vec<usize>,
-    pub master_sections: Vec<usize>,
-    /// Both sides are layers, in plane strain or axisymmetric: nothing happens along z.
-    pub planar: bool,
+}
+
+/// What the scene says of a contact, and how far it is kept to.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
     /// Coulomb coefficient.
     pub friction: f64,
     pub tangent: Tangent,
@@ -81,8 +81,62 @@ pub struct Pair {
     pub eased: f64,
     /// With Uzawa's method: penetration and slip that may remain, a length; `None` is what the solver's tolerance lets through.
     pub tolerance: Option<f64>,
-    /// Index of the slave surface in the part's sets.
-    pub set: usize,
+}
+
+/// Which pass of its contact a pair is, with the index of the other one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pass {
+    #[default]
+    Only,
+    First {
+        second: usize,
+    },
+    /// It yields where nodes of both sides coincide.
+    Second {
+        first: usize,
+    },
+}
+
+impl Pass {
+    /// Index of the pair that is the other pass of the same contact.
+    pub fn other(self) -> Option<usize> {
+        match self {
+            Self::Only => None,
+            Self::First { second: other } | Self::Second { first: other } => Some(other),
+        }
+    }
+
+    pub fn is_second(self) -> bool {
+        matches!(self, Self::Second { .. })
+    }
+}
+
+/// Of a pair with both sides on one body: only faces that look at each other can meet.
+#[derive(Clone, Debug)]
+pub struct Within {
+    /// Cosine between the normals of what meets, at most.
+    pub facing: f64,
+    /// Outward unit normals of the slave nodes at the last converged increment.
+    pub outward: Vec<Vec3>,
+    /// In self-contact what each slave node must not meet; else empty.
+    pub avoided: Vec<Avoided>,
+    /// The nodes that the thickness of its sheets depends on.
+    pub sheet: Gather,
+}
+
+/// A contact pair on this rank: the owned nodes of a slave surface against a master.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    pub name: String,
+    pub master: Master,
+    /// The slave, and a master on a body.
+    pub side: Side,
+    pub master_side: Option<Side>,
+    /// Both sides are layers, in plane strain or axisymmetric: nothing happens along z.
+    pub planar: bool,
+    pub rules: Rules,
+    pub pass: Pass,
+    pub within: Option<Within>,
     pub slaves: Vec<Slave>,
     /// From segment to segment the slave's faces.
     pub faces: Option<Faces>,
@@ -90,27 +144,38 @@ pub struct Pair {
     pub reach: f64,
     /// Longest edge of the slave facets.
     pub facet_size: f64,
-    /// Both sides are on one body: only faces that look at each other can meet.
-    pub within_body: bool,
-    /// Cosine between the normals of what meets in self-contact, at most.
-    pub facing: f64,
     pub controls: Controls,
-    /// Within a body the outward unit normals of the slave nodes at the last converged increment.
-    pub outward: Vec<Vec3>,
-    /// Index of the pair that is the other pass of the same contact.
-    pub other: Option<usize>,
-    /// It is the second pass, which yields where nodes of both sides coincide.
-    pub is_second: bool,
-    /// In self-contact what each slave node must not meet; else empty.
-    pub avoided: Vec<Avoided>,
-    /// The nodes that the thickness of its sheets depends on.
-    pub sheet: Gather,
 }
 
 impl Pair {
     /// What slave node `slave` can meet from `x`: within a body only what looks at it.
     pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
-        Outlook { x, outward: self.outward.get(slave), avoided: self.avoided.get(slave), facing: self.facing }
+        self.within.as_ref().map_or(Outlook::everywhere(x), |within| Outlook {
+            x,
+            outward: within.outward.get(slave),
+            avoided: within.avoided.get(slave),
+            facing: within.facing,
+        })
+    }
+
+    /// Whether both sides are on one body.
+    pub fn is_within_body(&self) -> bool {
+        self.within.is_some()
+    }
+
+    /// Within a body the outward unit normal of slave node `slave` at the last converged increment.
+    pub fn outward(&self, slave: usize) -> Option<&Vec3> {
+        self.within.as_ref().and_then(|within| within.outward.get(slave))
+    }
+
+    /// In self-contact what slave node `slave` must not meet.
+    pub fn avoided(&self, slave: usize) -> Option<&Avoided> {
+        self.within.as_ref().and_then(|within| within.avoided.get(slave))
+    }
+
+    /// Index of the body of the master, if it is on one.
+    pub fn master_body(&self) -> Option<usize> {
+        self.master_side.as_ref().map(|side| side.body)
     }
 
     /// The force that slave node `s`, now at `position`, bore at the last converged increment, N, if it has left the master past
@@ -134,7 +199,7 @@ impl Pair {
 
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
     pub fn may_meet(&self, slave: usize, patch: &Patch) -> bool {
-        match (self.outward.get(slave), self.avoided.get(slave)) {
+        match (self.outward(slave), self.avoided(slave)) {
             (Some(outward), Some(avoided)) => avoided.may_meet(outward, patch),
             _ => true,
         }
@@ -157,12 +222,12 @@ impl Pair {
 
     /// Whether active sets can have the place of its augmented Lagrangian.
     pub fn can_sort(&self) -> bool {
-        self.method == Enforcement::AugmentedLagrangian && !self.is_self()
+        self.rules.method == Enforcement::AugmentedLagrangian && !self.is_self()
     }
 
     /// Whether it can be sought along the central path: with a status that is not given, between sides that tell gaps apart.
     pub fn is_smooth(&self) -> bool {
-        self.method != Enforcement::Lagrange && !self.is_self() && self.other.is_none()
+        self.rules.method != Enforcement::Lagrange && !self.is_self() && self.pass == Pass::Only
     }
 
     /// Whether each slave node meets one node of the master for good.
@@ -177,7 +242,7 @@ impl Pair {
 
     /// Whether a slave node that is exactly between pieces of the master is on all of them, see [`Ground::evenly`].
     pub fn may_be_between(&self) -> bool {
-        self.faces.is_none() && !self.within_body && !self.is_by_nodes()
+        self.faces.is_none() && !self.is_within_body() && !self.is_by_nodes()
     }
 
     /// Whether a surface meets itself.
@@ -187,17 +252,17 @@ impl Pair {
 
     /// How far a slave node may move in one iteration.
     pub fn longest_step(&self) -> f64 {
-        self.avoided
-            .iter()
+        let avoided = self.within.iter().flat_map(|within| &within.avoided);
+        avoided
             .map(|avoided| self.controls.self_step * avoided.deep())
             .fold(self.controls.step_facets * self.facet_size, f64::min)
     }
 
     /// Has the slave nodes enforced by a method, with the penalty of the scene where it is the one that was asked for.
     pub fn enforce(&mut self, method: Enforcement) {
-        let given = self.asked.1.filter(|_| method == self.asked.0);
-        self.method = method;
-        let eased = if method == Enforcement::Uzawa { self.eased } else { 1.0 };
+        let given = self.rules.asked.1.filter(|_| method == self.rules.asked.0);
+        self.rules.method = method;
+        let eased = if method == Enforcement::Uzawa { self.rules.eased } else { 1.0 };
         for slave in &mut self.slaves {
             let stiffness = slave.automatic / self.controls.augmentation;
             slave.enforce(method, given.unwrap_or(eased * penalty_share(method, &self.controls) * stiffness));
@@ -207,14 +272,14 @@ impl Pair {
     /// Divides the automatic penalty of Uzawa's method by as much, down to the stiffness that it is a multiple of; what rounding
     /// leaves of forces falls with it, and the solution does not depend on it. Says whether there was anything to divide.
     pub fn ease(&mut self, by: f64) -> bool {
-        let given = self.asked.1.filter(|_| self.method == self.asked.0);
-        let eased = (self.eased / by).max(1.0 / self.controls.uzawa_penalty);
-        if self.method != Enforcement::Uzawa || given.is_some() || eased >= self.eased {
+        let given = self.rules.asked.1.filter(|_| self.rules.method == self.rules.asked.0);
+        let eased = (self.rules.eased / by).max(1.0 / self.controls.uzawa_penalty);
+        if self.rules.method != Enforcement::Uzawa || given.is_some() || eased >= self.rules.eased {
             return false;
         }
-        let times = self.eased / eased;
+        let times = self.rules.eased / eased;
         self.slaves.iter_mut().for_each(|slave| slave.committed.held.gap *= times);
-        self.eased = eased;
+        self.rules.eased = eased;
         self.enforce(Enforcement::Uzawa);
         true
     }
@@ -228,9 +293,9 @@ impl Pair {
 
     /// Multipliers that a slave node may have as unknowns: none when they are held, one without friction, three with.
     pub fn width(&self) -> usize {
-        match self.method.holds_multipliers() {
+        match self.rules.method.holds_multipliers() {
             true => 0,
-            false if self.friction > 0.0 => 3,
+            false if self.rules.friction > 0.0 => 3,
             false => 1,
         }
     }

@@ -137,6 +137,13 @@ pub struct Outlook<'a> {
     pub facing: f64,
 }
 
+impl<'a> Outlook<'a> {
+    /// That of a node at `x` that may meet all that there is.
+    pub fn everywhere(x: &'a Vec3) -> Self {
+        Self { x, outward: None, avoided: None, facing: 0.0 }
+    }
+}
+
 impl Admission<Patch> for Outlook<'_> {
     fn may_admit(&self, patch: &Patch, extent: &Extent) -> bool {
         match (self.outward, self.avoided) {

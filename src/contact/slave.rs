@@ -3,7 +3,7 @@
 use super::master::Ground;
 use super::mates::Mate;
 use super::method::Enforcement;
-use super::trial::Trial;
+use super::trial::{Kinks, Trial};
 use super::watch::Sight;
 use super::{Compliance, Law, Multiplier, Response, Status, meeting};
 use crate::controls::Controls;
@@ -244,7 +244,8 @@ impl Slave {
         let returns = if self.committed.keeps { patience } else { 0 };
         self.pieces.clear();
         self.pieces.extend(self.committed.origins().filter(|_| self.committed.was_between()));
-        self.trial = Trial { status, yields, patience, returns, ..Trial::default() };
+        let kinks = Kinks { patience, returns, ..Kinks::default() };
+        self.trial = Trial { status, yields, kinks, ..Trial::default() };
         let automatic = manner.automatic || manner.soft;
         let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
         self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
@@ -384,7 +385,7 @@ impl Slave {
             anchor: projection.map(|p| ground.inward(&p.point)),
             place: Some(ground.inward(position)),
             warm: projection.map(|p| (p.patch, p.xi)),
-            keeps: self.trial.keeps,
+            keeps: self.trial.kinks.keeps,
             status: self.trial.status,
             slid,
         };

@@ -4,6 +4,47 @@ use super::law::{Response, Status};
 use crate::surface::Projection;
 use crate::{Mat3, Vec3};
 
+/// What a slave node does about kinks between pieces of its master within an increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Kinks {
+    /// The piece of the master that it left last, or a number of those that it was between, and how often it has come back to one.
+    pub left: Option<u32>,
+    pub returns: u32,
+    /// From so many returns on it keeps to its side of kinks.
+    pub patience: u32,
+    /// It does, where its closest point is on the other side.
+    pub keeps: bool,
+    /// How often it has come to the side that it was on, or left it.
+    pub entrances: u32,
+}
+
+crate::words!(Kinks { left, returns, patience, keeps, entrances });
+
+impl Kinks {
+    /// Whether it has gone to and fro so often that it keeps to its side.
+    pub fn is_settled(&self) -> bool {
+        self.returns >= self.patience
+    }
+
+    /// Whether it goes to and fro even so.
+    pub fn is_restless(&self) -> bool {
+        self.returns >= 2 * self.patience
+    }
+
+    /// Whether it may still come to the side that it was on.
+    pub fn may_enter(&self) -> bool {
+        self.entrances < 2 * self.patience
+    }
+
+    /// It is on the piece `here`, and was on `last` before.
+    fn go(&mut self, here: u32, last: u32) {
+        if here != last {
+            self.returns += u32::from(self.left == Some(here));
+            self.left = Some(last);
+        }
+    }
+}
+
 /// The current iterate of a slave node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
@@ -17,15 +58,7 @@ pub struct Trial {
     pub yields: bool,
     /// Projection in space, when there is one in reach.
     pub projection: Option<Projection>,
-    /// The piece of the master that it left last, or a number of those that it was between, and how often it has come back to one.
-    pub left: Option<u32>,
-    pub returns: u32,
-    /// From so many returns on it keeps to its side of kinks.
-    pub patience: u32,
-    /// It does, where its closest point is on the other side.
-    pub keeps: bool,
-    /// How often it has come to the side that it was on, or left it.
-    pub entrances: u32,
+    pub kinks: Kinks,
     /// Slip since the last converged increment.
     pub slip: Vec3,
     /// The status differs from that of the iterate before, or the slip has turned back.
@@ -49,11 +82,7 @@ crate::words!(Trial {
     received,
     yields,
     projection,
-    left,
-    returns,
-    patience,
-    keeps,
-    entrances,
+    kinks,
     slip,
     changed,
     flips,
@@ -88,17 +117,15 @@ impl Trial {
     /// Takes over where it is on the master: `here`, a piece or the number of several; it was on `last` before.
     pub fn stand(&mut self, projection: Option<Projection>, here: Option<u32>, last: Option<u32>) {
         self.projection = projection;
-        if let (Some(here), Some(last)) = (here, last)
-            && here != last
-        {
-            self.returns += u32::from(self.left == Some(here));
-            self.left = Some(last);
+        if let Some((here, last)) = here.zip(last) {
+            self.kinks.go(here, last);
         }
     }
 
     /// Notes whether it is on the side that it was on, or came through.
     pub fn note_entrance(&mut self, enters: bool) {
-        self.entrances += u32::from(enters != (self.entrances % 2 == 1));
+        let entrances = &mut self.kinks.entrances;
+        *entrances += u32::from(enters != (*entrances % 2 == 1));
     }
 
     /// The force along the surface.

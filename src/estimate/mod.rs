@@ -91,9 +91,9 @@ pub fn of(
     stiffness: &[Option<f64>],
 ) -> Estimate {
     let mut contacts = Vec::new();
-    for (p, pair) in model.pairs.iter().enumerate().filter(|(_, pair)| !pair.is_second) {
+    for (p, pair) in model.pairs.iter().enumerate().filter(|(_, pair)| !pair.pass.is_second()) {
         if let Some(pressure) = Pressure::new(comm, model, pair, u) {
-            let bodies = connected(model, pair.body);
+            let bodies = connected(model, pair.side.body);
             let [error, all] = [|b: &OfBody| b.error, |b: &OfBody| b.energy]
                 .map(|of| bodies.iter().map(|b| of(&energy.bodies[*b])).sum::<f64>());
             let force = force_error(error, all, &pressure);
@@ -110,7 +110,7 @@ fn connected(model: &Model, body: usize) -> Vec<usize> {
     let mut k = 0;
     while k < found.len() {
         for pair in &model.pairs {
-            let ends = [Some(pair.body), pair.master_body];
+            let ends = [Some(pair.side.body), pair.master_body()];
             if ends.contains(&Some(found[k])) {
                 found.extend(ends.into_iter().flatten().filter(|b| !found.contains(b)).collect::<Vec<_>>());
             }

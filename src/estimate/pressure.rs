@@ -148,7 +148,7 @@ impl Pressure {
         if !any(comm, pair.slaves.iter().any(|s| s.accepted.status != Status::Gap)) {
             return None;
         }
-        let own_facets = &model.part.sets[pair.set].facets;
+        let own_facets = &model.part.sets[pair.side.set].facets;
         let facets = model.part.pieces(own_facets);
         let nodes = Nodes { comm, model, facets: &facets };
         let tractions = tractions(comm, model, pair, u);

@@ -2,7 +2,7 @@
 
 use super::{Model, Section};
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, Faces, Master, Meets, Pair, Slave, mates};
+use crate::contact::{Avoided, Faces, Master, Meets, Pair, Pass, Rules, Side, Slave, Within, mates};
 use crate::error::{Error, Result};
 use crate::parallel::{agree, max, sum};
 use crate::partition::{Gather, PartSet};
@@ -48,6 +48,57 @@ impl Model {
         let master = self.master(scene, contact);
         let is_surface = contact.surface.is_some();
         let softest = if is_surface { self.mean_stiffness(comm, &contact.master.value) } else { f64::INFINITY };
+        let stiffness = self.contact_stiffness(set);
+        let slave = |n: u32| {
+            let stiffness = stiffness[n as usize].min(softest);
+            Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
+        };
+        let within = is_within_body(contact).then(|| self.within(comm, contact, (master, &nodes), avoided));
+        let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
+        let by_faces = contact.discretization == Discretization::Segment;
+        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric(), bulges));
+        let facet_size = self.longest_edge(comm, &contact.slave.value);
+        // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
+        let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
+        let side = |name: &str| Side {
+            body: index(name).unwrap_or_default(),
+            set: self.set_index[name],
+            sections: self.sections_of(comm, self.set(name)),
+        };
+        let mut pair = Pair {
+            name: contact.name.value.clone(),
+            master,
+            side: side(&contact.slave.value),
+            master_side: is_surface.then(|| side(&contact.master.value)),
+            planar: is_surface && [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value)),
+            rules: Rules {
+                friction: contact.friction,
+                tangent: contact.tangent,
+                method: contact.method,
+                asked: (contact.method, penalty),
+                eased: 1.0,
+                tolerance: contact.tolerance,
+            },
+            pass: Pass::Only,
+            within,
+            slaves,
+            faces,
+            reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
+            facet_size,
+            controls: self.controls,
+        };
+        pair.enforce(contact.method);
+        pair
+    }
+
+    /// Of a contact within a body, what its slave nodes may meet. Collective.
+    fn within(
+        &self,
+        comm: &SimpleCommunicator,
+        contact: &scene::Contact,
+        (master, nodes): (Master, &[u32]),
+        avoided: &[BTreeMap<u32, Avoided>],
+    ) -> Within {
         let mut shunned = Vec::new();
         if let Master::Surface(k, Meets::Own) = master {
             let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
@@ -57,50 +108,12 @@ impl Model {
             };
             shunned = nodes.iter().map(of_node).map(depth).collect();
         }
-        let stiffness = self.contact_stiffness(set);
-        let slave = |n: u32| {
-            let stiffness = stiffness[n as usize].min(softest);
-            Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
-        };
-        let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
-        let by_faces = contact.discretization == Discretization::Segment;
-        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric(), bulges));
-        let facet_size = self.longest_edge(comm, &contact.slave.value);
-        // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
-        let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
-        let mut pair = Pair {
-            name: contact.name.value.clone(),
-            master,
-            body: index(&contact.slave.value).unwrap_or_default(),
-            master_body: index(&contact.master.value).filter(|_| is_surface),
-            sections: self.sections_of(comm, set),
-            master_sections: match is_surface {
-                true => self.sections_of(comm, self.set(&contact.master.value)),
-                false => Vec::new(),
-            },
-            planar: is_surface && [&contact.slave, &contact.master].iter().all(|set| self.is_planar(&set.value)),
-            friction: contact.friction,
-            tangent: contact.tangent,
-            method: contact.method,
-            asked: (contact.method, penalty),
-            eased: 1.0,
-            tolerance: contact.tolerance,
-            set: self.set_index[&contact.slave.value],
-            slaves,
-            faces,
-            reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
-            facet_size,
-            within_body: is_within_body(contact),
+        Within {
             facing: -self.controls.self_facing.to_radians().cos(),
-            controls: self.controls,
             outward: Vec::new(),
-            other: None,
-            is_second: false,
             sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
             avoided: shunned,
-        };
-        pair.enforce(contact.method);
-        pair
+        }
     }
 
     /// The master of a contact, the surfaces of bodies in the order of the contacts.
@@ -178,9 +191,8 @@ impl Model {
     fn join_passes(&mut self, passes: &[scene::Contact]) {
         for (second, pass) in passes.iter().enumerate() {
             if let Some(first) = pass.second_of {
-                self.pairs[second].is_second = true;
-                self.pairs[second].other = Some(first);
-                self.pairs[first].other = Some(second);
+                self.pairs[second].pass = Pass::Second { first };
+                self.pairs[first].pass = Pass::First { second };
             }
         }
     }

@@ -37,7 +37,7 @@ pub fn check_step(model: &Model, step: &Step) -> Result<()> {
     let meets_layers = |name: &str| {
         let tool = model.tool_named(name);
         tool.is_some() && {
-            let meets = |pair: &Pair| pair.master.tool() == tool && model.bodies[pair.body].is_layer();
+            let meets = |pair: &Pair| pair.master.tool() == tool && model.bodies[pair.side.body].is_layer();
             model.pairs.iter().any(meets)
         }
     };

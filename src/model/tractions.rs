@@ -20,14 +20,14 @@ type Edge = ([usize; 2], usize);
 pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
     let part = &model.part;
     let mut areas = vec![0.0; part.points.len()];
-    let facets = &part.sets[pair.set].facets;
+    let facets = &part.sets[pair.side.set].facets;
     add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
     let mut tractions = vec![Vec3::zeros(); part.points.len()];
     pair.slaves.iter().for_each(|slave| tractions[slave.node as usize] = slave.accepted.on_node());
     let edges = edges(model, pair);
     let mut ending = vec![0.0; part.points.len()];
     edges.iter().flat_map(|(ends, _)| ends).for_each(|&n| ending[n] += 1.0);
-    let quadratic = pair.sections.iter().any(|&s| model.sections[s].element.shape() == SolidShape::Tet10);
+    let quadratic = pair.side.sections.iter().any(|&s| model.sections[s].element.shape() == SolidShape::Tet10);
     if quadratic {
         let mut given: Vec<Vec3> =
             tractions.iter().zip(&ending).map(|(force, edges)| force / f64::max(*edges, 1.0)).collect();
@@ -52,7 +52,7 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
 fn edges(model: &Model, pair: &Pair) -> Vec<Edge> {
     let part = &model.part;
     let mut edges = Vec::new();
-    for facet in &part.sets[pair.set].facets {
+    for facet in &part.sets[pair.side.set].facets {
         let corners = &facet.nodes[..facet.count as usize];
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             edges.extend(part.middles.at(a, b).map(|m| ([a.min(b) as usize, a.max(b) as usize], m as usize)));

@@ -44,12 +44,12 @@ impl Axes {
 
     /// The multipliers of the slave at a node as they are unknowns: along its directions with friction, else the normal one.
     pub fn inward_of(&self, pair: &Pair, node: u32, multiplier: &Vec3) -> Vec3 {
-        if pair.friction > 0.0 { self.inward(node as usize, multiplier) } else { *multiplier }
+        if pair.rules.friction > 0.0 { self.inward(node as usize, multiplier) } else { *multiplier }
     }
 
     /// The same back.
     pub fn outward_of(&self, pair: &Pair, node: u32, unknowns: &Vec3) -> Vec3 {
-        if pair.friction > 0.0 { self.outward(node as usize, unknowns) } else { *unknowns }
+        if pair.rules.friction > 0.0 { self.outward(node as usize, unknowns) } else { *unknowns }
     }
 
     /// These of owned nodes, with those of the halo. Collective.

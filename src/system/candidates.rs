@@ -52,7 +52,7 @@ impl Candidates {
                     let touching = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap);
                     ids.extend(touching.map(|p| p.patch));
                     ids.extend(&slave.met);
-                    if !ids.is_empty() && pair.friction > 0.0 {
+                    if !ids.is_empty() && pair.rules.friction > 0.0 {
                         ids.extend(slave.committed.origins().map(|at| at.patch));
                     }
                     ids.sort_unstable();
@@ -62,7 +62,7 @@ impl Candidates {
                 pair.slaves.iter().enumerate().map(near).collect()
             }
         };
-        let all = |pair: &Pair| pair.friction > 0.0 || pair.faces.is_some() || pair.master.tool().is_some();
+        let all = |pair: &Pair| pair.rules.friction > 0.0 || pair.faces.is_some() || pair.master.tool().is_some();
         let between = |pair: &Pair| (!all(pair)).then(|| pair.slaves.iter().map(|slave| slave.met.clone()).collect());
         Self { ids: pairs.iter().map(of_pair).collect(), between: pairs.iter().map(between).collect() }
     }

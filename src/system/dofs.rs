@@ -180,7 +180,7 @@ impl DofMap {
             for &(p, s) in slaves {
                 let pair = &model.pairs[p];
                 let carried = match pair.master.tool() {
-                    Some(t) => carried((&prescribed, axes, node), &tools[t].movement, pair.friction > 0.0),
+                    Some(t) => carried((&prescribed, axes, node), &tools[t].movement, pair.rules.friction > 0.0),
                     None => [true, true, !pair.planar],
                 };
                 let wanted = [pair.width() > 0, pair.width() > 1, pair.width() > 1];
@@ -389,7 +389,7 @@ fn contact_status(model: &Model, node: u32) -> String {
     let mut text = String::new();
     for pair in &model.pairs {
         for slave in pair.slaves.iter().filter(|s| s.node == node) {
-            text += &format!(", {} in contact `{}`", slave.trial.status.name(pair.friction), pair.name);
+            text += &format!(", {} in contact `{}`", slave.trial.status.name(pair.rules.friction), pair.name);
         }
     }
     text

@@ -97,7 +97,7 @@ impl Size {
             elements: all.into_iter().zip(counts).filter(|(_, count)| *count > 0.0).collect(),
             slaves: most[0],
             flows: model.can_flow(),
-            rubs: some(&|pair| pair.friction > 0.0),
+            rubs: some(&|pair| pair.rules.friction > 0.0),
             meets_bodies: some(&|pair| pair.master.surface().is_some()),
             meets_itself: some(&|pair| pair.is_self()),
             plane: model.is_plane(),

@@ -15,7 +15,7 @@
 
 use super::super::Rounded;
 use super::Newton;
-use crate::contact::{Pair, Slave, Status};
+use crate::contact::{Pair, Side, Slave, Status};
 use crate::model::{Model, Section};
 use crate::parallel::{max, sum};
 use crate::system::DofMap;
@@ -211,8 +211,8 @@ impl Newton<'_> {
                 let x = self.system.model.part.points[slave.node as usize] + self.found.u[slave.node as usize];
                 self.found.balance.residual(group, violation(pair, slave));
                 let own = &mut self.found.balance.groups[group];
-                let penalty = if pair.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
-                let measure = if pair.method.holds_multipliers() { penalty } else { slave.measure() };
+                let penalty = if pair.rules.method.holds_multipliers() { slave.law.penalty } else { slave.law.normal };
+                let measure = if pair.rules.method.holds_multipliers() { penalty } else { slave.measure() };
                 own.far = own.far.max(x.amax());
                 (own.penalty, own.measure) = (own.penalty.max(penalty), own.measure.max(measure));
             }
@@ -269,7 +269,7 @@ impl Newton<'_> {
         let tool = (group - sections - self.system.model.pairs.len()) % self.system.model.masters.tools.len();
         pairs
             .filter(|p| self.system.model.pairs[*p].master.tool() == Some(tool))
-            .flat_map(|p| self.system.model.pairs[p].sections.iter().map(|&section| self.rounding(section)))
+            .flat_map(|p| self.system.model.pairs[p].side.sections.iter().map(|&section| self.rounding(section)))
             .fold(0.0, f64::max)
     }
 
@@ -280,12 +280,12 @@ impl Newton<'_> {
         let touching = (0..pairs.len()).filter(|p| self.touches(*p, section));
         let Some(p) = touching.max_by(|a, b| of(*a).total_cmp(&of(*b))) else { return String::new() };
         let (pair, far) = (&pairs[p], self.found.balance.groups[first + p].far);
-        match pair.asked.1 {
+        match pair.rules.asked.1 {
             Some(_) => format!("the `penalty` of its contact `{}` is too large", pair.name),
-            None if pair.asked.0.holds_multipliers() => format!(
+            None if pair.rules.asked.0.holds_multipliers() => format!(
                 "the penalty of its contact `{}` is too large with the method \"{}\": take \"augmented-lagrangian\", or give one",
                 pair.name,
-                pair.asked.0.key()
+                pair.rules.asked.0.key()
             ),
             None => format!(
                 "what it touches in contact `{}` is too stiff for them, or too far, {far:.1e}, from the origin",
@@ -350,10 +350,11 @@ impl Newton<'_> {
     /// Whether a contact may act on a section or a tool.
     fn touches(&self, p: usize, group: usize) -> bool {
         let Model { sections, pairs, masters, .. } = &*self.system.model;
-        let Pair { sections: own, master_sections, master, .. } = &pairs[p];
+        let Pair { side, master_side, master, .. } = &pairs[p];
         let first = sections.len() + pairs.len();
         let of_tool = |t: usize| [first + t, first + masters.tools.len() + t].contains(&group);
-        own.contains(&group) || master_sections.contains(&group) || master.tool().is_some_and(of_tool)
+        let is_on = |side: &Side| side.sections.contains(&group);
+        is_on(side) || master_side.as_ref().is_some_and(is_on) || master.tool().is_some_and(of_tool)
     }
 
     /// The largest force of the contacts that touch a section or a tool, of those that bear more than rounding, N.
@@ -486,7 +487,7 @@ pub struct Lost(pub f64);
 /// How far a slave node is from what its contact asks for, N.
 fn violation(pair: &Pair, slave: &Slave) -> f64 {
     let trial = &slave.trial;
-    if trial.status == Status::Gap || pair.method.holds_multipliers() {
+    if trial.status == Status::Gap || pair.rules.method.holds_multipliers() {
         return trial.local;
     }
     let share = slave.measure() / slave.law.normal;

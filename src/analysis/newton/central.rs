@@ -41,7 +41,7 @@ impl Newton<'_> {
     /// Gives slave nodes θ over ε_n, a share of their facets. Residuals from before are those of another path.
     fn set_barrier(&mut self, gap: f64) {
         self.line_search.begin_anew(self.is_central() || self.system.model.can_flow());
-        for pair in self.system.model.pairs.iter_mut().filter(|pair| pair.method != Enforcement::Lagrange) {
+        for pair in self.system.model.pairs.iter_mut().filter(|pair| pair.rules.method != Enforcement::Lagrange) {
             let gap = gap * pair.facet_size;
             pair.slaves.iter_mut().for_each(|slave| slave.law.barrier = gap * slave.law.normal);
         }

@@ -98,7 +98,10 @@ impl Newton<'_> {
                 let force = e.force.amax();
                 balance.force(group + p, force);
                 balance.contact(part.section[node] as usize, force);
-                pair.master_sections.iter().for_each(|&section| balance.contact(section, force));
+                pair.master_side
+                    .iter()
+                    .flat_map(|side| &side.sections)
+                    .for_each(|&section| balance.contact(section, force));
                 if !dofs.near[p][s] {
                     self.touching.left_out += e.constraint.norm_squared();
                 }
@@ -112,7 +115,7 @@ impl Newton<'_> {
             }
             self.touching.segments[p] = segments;
             let (master, forces) = (pair.master, &mut self.found.forces);
-            let receiver = if pair.is_self() { Some(p) } else { pair.other };
+            let receiver = if pair.is_self() { Some(p) } else { pair.pass.other() };
             let mut receiver = receiver.map(|p| &mut pairs[p]);
             masters.scatter(self.system.comm, master, &on_master, |to, force| match to {
                 Receiver::Tool(t) => on_tools[t] -= force,
@@ -276,21 +279,21 @@ impl Newton<'_> {
                 let segments = self.touching.segments[p].as_ref();
                 let e = workspace.evaluate(&ground, (meeting, slave), segments, true);
                 let multiplier = dofs.multiplier[p][s];
-                if learns && pair.method.holds_multipliers() {
+                if learns && pair.rules.method.holds_multipliers() {
                     workspace.learn(slave, &e, &ground, place);
                 }
                 if dofs.is_inclined {
-                    let width = if pair.friction > 0.0 { 3 } else { 1 };
+                    let width = if pair.rules.friction > 0.0 { 3 } else { 1 };
                     let of = |n: u32| dofs.axes.of(n as usize);
                     workspace.turn(slave.node, width, of, |n| moves[n as usize].axes);
                 }
-                if !pair.method.holds_multipliers() && pair.friction > 0.0 {
+                if !pair.rules.method.holds_multipliers() && pair.rules.friction > 0.0 {
                     workspace.hold(multiplier.map(|e| e != NONE), meeting);
                 }
                 let element = &workspace.element;
                 equations.clear();
                 equations.extend(dofs.node[slave.node as usize]);
-                equations.extend(&multiplier[..if pair.friction > 0.0 { 3 } else { 1 }]);
+                equations.extend(&multiplier[..if pair.rules.friction > 0.0 { 3 } else { 1 }]);
                 equations.extend(element.beside.iter().flat_map(|&n| dofs.node[n as usize]));
                 equations.extend(element.nodes.iter().flat_map(|&n| of_master[n as usize]));
                 let columns = element.shape[1];
@@ -338,7 +341,7 @@ impl Newton<'_> {
         let controls = self.system.model.controls;
         for pair in &mut self.system.model.pairs {
             for slave in &mut pair.slaves {
-                if slave.trial.flips as usize >= controls.calm_flips && slave.calm(pair.method, &controls) {
+                if slave.trial.flips as usize >= controls.calm_flips && slave.calm(pair.rules.method, &controls) {
                     slave.trial.flips = 0;
                     self.course.calmed.push(slave.node);
                 }

@@ -71,11 +71,11 @@ impl Newton<'_> {
             let group = self.system.model.sections.len() + p;
             let limit = self.found.balance.limit(group, tolerance);
             // Gaps and slips are no more exact than the places that they are between.
-            let (worst, allowed, exact) = match pair.method {
+            let (worst, allowed, exact) = match pair.rules.method {
                 Enforcement::Uzawa => {
                     // What rounding leaves is no tolerance, and is let through once.
                     let force = limit.max(uzawa_tolerance * tolerance * self.found.balance.scale(group));
-                    let allowed = pair.tolerance.unwrap_or(force / self.system.model.stiffness);
+                    let allowed = pair.rules.tolerance.unwrap_or(force / self.system.model.stiffness);
                     (&mut open, allowed, rounding * f64::EPSILON)
                 }
                 Enforcement::Lagrange => (&mut wrong, limit, 0.0),
@@ -184,8 +184,8 @@ impl Newton<'_> {
 
     /// Largest residual of a converged iterate over the forces that it counts against.
     pub(super) fn tolerance_now(&self) -> f64 {
-        let sets =
-            !self.course.rounds.settled && self.system.model.pairs.iter().any(|p| p.method == Enforcement::Lagrange);
+        let sets = !self.course.rounds.settled
+            && self.system.model.pairs.iter().any(|p| p.rules.method == Enforcement::Lagrange);
         if sets || self.strategy.settling || self.is_central() {
             self.strategy.tolerance.max(self.system.model.controls.loose_tolerance)
         } else {
@@ -233,7 +233,7 @@ impl Newton<'_> {
     fn take_asked(&mut self, tolerance: f64, times: f64) {
         let sections = self.system.model.sections.len();
         for (p, pair) in
-            self.system.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.method == Enforcement::Lagrange)
+            self.system.model.pairs.iter_mut().enumerate().filter(|(_, p)| p.rules.method == Enforcement::Lagrange)
         {
             let limit = times * self.found.balance.limit(sections + p, tolerance);
             let wrong = pair.slaves.iter_mut().filter(|s| s.trial.violation > limit);
@@ -245,7 +245,7 @@ impl Newton<'_> {
     fn told(&self, worst: Option<(usize, usize, String)>, reason: &str) -> String {
         let word = worst.map(|(p, s, lacks)| {
             let (pair, slave) = (&self.system.model.pairs[p], &self.system.model.pairs[p].slaves[s]);
-            let (node, is) = (node_name(self.system.model, slave.node), slave.trial.status.name(pair.friction));
+            let (node, is) = (node_name(self.system.model, slave.node), slave.trial.status.name(pair.rules.friction));
             format!("{reason}: node {node}, contact `{}`, {is}, {lacks}", pair.name)
         });
         first_word(self.system.comm, word).unwrap_or_else(|| reason.into())
@@ -255,9 +255,9 @@ impl Newton<'_> {
     fn lacks(&self, (p, s): (usize, usize)) -> (usize, usize, String) {
         let (pair, trial) = (&self.system.model.pairs[p], &self.system.model.pairs[p].slaves[s].trial);
         let violation = trial.violation;
-        let lacks = match pair.method {
+        let lacks = match pair.rules.method {
             Enforcement::Lagrange => {
-                format!("should be {}, force {violation:.1e}", trial.asked.name(pair.friction))
+                format!("should be {}, force {violation:.1e}", trial.asked.name(pair.rules.friction))
             }
             _ => format!("penetration or slip {violation:.1e}"),
         };
@@ -274,5 +274,5 @@ impl Newton<'_> {
 }
 
 fn of_method(pairs: &mut [Pair], method: Enforcement) -> impl Iterator<Item = &mut Slave> {
-    pairs.iter_mut().filter(move |p| p.method == method).flat_map(|p| &mut p.slaves)
+    pairs.iter_mut().filter(move |p| p.rules.method == method).flat_map(|p| &mut p.slaves)
 }

@@ -31,7 +31,7 @@ pub fn check(
     sights: &[Vec<Standing>],
 ) -> Result<()> {
     for ((contact, pair), sights) in contacts.iter().zip(&model.pairs).zip(sights) {
-        if pair.within_body || pair.is_by_nodes() {
+        if pair.is_within_body() || pair.is_by_nodes() {
             continue;
         }
         let mut least = least(pair, sights);
@@ -104,7 +104,7 @@ fn within(comm: &SimpleCommunicator, model: &Model, pair: &Pair, sights: &[Stand
             (gap > 0.0).then(|| (gap, place(slave.node) - normal * (gap + BEHIND * depth)))
         })
         .unzip();
-    let held = held(comm, model, pair.body, &points, &place);
+    let held = held(comm, model, pair.side.body, &points, &place);
     gaps.iter().zip(held).filter(|(_, held)| *held).fold(f64::NEG_INFINITY, |least, (gap, _)| least.max(-gap))
 }
 

@@ -67,7 +67,7 @@ pub fn check(
 fn advice(pair: &Pair, contact: &Contact) -> &'static str {
     match contact.surface {
         None => "move the tool out, or turn it over if it is inside out",
-        Some(_) if pair.within_body => "give the `thickness` of the sheet",
+        Some(_) if pair.is_within_body() => "give the `thickness` of the sheet",
         Some(_) => "move the bodies apart",
     }
 }

@@ -73,7 +73,7 @@ fn pushes(
     push: &mut dyn FnMut(usize, Vec3, f64),
 ) {
     for (pair, sights) in model.pairs.iter().zip(sights) {
-        let sine = pair.friction / pair.friction.hypot(1.0);
+        let sine = pair.rules.friction / pair.rules.friction.hypot(1.0);
         for (slave, sight) in pair.slaves.iter().zip(sights) {
             let own = united[model.part.component[slave.node as usize] as usize];
             let other = sight.component.map(|other| united[other]);

@@ -56,7 +56,7 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
     let fetches: Vec<usize> = masters.surfaces.iter().map(|s| s.fetches).collect();
     let mut seen = Vec::new();
     for (pair, mut sights) in pairs.iter().zip(own) {
-        if pair.within_body || pair.is_by_nodes() {
+        if pair.is_within_body() || pair.is_by_nodes() {
             let ground = masters.of(pair.master);
             for (s, sight) in sights.iter_mut().enumerate() {
                 sight.contact = ground.project(pair, s, &place(pair.slaves[s].node), (None, false));
@@ -110,7 +110,7 @@ fn widen(
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
 fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
-    let outward = outward_of(part, pair.set, |n| part.points[n as usize]);
+    let outward = outward_of(part, pair.side.set, |n| part.points[n as usize]);
     let mut depths = vec![f64::INFINITY; part.points.len()];
     for solid in &part.solids {
         for &n in solid.nodes() {

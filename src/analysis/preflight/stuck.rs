@@ -31,7 +31,7 @@ const ACROSS: f64 = 1e-6;
 /// leave all that must give way to the other side. Collective.
 pub fn rigid(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
     let is_free = |pair: &Pair, conditions: &Conditions| {
-        let along = if model.bodies[pair.body].is_layer() { 2 } else { 3 };
+        let along = if model.bodies[pair.side.body].is_layer() { 2 } else { 3 };
         (0..pair.slaves.len()).any(|s| (0..along).any(|d| !is_set(pair, s, conditions, d)))
     };
     let mut warnings = Vec::new();

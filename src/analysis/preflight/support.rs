@@ -43,17 +43,17 @@ pub fn check(
         for (p, pair) in model.pairs.iter().enumerate() {
             let place = |s: usize| model.part.points[pair.slaves[s].node as usize];
             let state = |s: usize| {
-                let (sight, sticks) = (&sights[p][s], pair.friction > 0.0);
+                let (sight, sticks) = (&sights[p][s], pair.rules.friction > 0.0);
                 Some(Touch { at: place(s), normal: sight.normal()?, sticks, side: Side::of(pair, sight.component)? })
             };
             held.touch_pair(pair, component, state);
             // Parts of the master that are not what a node sees now. What sees nothing of its own body may meet it any way.
             let coming = sights[p].iter().enumerate().filter_map(|(s, sight)| {
-                let blind = pair.within_body && sight.contact.is_none();
+                let blind = pair.is_within_body() && sight.contact.is_none();
                 let settled = pair.is_by_nodes() || sight.component.is_some_and(|seen| masters[p] == [seen]);
                 let own = component[pair.slaves[s].node as usize] as usize;
                 let normal = sight.normal().unwrap_or(sight.outward);
-                (blind || !settled).then(|| (own, place(s), normal, blind || pair.friction > 0.0))
+                (blind || !settled).then(|| (own, place(s), normal, blind || pair.rules.friction > 0.0))
             });
             held.expect(masters[p].clone(), coming.filter(|_| !masters[p].is_empty()));
         }
@@ -82,7 +82,7 @@ pub fn check(
                 (at.gap + comes <= pair.controls.touching_gap * pair.facet_size).then_some(Touch {
                     at: x,
                     normal: at.normal,
-                    sticks: pair.friction > 0.0,
+                    sticks: pair.rules.friction > 0.0,
                     side,
                 })
             };
@@ -110,7 +110,7 @@ fn master_components(comm: &SimpleCommunicator, scene: &Scene, model: &Model) ->
     let count = model.part.components.len();
     let contacts = scene.passes();
     let mut is_master = vec![0.0f64; count * contacts.len()];
-    for (p, contact) in contacts.iter().enumerate().filter(|(p, _)| model.pairs[*p].master_body.is_some()) {
+    for (p, contact) in contacts.iter().enumerate().filter(|(p, _)| model.pairs[*p].master_side.is_some()) {
         for facet in &model.set(&contact.master.value).facets {
             is_master[count * p + model.part.component[facet.nodes[0] as usize] as usize] = 1.0;
         }
@@ -203,7 +203,7 @@ fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> 
             "let its force act only where it can meet a body, and `move` it otherwise",
         );
     }
-    let smooth = model.pairs.iter().any(|p| p.friction == 0.0);
+    let smooth = model.pairs.iter().any(|p| p.rules.friction == 0.0);
     let friction = if smooth { ", or give its contact friction" } else { "" };
     let merge = if free.iter().any(|f| f.is_piece) { MERGE } else { "" };
     let turns = free.iter().all(|f| f.along.is_empty());
@@ -225,7 +225,7 @@ fn apart(
         max(comm, &mut least);
         let concerned = |f: &Free| match f.is_tool {
             true => pair.master.tool() == Some(f.index),
-            false => pair.body == f.index || pair.master_body == Some(f.index),
+            false => pair.side.body == f.index || pair.master_body() == Some(f.index),
         };
         if free.iter().any(concerned) && -least[0] > pair.controls.touching_gap * pair.facet_size {
             nearest.push(format!("`{}` begins with a gap of {:.3e}", pair.name, -least[0]));

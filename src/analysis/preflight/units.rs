@@ -85,7 +85,7 @@ fn tool_offset(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, edge
             Some(std::mem::replace(way, next))
         });
         let far = ways.map(|way| way.amax()).fold(model.masters.tools[t].surface.far(comm), f64::max);
-        let meets = model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)).map(|pair| pair.body);
+        let meets = model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)).map(|pair| pair.side.body);
         let Some(body) = meets.max_by(|a, b| edges[*a].total_cmp(&edges[*b])) else { continue };
         let ratio = far / -edges[body];
         if ratio <= TOOL_APART {

@@ -44,7 +44,7 @@ impl Simulation<'_> {
                 let node = pair.slaves[s].node as usize;
                 let position = part.points[node] + converged.u[node];
                 let slid = pair.slid_off(s, &ground, &position);
-                pair.slaves[s].commit(pair.method, *multiplier, &ground, &position, slid);
+                pair.slaves[s].commit(pair.rules.method, *multiplier, &ground, &position, slid);
             }
         }
         frame.progress.offsets.clone_from(&converged.offsets);

@@ -25,7 +25,7 @@ pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged
     let System { comm, model, dofs, conditions, .. } = &newton.system;
     // What meets itself has conditions that repeat each other and give way; nodes that rub on nodes have given false alarms, of
     // which the cause is not known.
-    if model.pairs.iter().any(|pair| pair.is_self() || pair.is_by_nodes() && pair.friction > 0.0) {
+    if model.pairs.iter().any(|pair| pair.is_self() || pair.is_by_nodes() && pair.rules.friction > 0.0) {
         return Ok(Negative::Unknown);
     }
     let LinearStatistics { negative: factors, null_pivots, .. } = snes.linear_statistics();

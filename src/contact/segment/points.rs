@@ -74,7 +74,7 @@ impl Segments {
         still: Option<&Self>,
     ) -> Self {
         let lines = POINTS.map(on_line);
-        let then = then.filter(|_| pair.friction > 0.0);
+        let then = then.filter(|_| pair.rules.friction > 0.0);
         let of_face = |(f, face): (usize, &Face)| {
             let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
