@@ -26,7 +26,7 @@ use crate::mesh::SolidShape;
 use crate::output::phases::{Phase, Phases};
 use crate::parallel::{agree, first_word, max, number, serve, sum};
 use crate::partition::parcels::{bounds, hull};
-use crate::partition::{Component, Part, PartSet, PartSolid, distribute};
+use crate::partition::{Component, GlobalMesh, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Reduction, Scene};
 use crate::solid::element::{hex8, tet4, tet10, wedge6};
 use crate::solid::history::History;
@@ -96,24 +96,25 @@ impl Model {
             plane_strain::check(scene)?;
             layers::check(scene, &names, &global)?;
             slaves::check(scene, &names, &global)?;
+            let common = shared::find(scene, &names, &global)?;
+            common.unite(&mut global);
             let tied = ties::tie(scene, &names, &mut global)?;
-            Ok(Some((global, tied)))
+            Ok(Some((global, (common, tied))))
         };
         let read = || agree(comm, if root { assemble() } else { Ok(None) });
-        let (global, tied) = phases.time(Phase::Read, read)?.unzip();
-        let found = global.as_ref().map_or(Ok(Vec::new()), |global| {
-            let mut found = global.warnings.clone();
-            found.extend(tied.iter().flat_map(|tied: &ties::Tied| tied.warnings.clone()));
-            found.extend(shared::check(scene, &names, global)?);
-            Ok(found)
-        });
-        let found = agree(comm, found)?;
+        let (global, joined) = phases.time(Phase::Read, read)?.unzip();
+        let (common, tied) = joined.unzip();
+        let said = global.iter().flat_map(|global: &GlobalMesh| &global.warnings);
+        let said = said.chain(tied.iter().flat_map(|tied: &ties::Tied| &tied.warnings));
+        let found: Vec<String> =
+            said.chain(common.iter().flat_map(|common: &shared::Common| &common.warnings)).cloned().collect();
         let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
         let symmetry = symmetry::planes(comm, scene, &names, &part)?;
         axisymmetric::check_planes(scene, &symmetry)?;
         let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
-        let joined = first_word(comm, tied.map(|tied| tied.lines.join("\n"))).unwrap_or_default();
+        let lines = tied.zip(common).map(|(tied, common)| [common.lines, tied.lines].concat().join("\n"));
+        let joined = first_word(comm, lines).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
         let bulges: Vec<Vec<f64>> = bulges.into_iter().map(|of_pass| serve(comm, |_| of_pass.clone())).collect();
@@ -316,7 +317,7 @@ impl Model {
         }
     }
 
-    /// The components of the meshes that each tie joins, of its slave nodes on this rank with the place of each. Collective.
+    /// The components of the meshes that ties and shared nodes join, of their slave nodes on this rank. Collective.
     pub fn tied_components(&self, comm: &SimpleCommunicator) -> Vec<(u32, [usize; 2])> {
         let component = |n: u32| self.part.component[n as usize] as usize;
         let mut tied = Vec::new();
@@ -327,6 +328,9 @@ impl Model {
                 tied.extend(most.map(|(k, _)| (slave.node, [component(slave.node), masters[*k as usize] as usize])));
             }
         }
+        // So are bodies that share nodes.
+        let own = (0..self.part.owned as u32).map(|n| (n, [component(n), component(self.part.tie[n as usize])]));
+        tied.extend(own.filter(|(_, [own, first])| own != first));
         tied
     }
 

@@ -454,3 +454,49 @@ fn quadratic_faces_pass_on_an_even_pressure() {
         assert_close("largest pressure", largest, pressure, 1e-9);
     }
 }
+
+/// Half of a block of quadratic tetrahedra under a ball that is pressed and drawn in its plane of symmetry: pressures and shear are
+/// shown as on the whole, at the plane, too, where half of what edges share is the mirror image's.
+#[test]
+fn tractions_at_a_plane_of_symmetry_are_those_of_the_whole() {
+    let half = msh::block([4, 2, 2], true, |[x, y, z]| [2.0 * x, y, z]);
+    let run = |mesh: &str, more: &str| {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.b]
+            mesh = "b.msh"
+            material = "m"
+            {more}
+            [material.m]
+            model = "neo-hookean"
+            young = 100.0
+            poisson = 0.3
+            [tool.t]
+            sphere = {{ center = [1.1, 3.0, 0.0], radius = 2.0 }}
+            [contact.c]
+            slave = "b.ymax"
+            master = "t"
+            friction = 0.3
+            [[step]]
+            increments = 3
+            fix = [{{ set = "b.ymin" }}]
+            move = [{{ target = "t", by = [0.05, -0.2, 0.0] }}]
+            "#
+        ));
+        bench.write("b.msh", &msh::second_order(mesh));
+        bench.solve(2, &[])
+    };
+    let (half, whole) = (run(&half, "symmetry = [\"zmin\"]"), run(&msh::with_mirror_image(&half), ""));
+    let shown = |run: &Run| -> Vec<([f64; 3], f64)> {
+        run.points("contact.c").into_iter().zip(run.scalars(run.written(), "contact.c", "pressure")).collect()
+    };
+    let (half, whole) = (shown(&half), shown(&whole));
+    let largest = whole.iter().map(|(_, p)| p.abs()).fold(0.0, f64::max);
+    let mut in_plane = 0;
+    for (x, p) in &half {
+        let (_, other) = whole.iter().find(|(y, _)| (0..3).all(|d| (x[d] - y[d]).abs() < 1e-9)).unwrap();
+        assert_small(&format!("{x:?}"), (p - other) / largest, 1e-7);
+        in_plane += usize::from(x[2] == 0.0 && p.abs() > 0.1 * largest);
+    }
+    assert!(in_plane > 2, "{in_plane}");
+}

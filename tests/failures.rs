@@ -74,10 +74,10 @@ fn a_crushed_block_keeps_what_converged() {
     assert!(driving < -100.0 && (borne - driving).abs() < 1e-8 * driving.abs(), "{borne} {driving}");
 }
 
-/// The tip of a cone between the points of segments is in the body, and nothing resists: the end of the run is refused, though the
-/// scene would go on, and where that stood is shown.
+/// The tip of a cone between the points of segments is in the body, and nothing resists: the end of the step is refused, whether the
+/// run would go on or not, and where that stood is shown.
 #[test]
-fn a_master_that_no_segment_feels_is_refused_at_the_end_of_the_run() {
+fn a_master_that_no_segment_feels_is_refused_at_the_end_of_a_step() {
     let step = |name: &str, by: [f64; 3]| {
         format!(
             "[[step]]\nname = \"{name}\"\nincrements = 2\nfix = [{{ set = \"a.zmin\" }}]\nmove = [{{ target = \"p\", by = {by:?} }}]\n"
@@ -104,6 +104,8 @@ discretization = "segment"
     let run = bench.run(2, &["--steps", "1"]);
     let text = failure(&run);
     assert!(text.contains("deep in the tool `p`, but no gap is closed in the mean"), "{text}");
+    let whole = failure(&bench.run(2, &[]));
+    assert!(whole.contains("step `press`") && whole.contains("but no gap is closed in the mean"), "{whole}");
     let [moved, residual] =
         ["tool_p/node/displacement", "body_a/node/residual"].map(|name| shown_of_failed(&run, name));
     assert!(moved[2] < -0.05 && residual.iter().all(|r| *r == 0.0), "{moved:?}");

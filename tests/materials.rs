@@ -1,4 +1,4 @@
-//! Several materials in one body: groups of elements of its mesh.
+//! Several materials in one solid: groups of elements of one body's mesh, and bodies that share nodes.
 
 mod common;
 
@@ -31,6 +31,10 @@ fn deck() -> String {
         cubes().filter(|c| face(*c)).for_each(|(i, j, k)| {
             let _ = writeln!(deck, "{}, {side}", number(i, j, k));
         });
+    }
+    // The lower halves of both sides of the joint between `near` and `far`.
+    for (name, i, side) in [("low_of_near", 1, "S4"), ("low_of_far", 2, "S6")] {
+        let _ = writeln!(deck, "*SURFACE, NAME={name}\n{}, {side}\n{}, {side}", number(i, 0, 0), number(i, 1, 0));
     }
     deck
 }
@@ -180,4 +184,83 @@ fn wrong_groups_are_named() {
                  block = { box = { size = [4, 2, 2] }, elements = [4, 2, 2] }\n";
     let run = Bench::new(&format!("{block}{cards}[[step]]\nincrements = 1\n")).run(1, &[]);
     assert!(run.code == 2 && run.stderr.contains("needs a mesh file"), "{}", run.stderr);
+}
+
+/// The bar as two bodies of one file, which share the nodes between them.
+fn halves(cards: &str, rest: &str) -> Bench {
+    let body = |name: &str, material: &str| {
+        format!("[body.{name}]\nmesh = \"bar.inp\"\ngroup = \"{name}\"\nmaterial = \"{material}\"\n")
+    };
+    let bench = Bench::new(&format!("{}{}{cards}\n{rest}", body("near", "soft"), body("far", "hard")));
+    bench.write("bar.inp", &deck());
+    bench
+}
+
+/// Bodies that share nodes of their file are one solid, as materials of one body are: pulled, and pressed by a roller that rubs on
+/// both or on one.
+#[test]
+fn bodies_that_share_nodes_are_one_solid() {
+    let cards = card("soft", "neo-hookean", 50.0, 0.3)
+        + &card("hard", "j2", 500.0, 0.3)
+        + "yield_stress = 10.0\nhardening = { linear = 50.0 }\n";
+    let whole = |rest: &str| bench("material = \"soft\"\nmaterials = { far = \"hard\" }", &cards, rest).solve(1, &[]);
+    let roller = |x: f64| PRESS.replace("point = [2.0", &format!("point = [{x:?}"));
+    let floor = "fix = [{ set = \"bar.floor\" }]";
+    let floors = "fix = [{ set = \"near.floor\" }, { set = \"far.floor\" }]";
+    let beside = roller(3.6).replace("radius = 2.0", "radius = 1.9").replace("4.0], axis", "3.9], axis");
+    let contact = "[contact.c]\nslave = \"bar.top\"\nmaster = \"roller\"\nfriction = 0.2\n";
+    let of = |half: &str| contact.replace("contact.c", &format!("contact.{half}")).replace("bar.", &format!("{half}."));
+    for (rest, contacts) in
+        [(roller(2.0), of("near") + &of("far")), (roller(2.6), of("far") + &of("near")), (beside, of("far"))]
+    {
+        let one = whole(&rest);
+        let split = rest.replace(contact, &contacts).replace(floor, floors);
+        let split = halves(&cards, &split.replace("[\"bar.floor\"]", "[\"near.floor\", \"far.floor\"]"));
+        for ranks in [1, 2, 3] {
+            let run = split.solve(ranks, &[]);
+            assert!(
+                run.log().contains("bodies `near` and `far` are one solid at 4 faces, whose nodes they share"),
+                "{}",
+                run.log()
+            );
+            for name in ["roller.fx", "roller.fz"] {
+                assert_close(
+                    &format!("{name}, {ranks} ranks"),
+                    run.history().last(name),
+                    one.history().last(name),
+                    1e-8,
+                );
+            }
+            let end = "increments/000004/body_";
+            let moved = |run: &Run, body: &str| run.field(&format!("{end}{body}/node/displacement"));
+            let (all, [near, far]) = (moved(&one, "bar"), ["near", "far"].map(|body| moved(&run, body)));
+            let farthest = |field: &[f64]| field.iter().fold(0.0f64, |most, u| most.max(u.abs()));
+            let largest = farthest(&near).max(farthest(&far));
+            assert_close(&format!("displacement, {ranks} ranks"), largest, farthest(&all), 1e-8);
+        }
+    }
+    // All that acts on one is borne by the other.
+    let pull = PULL.replace("\"bar.left\"", "\"near.left\"").replace("\"bar.right\"", "\"far.right\"");
+    let pull = pull.replace(
+        "{ set = \"bar.floor\", directions = \"yz\" }",
+        "{ set = \"near.floor\", directions = \"yz\" }, { set = \"far.floor\", directions = \"yz\" }",
+    );
+    let pulled = halves(&cards, &pull.replace("history = [\"far.right\"]", "history = [\"far.right\", \"near.left\"]"));
+    let one = whole(PULL).history();
+    for ranks in [1, 2] {
+        let run = pulled.solve(ranks, &[]).history();
+        assert_close("pulled", run.last("far.right.fx"), one.last("bar.right.fx"), 1e-9);
+        assert_close("borne", -run.last("near.left.fx"), one.last("bar.right.fx"), 1e-9);
+    }
+}
+
+/// A contact between a part of the faces leaves open what becomes of the rest.
+#[test]
+fn bodies_that_share_nodes_and_touch_are_refused_where_they_would_come_apart() {
+    let cards = card("soft", "neo-hookean", 50.0, 0.3) + &card("hard", "neo-hookean", 500.0, 0.3);
+    let contact = "[contact.c]\nslave = \"far.low_of_far\"\nmaster = \"near.low_of_near\"\n";
+    let step = "[[step]]\nincrements = 1\nfix = [{ set = \"near.left\" }, { set = \"far.right\" }]\n";
+    let run = halves(&cards, &format!("{contact}{step}")).run(2, &[]);
+    let says = ["bodies `near` and `far` lie on each other with 2 faces", "share nodes of their mesh, and come apart"];
+    assert!(run.code == 2 && says.iter().all(|words| run.stderr.contains(words)), "{}", run.stderr);
 }

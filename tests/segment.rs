@@ -268,3 +268,54 @@ fn round_fits_bear_what_they_bear() {
         }
     }
 }
+
+/// A tool presses a block evenly, whether the slave has the block's sides or not: these see the tool as soon as they bulge, from all
+/// up their height, and would keep its edges off. So does another block, and as by nodes.
+#[test]
+fn sides_in_the_slave_do_not_keep_its_edges_off() {
+    let plane = "tool.punch.plane = { point = [0.0, 4.0, 0.0], normal = [0.0, -1.0, 0.0] }";
+    let block = "body.punch = { material = \"hard\", block = { box = { origin = [0.0, 4.0, 0.0], size = [6.0, 2.0, 6.0] }, \
+                 elements = [6, 1, 6] }, symmetry = [\"xmin\", \"zmin\"] }";
+    for (punch, master, moved) in [(plane, "punch", "punch"), (block, "punch.ymin", "punch.ymax")] {
+        let bench = Bench::new(&format!(
+            r#"
+{punch}
+[body.block]
+material = "rubber"
+element = "hex8"
+symmetry = ["xmin", "zmin"]
+[body.block.block]
+box = {{ size = [4.0, 4.0, 4.0] }}
+elements = [4, 4, 4]
+faces = {{ bottom = "ymin", top = "ymax", skin = ["ymax", "xmax", "zmax"] }}
+[material]
+rubber = {{ model = "neo-hookean", young = 60.0, poisson = 0.3 }}
+hard = {{ model = "neo-hookean", young = 6e4, poisson = 0.3 }}
+[contact.c]
+slave = "block.skin"
+master = "{master}"
+discretization = "segment"
+[[step]]
+increments = 4
+fix = [{{ set = "block.bottom", directions = "y" }}]
+move = [{{ target = "{moved}", by = [0.0, -0.2, 0.0] }}]
+[output]
+history = ["block.bottom"]
+"#
+        ));
+        let force = |ranks: usize, settings: &[&str]| {
+            let settings: Vec<&str> = settings.iter().flat_map(|entry| ["--set", entry]).collect();
+            bench.solve(ranks, &settings).history().last("block.bottom.fy")
+        };
+        let top = force(1, &["contact.c.slave=block.top"]);
+        if punch == plane {
+            assert_small("even", force(1, &["contact.c.discretization=one-pass"]) / top - 1.0, 1e-8);
+        }
+        for method in ["augmented-lagrangian", "lagrange"] {
+            for ranks in [1, 2] {
+                let skin = force(ranks, &[&format!("contact.c.method={method}")]);
+                assert_small(&format!("{master}, {method}, {ranks} ranks"), skin / top - 1.0, 1e-8);
+            }
+        }
+    }
+}

@@ -241,3 +241,31 @@ fn what_wedges_are_not_for_is_refused() {
     assert!(code == 0 && text.contains("body `lower`: hex8 and wedge6,"), "{text}");
     assert!(text.contains("body `upper`: hex8-sri and wedge6-sri,"), "{text}");
 }
+
+/// Stresses at nodes do not depend on where the body stands: what the elements around a node of a regular mesh know of a direction is
+/// not left to rounding.
+#[test]
+fn stresses_at_nodes_do_not_depend_on_the_place() {
+    let mut scene = String::from("material.m = { model = \"neo-hookean\", young = 10.0, poisson = 0.3 }\n");
+    let shifts = [[0.0; 3], [-0.37, 0.2, 0.6], [3.7, 0.11, -0.29], [13.0, 7.7, 5.1]];
+    let [mut fix, mut moved] = [String::new(), String::new()];
+    for b in 0..shifts.len() {
+        let _ = writeln!(scene, "[body.b{b}]\nmesh = \"b{b}.msh\"\nmaterial = \"m\"\nelement = \"wedge6\"");
+        let _ = write!(fix, "{{ set = \"b{b}.zmin\" }}, ");
+        let _ = write!(moved, "{{ target = \"b{b}.zmax\", by = [0.1, -0.1, 0.0] }}, ");
+    }
+    let bench = Bench::new(&format!(
+        "{scene}[[step]]\nincrements = 1\nfix = [{fix}]\nmove = [{moved}]\n[output]\nfields = [\"nodal_stress\"]\n"
+    ));
+    for (b, [x, y, z]) in shifts.into_iter().enumerate() {
+        let mesh = msh::block([3, 3, 3], false, |[r, s, t]| [0.7 * r + x, 0.9 * s + y, 1.1 * t + z]);
+        bench.write(&format!("b{b}.msh"), &msh::wedges(&mesh, |_| true));
+    }
+    let run = bench.solve(1, &[]);
+    let stress = |b: usize| run.field(&format!("increments/000001/body_b{b}/node/nodal_stress"));
+    let first = stress(0);
+    for b in 1..shifts.len() {
+        let off = first.iter().zip(&stress(b)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert_small("stresses", off, 1e-9);
+    }
+}

@@ -95,8 +95,8 @@ struct Motion<'a> {
     after: &'a [Vec3],
     /// Residual that is let through at each contact, N.
     residuals: &'a [f64],
-    /// At the end of the last step what contacts did before.
-    ended: Option<&'a [Touch]>,
+    /// At the end of a step what contacts did before, and whether it is the last one.
+    ended: Option<(&'a [Touch], bool)>,
     /// Of which pairs no slave node of any rank is in contact.
     idle: &'a [bool],
 }
@@ -145,9 +145,8 @@ impl Simulation<'_> {
     /// The worst that some node did, in words. Collective.
     fn finding(&mut self, converged: &mut Converged, conditions: &Conditions) -> Option<String> {
         let ends_step = converged.end >= 1.0;
-        // An earlier step may bring a master that near.
-        let ends_run = ends_step && self.begun >= self.steps;
-        let ended = ends_run.then_some(&self.state.touches[..]);
+        let ends_run = self.begun >= self.steps;
+        let ended = ends_step.then_some((&self.state.touches[..], ends_run));
         let idle = &idle(self.comm, &self.model.pairs)[..];
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ended, idle };
         let travels = look_out(self.comm, &mut self.model, &motion);
@@ -477,10 +476,12 @@ fn idle(comm: &SimpleCommunicator, pairs: &[Pair]) -> Vec<bool> {
     acting.iter().map(|acts| *acts == 0.0).collect()
 }
 
-/// Depth from which a node is in the master without being felt, at the end of the last step: gaps closed in the mean over facets say
-/// nothing where none is closed. What touched before may have been eased to no force.
-fn unfelt_from(pair: &Pair, touch: &Touch) -> Option<f64> {
-    let share = if touch.until.is_some() { pair.controls.watch_deep } else { pair.controls.watch_unfelt };
+/// Depth from which a node is in the master without being felt, at the end of a step: gaps closed in the mean over facets say
+/// nothing where none is closed. What touched before may have been eased to no force, and a step that is not the last one may bring a
+/// master as near as that.
+fn unfelt_from(pair: &Pair, touch: &Touch, ends_run: bool) -> Option<f64> {
+    let is_eased = touch.until.is_some() || !ends_run;
+    let share = if is_eased { pair.controls.watch_deep } else { pair.controls.watch_unfelt };
     (pair.faces.is_some() && !pair.is_self()).then_some(share * pair.facet_size)
 }
 
@@ -496,7 +497,8 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let ground = model.masters.of(pair.master);
     let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
-    let unfelt = motion.ended.filter(|_| motion.idle[p]).and_then(|touches| unfelt_from(pair, &touches[p]));
+    let unfelt =
+        motion.ended.filter(|_| motion.idle[p]).and_then(|(touches, last)| unfelt_from(pair, &touches[p], last));
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));

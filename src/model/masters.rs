@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::mesh::{Facet, Mesh};
 use crate::mortar::Corners;
 use crate::partition::{GlobalFacet, GlobalMesh};
-use crate::scene::{self, Description, Discretization, FEATURE_ANGLE, Located, Scene};
+use crate::scene::{self, Description, Discretization, Located, Scene};
 use crate::surface::{MovingPatch, Smoothing};
 use std::collections::BTreeMap;
 
@@ -106,7 +106,7 @@ fn bulges_of(
         return Ok(Vec::new());
     }
     let (surface, _) = surface(mesh, &set.facets, &slave.value);
-    let angle = contact.surface.map_or(FEATURE_ANGLE, |given| given.feature_angle);
+    let angle = contact.slave_feature_angle();
     let planes = mirrors(scene, planes, &slave.value, &surface);
     let places: Vec<u64> = (0..surface.points.len() as u64).collect();
     let patches = MovingPatch::all(&surface, &places, Smoothing::Nagata, angle, &planes, &scene.controls)?;

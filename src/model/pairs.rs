@@ -8,7 +8,7 @@ use crate::parallel::{agree, max, sum};
 use crate::partition::{Gather, PartSet};
 use crate::scene::{self, Discretization, Enforcement, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Model {
     /// Makes the pairs of the contacts, of which those within a body have nodes that they shun, and some faces that bulge.
@@ -56,7 +56,10 @@ impl Model {
         let within = is_within_body(contact).then(|| self.within(comm, contact, (master, &nodes), avoided));
         let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
         let by_faces = contact.discretization == Discretization::Segment;
-        let faces = by_faces.then(|| Faces::new(&self.part, &set.facets, &slaves, self.is_axisymmetric(), bulges));
+        let faces = by_faces.then(|| {
+            let how = (self.is_axisymmetric(), contact.slave_feature_angle());
+            Faces::new(&self.part, &set.facets, &slaves, how, bulges)
+        });
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
@@ -137,9 +140,11 @@ impl Model {
         let mut nodes: Vec<u32> = of_set.iter().map(|&n| self.part.tie[n as usize]).collect();
         nodes.sort_unstable();
         nodes.dedup();
-        if is_within_body(contact) && !contact.is_self() {
-            // A node on both sides would meet itself.
-            nodes.retain(|n| self.set(&contact.master.value).nodes.binary_search(n).is_err());
+        if contact.surface.is_some() && !contact.is_self() {
+            // A node on both sides, as at the tip of a crack, would meet itself.
+            let masters = self.set(&contact.master.value).nodes.iter();
+            let masters: BTreeSet<u32> = masters.map(|&n| self.part.tie[n as usize]).collect();
+            nodes.retain(|n| !masters.contains(n));
         }
         // What is tied to the master neither opens nor slides.
         if let [Some(own), Some(other)] = bodies {
@@ -225,7 +230,9 @@ impl Model {
     /// The sections that owned nodes of a set count as, on all ranks. Collective.
     fn sections_of(&self, comm: &SimpleCommunicator, set: &PartSet) -> Vec<usize> {
         let mut has = vec![0.0; self.sections.len()];
-        set.nodes.iter().for_each(|&n| has[self.part.section[n as usize] as usize] = 1.0);
+        let of_node = |n: u32| self.part.section[n as usize] as usize;
+        // What bodies share counts as the first one's.
+        set.nodes.iter().flat_map(|&n| [n, self.part.tie[n as usize]]).for_each(|n| has[of_node(n)] = 1.0);
         max(comm, &mut has);
         (0..has.len()).filter(|&section| has[section] > 0.0).collect()
     }

@@ -1,8 +1,9 @@
 //! Places that several bodies have in common, on the rank that reads the meshes.
 //!
 //! Every body has nodes of its own. Two that stand on the same place part there without a force, unless a contact or a tie
-//! is between them. Elements at one place in two bodies may be specimens to be compared; of a mesh file with several groups
-//! of elements they are a `group` that was forgotten.
+//! is between them, or they are the same node of a mesh file: then the bodies are one solid there, and the second has the
+//! displacements of the first. Elements at one place in two bodies may be specimens to be compared; of a mesh file with several
+//! groups of elements they are a `group` that was forgotten.
 
 use crate::Vec3;
 use crate::error::{Error, Result};
@@ -14,13 +15,24 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Nodes are at one place when they are closer than this times the size of both bodies.
 const COINCIDENT: f64 = 1e-9;
 
-/// Warns of faces of two bodies at one place that neither contact nor tie is between.
+/// What bodies have in common.
+#[derive(Default)]
+pub struct Common {
+    pub warnings: Vec<String>,
+    /// A line about each two bodies that are one solid.
+    pub lines: Vec<String>,
+    /// Their nodes, of the first and of the second.
+    one: Vec<[u32; 2]>,
+}
+
+/// Finds faces of two bodies at one place that neither contact nor tie is between: where they share the nodes of their mesh file,
+/// the bodies are one solid.
 ///
 /// # Errors
 /// Elements that two bodies take of one mesh file with several groups; nodes of one mesh file that two bodies take, at faces that
-/// neither contact nor tie is between.
-pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Vec<String>> {
-    let mut warnings = Vec::new();
+/// neither contact nor tie is between, where these are between other faces of both.
+pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Common> {
+    let mut common = Common::default();
     for ((a, b), pairs) in partners(global) {
         let (one, other) = (&scene.bodies[a as usize], &scene.bodies[b as usize]);
         let [own, theirs] = [a, b].map(|k| solids_of(global, k));
@@ -41,7 +53,7 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
                 let help = "the mesh file has several groups of elements: give each body its own `group`";
                 return Err(Error::input(&other.name.at, what, help));
             }
-            warnings.push(what + ": they do not know of each other");
+            common.warnings.push(what + ": they do not know of each other");
             continue;
         }
         let covered = covered(scene, names, global, (a, b));
@@ -65,6 +77,17 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
         let shared = is_one_file(&one.mesh, &other.mesh)
             && bare.iter().all(|face| face.iter().all(|&n| is_shared(n)))
             && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
+        if shared && covered.is_empty() {
+            let both = pairs.iter().filter(|(n, _)| is_shared(**n)).map(|(n, m)| [*n, *m]);
+            common.one.extend(both);
+            common.lines.push(format!(
+                "bodies `{}` and `{}` are one solid at {} faces, whose nodes they share",
+                one.name.value,
+                other.name.value,
+                bare.len()
+            ));
+            continue;
+        }
         let x = global.points[bare[0][0] as usize];
         let what = format!(
             "bodies `{}` and `{}` lie on each other with {} faces, such as near ({:.6}, {:.6}, {:.6}), where neither contact \
@@ -78,13 +101,33 @@ pub fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> R
             if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
         );
         if shared {
-            let help = "take what belongs together as one body, with `materials` for its parts, or add a contact or a `tie` \
-                        between the faces";
+            let help = "name these faces in the contact or tie, too, or take what belongs together as one body, with `materials` \
+                        for its parts";
             return Err(Error::input(&other.name.at, what, help));
         }
-        warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
+        common.warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
     }
-    Ok(warnings)
+    Ok(common)
+}
+
+impl Common {
+    /// Gives nodes that are one the equations of the first of them, with those that had the equations of the others.
+    pub fn unite(&self, global: &mut GlobalMesh) {
+        let first = |ties: &[u32], n: u32| {
+            let mut n = ties[n as usize];
+            while ties[n as usize] != n {
+                n = ties[n as usize];
+            }
+            n
+        };
+        for [a, b] in &self.one {
+            let [a, b] = [*a, *b].map(|n| first(&global.tie, n));
+            global.tie[a.max(b) as usize] = a.min(b);
+        }
+        if !self.one.is_empty() {
+            global.tie = (0..global.tie.len() as u32).map(|n| first(&global.tie, n)).collect();
+        }
+    }
 }
 
 /// For two bodies the nodes of the first that stand on nodes of the second, with these.

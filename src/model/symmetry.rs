@@ -22,6 +22,13 @@ pub struct SymmetryPlane {
     pub extent: f64,
 }
 
+impl SymmetryPlane {
+    /// Whether a point of its body's initial mesh is in it.
+    pub fn has(&self, x: &Vec3) -> bool {
+        (self.normal.dot(x) - self.at).abs() <= THIN * self.extent.abs()
+    }
+}
+
 /// How far nodes may be off a plane, over the size of their body, and over its extent across the plane, if that is less.
 const FLAT: f64 = 1e-6;
 const THIN: f64 = 1e-3;

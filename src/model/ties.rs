@@ -8,7 +8,8 @@
 //! Where nodes lie in a plane of symmetry along an axis, or some step prescribes them along one, they are not moved along it: the
 //! mean of a coarse slave's nodes would draw them out of the plane, and no step ties them along it.
 //!
-//! In a layer both nodes of an upright edge are one, with the sum of what the interpolation has for both.
+//! In a layer both nodes of an upright edge are one, with the sum of what the interpolation has for both; so are those that bodies
+//! share.
 
 use super::layers::alike;
 use crate::Vec3;
@@ -84,7 +85,9 @@ fn name_of(scene: &Scene, global: &GlobalMesh, node: u32) -> String {
 
 /// The ties, each after those whose slaves are in its master.
 fn order(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<Vec<usize>> {
-    let of_side = |set: &Located<String>| nodes(&faces(names, global, &set.value));
+    let of_side = |set: &Located<String>| -> BTreeSet<u32> {
+        nodes(&faces(names, global, &set.value)).into_iter().map(|n| global.tie[n as usize]).collect()
+    };
     let sides: Vec<_> = scene.ties.iter().map(|tie| (of_side(&tie.slave), of_side(&tie.master))).collect();
     for (k, (tie, (slave, master))) in scene.ties.iter().zip(&sides).enumerate() {
         let twice = |what: String, help: &str| Err(Error::input(&tie.slave.at, what, help));
@@ -173,7 +176,10 @@ fn one(
             .push(format!("tie `{name}`: {share:.2} % of the area of `{slave}` lies beyond `{master}`, and is free"));
     }
     let kept = kept(scene, names, global);
-    let before: BTreeMap<u32, Vec3> = nodes(&slaves).iter().map(|&n| (n, global.points[n as usize])).collect();
+    // With what is one with them.
+    let own: BTreeSet<u32> = nodes(&slaves).into_iter().map(|n| global.tie[n as usize]).collect();
+    let all = (0..).zip(&global.points).filter(|(n, _)| own.contains(&global.tie[*n as usize]));
+    let before: BTreeMap<u32, Vec3> = all.map(|(n, x)| (n, *x)).collect();
     let mut means = folded(&found, global);
     let far = before.values().map(|x| x.amax()).fold(0.0, f64::max);
     for _ in 0..MOVES {
@@ -251,7 +257,7 @@ fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
 }
 
 /// The axes along which nodes must stay: those of planes of symmetry that they lie in, x on the axis of revolution, and those
-/// along which some step prescribes them.
+/// along which some step prescribes them; by the first of nodes that are one.
 fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeMap<u32, [bool; 3]> {
     /// Over the extent of a group, what is flat.
     const FLAT: f64 = 1e-6;
@@ -259,7 +265,7 @@ fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeM
     let mut kept: BTreeMap<u32, [bool; 3]> = BTreeMap::new();
     let mut keep = |set: &str, axes: [bool; 3]| {
         for &n in nodes(set) {
-            let of_node = kept.entry(n).or_default();
+            let of_node = kept.entry(global.tie[n as usize]).or_default();
             (0..3).for_each(|d| of_node[d] |= axes[d]);
         }
     };
@@ -277,7 +283,8 @@ fn kept(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> BTreeM
         let n = *n as usize;
         scene.bodies[global.body[n] as usize].is_axisymmetric() && global.points[n].x == 0.0
     };
-    (0..global.points.len() as u32).filter(on_axis).for_each(|n| kept.entry(n).or_default()[0] = true);
+    let all = (0..global.points.len() as u32).filter(on_axis);
+    all.for_each(|n| kept.entry(global.tie[n as usize]).or_default()[0] = true);
     kept
 }
 
@@ -294,8 +301,8 @@ fn go(
         .collect();
     let mut farthest = 0.0f64;
     for &n in before.keys() {
-        let stays = kept.get(&n).copied().unwrap_or_default();
         let n = n as usize;
+        let stays = kept.get(&global.tie[n]).copied().unwrap_or_default();
         let Some(mut x) = to.get(&global.tie[n]).copied() else { continue };
         (0..3).filter(|&d| stays[d]).for_each(|d| x[d] = global.points[n][d]);
         if scene.bodies[global.body[n] as usize].is_layer() {

@@ -3,17 +3,19 @@
 //! On linear faces the traction is the force over the area that belongs to the node. On a quadratic triangle of area A an even
 //! traction t has the forces t A/3 in the middles of the edges and none at the corners. So a corner gives what force it has in
 //! equal parts to the middles of the edges that end there, and is given the mean of their tractions: tractions times areas
-//! add up to the force.
+//! add up to the force. An edge in a plane of symmetry counts half, for half of its middle is the mirror image's.
 
 use super::Model;
 use super::elements::add_nodal_areas;
+use super::symmetry::SymmetryPlane;
 use crate::Vec3;
 use crate::contact::Pair;
 use crate::mesh::SolidShape;
+use crate::scene::body_of;
 use mpi::topology::SimpleCommunicator;
 
-/// An edge: its ends, and the node in its middle.
-type Edge = ([usize; 2], usize);
+/// An edge: its ends, the node in its middle, and what it counts.
+type Edge = ([usize; 2], usize, f64);
 
 /// The tractions on the owned nodes of a slave surface, with displacements `u`; zero where there is no area. Tied nodes count for
 /// the node that they follow. Collective.
@@ -26,13 +28,13 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
     pair.slaves.iter().for_each(|slave| tractions[slave.node as usize] = slave.accepted.on_node());
     let edges = edges(model, pair);
     let mut ending = vec![0.0; part.points.len()];
-    edges.iter().flat_map(|(ends, _)| ends).for_each(|&n| ending[n] += 1.0);
+    edges.iter().for_each(|(ends, _, share)| ends.iter().for_each(|&n| ending[n] += share));
     let quadratic = pair.side.sections.iter().any(|&s| model.sections[s].element.shape() == SolidShape::Tet10);
     if quadratic {
         let mut given: Vec<Vec3> =
-            tractions.iter().zip(&ending).map(|(force, edges)| force / f64::max(*edges, 1.0)).collect();
+            tractions.iter().zip(&ending).map(|(force, all)| if *all > 0.0 { force / *all } else { *force }).collect();
         share(comm, model, &mut given);
-        edges.iter().for_each(|([a, b], middle)| tractions[*middle] += given[*a] + given[*b]);
+        edges.iter().for_each(|([a, b], middle, share)| tractions[*middle] += (given[*a] + given[*b]) * *share);
     }
     for n in 0..part.owned {
         tractions[n] = if ending[n] > 0.0 || areas[n] == 0.0 { Vec3::zeros() } else { tractions[n] / areas[n] };
@@ -40,8 +42,8 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
     if quadratic {
         share(comm, model, &mut tractions);
         let at_middles = tractions.clone();
-        for (ends, middle) in &edges {
-            ends.iter().for_each(|&n| tractions[n] += at_middles[*middle] / ending[n]);
+        for (ends, middle, share) in &edges {
+            ends.iter().for_each(|&n| tractions[n] += at_middles[*middle] * (share / ending[n]));
         }
     }
     tractions.truncate(part.owned);
@@ -60,7 +62,12 @@ fn edges(model: &Model, pair: &Pair) -> Vec<Edge> {
     }
     edges.sort_unstable();
     edges.dedup();
-    edges
+    let own = |plane: &&SymmetryPlane| body_of(&plane.set.value) == model.bodies[pair.side.body].name;
+    let share = |ends: &[usize; 2]| -> f64 {
+        let in_plane = |plane: &SymmetryPlane| ends.iter().all(|&n| plane.has(&part.points[n]));
+        model.symmetry.iter().filter(own).map(|plane| if in_plane(plane) { 0.5 } else { 1.0 }).product()
+    };
+    edges.into_iter().map(|(ends, middle)| (ends, middle, share(&ends))).collect()
 }
 
 /// Gives nodes of other ranks the values of their owners. Collective.

@@ -251,6 +251,11 @@ impl Contact {
     pub fn is_self(&self) -> bool {
         self.slave.value == self.master.value
     }
+
+    /// From which angle on, in degrees, edges of the slave are sharp: as those of a master on a body.
+    pub fn slave_feature_angle(&self) -> f64 {
+        self.surface.map_or(FEATURE_ANGLE, |given| given.feature_angle)
+    }
 }
 
 /// Faces that are joined to others for good, with unlike meshes.

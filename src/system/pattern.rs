@@ -113,7 +113,7 @@ impl Pattern {
     fn fill(&mut self, model: &Model, dofs: &DofMap, node_of: &[u32], mut added: BTreeMap<usize, Row>) {
         let part = &model.part;
         let touching = Lists::new(part.owned, part.solids.len(), |e, each| {
-            let nodes = carrying(model, &part.solids[e]).iter().map(|&n| n as usize);
+            let nodes = carrying(model, &part.solids[e]).iter().map(|&n| part.tie[n as usize] as usize);
             nodes.filter(|&n| n < part.owned).for_each(each);
         });
         let mut seen = vec![NOWHERE; self.rows.len()];

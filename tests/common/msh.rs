@@ -170,6 +170,39 @@ pub fn renumbered(mesh: &str) -> String {
     text
 }
 
+/// A [`block`] of tetrahedra that begins at z = 0, with its mirror image in that plane as one mesh, which begins with the block's nodes;
+/// without `zmin`.
+pub fn with_mirror_image(mesh: &str) -> String {
+    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
+    let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
+    let mut nodes: Vec<String> = nodes.lines().skip(1).map(String::from).collect();
+    let mut image = vec![0];
+    for k in 0..nodes.len() {
+        let words: Vec<f64> = nodes[k].split(' ').map(|word| word.parse().unwrap()).collect();
+        let [_, x, y, z] = words[..] else { panic!() };
+        image.push(if z == 0.0 { k + 1 } else { nodes.len() + 1 });
+        if z != 0.0 {
+            nodes.push(format!("{} {x:?} {y:?} {:?}", nodes.len() + 1, -z));
+        }
+    }
+    let all: Vec<Vec<usize>> = (elements.lines().filter(|line| line.contains(' ')))
+        .map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect())
+        .filter(|words: &Vec<usize>| words[3] != 5)
+        .collect();
+    let mirrored = all.iter().map(|words| {
+        let mut words: Vec<usize> = words[..5].iter().copied().chain(words[5..].iter().map(|n| image[*n])).collect();
+        words.swap(5, 6);
+        words
+    });
+    let mut text =
+        format!("{head}$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n", nodes.len(), nodes.join("\n"), 2 * all.len());
+    for (k, words) in all.iter().cloned().chain(mirrored).enumerate() {
+        let words: Vec<String> = words[1..].iter().map(usize::to_string).collect();
+        let _ = writeln!(text, "{} {}", k + 1, words.join(" "));
+    }
+    text + "$EndElements\n"
+}
+
 /// The same mesh of triangles and tetrahedra with a node in the middle of each edge.
 pub fn second_order(mesh: &str) -> String {
     let (head, rest) = mesh.split_once("$Nodes\n").unwrap();

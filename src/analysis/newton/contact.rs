@@ -60,7 +60,7 @@ impl Newton<'_> {
         };
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
         let Controls { segment_settled: settled, segment_stalled: stalled, .. } = *controls;
-        let stand_still = match self.course.trace[..] {
+        let stand_still = match self.course.trace[self.course.since..] {
             [.., before, last] => last < settled || last < stalled && last > 0.5 * before,
             [last] => last < settled,
             [] => false,
@@ -373,6 +373,7 @@ impl Newton<'_> {
     /// The next solve judges this iterate again.
     pub(super) fn judge_again(&mut self) {
         self.course.trace.pop();
+        self.course.since = self.course.trace.len();
         self.course.changes.pop();
     }
 }

@@ -88,6 +88,8 @@ pub struct Evaluated {
 pub struct Course {
     /// Largest residual over the forces that it counts against, at each iteration.
     pub trace: Vec<f64>,
+    /// Its length when what is solved changed last, as by another active set: residuals before say nothing of how near it is.
+    since: usize,
     /// Status changes at each iteration, over all ranks.
     pub changes: Vec<usize>,
     /// Nodes of this rank whose friction penalty was reduced because they kept flipping.

@@ -27,9 +27,15 @@
 //! have in common is integrated whatever the overlap, so that only the error of the rule is left out; yet that makes
 //! convergence linear, by a factor of some hundredths. So they are kept from where little is left of the residual.
 //!
+//! The faces around a node at a sharp edge of the slave's initial mesh, as of the top and of a side of a block, are two fans, of
+//! which the one whose mean gap is the least counts, with its points alone. A side would keep its edge off the tool that presses the
+//! top by the gaps up its height, as soon as it bulges out so that it sees the tool at all. Which of both is nearer changes only
+//! where both are as near.
+//!
 //! Slip of a point counts from where the same point of the slave was on the master at the last converged increment, as both
-//! were then: no point has a history. Points that nothing of the master is opposite to do not count; where less than
-//! `segment_least` of the [controls](crate::controls) of what belongs to a node is left, the node is in the gap.
+//! were then: no point has a history. Points that nothing of the master is opposite to do not count; a fan of which less than
+//! `segment_least` of the [controls](crate::controls) of what belongs to a node is left does not either, and a node without any is in
+//! the gap.
 //!
 //! Where the master is smooth, the slave is, too: its flat faces would stand out of a hollow round one, and be pressed back with
 //! nothing to press, and lack what a bulging one has. The gap of a point is that of the Nagata patch over its face, of which
@@ -79,6 +85,8 @@ pub struct Face {
     pub nodes: [u32; 4],
     /// In its mean plane, of the initial mesh.
     area: f64,
+    /// Its unit normal there.
+    outward: Vec3,
     /// What parts of the area count by at the corners: 1, or the radius.
     measure: [f64; 4],
     spots: Vec<Spot>,
@@ -92,8 +100,8 @@ pub struct Face {
 #[derive(Clone, Debug)]
 pub struct Faces {
     faces: Vec<Face>,
-    /// By slave node of the pair.
-    around: Vec<Vec<u32>>,
+    /// By slave node of the pair those around it, between the sharp edges of the initial mesh.
+    fans: Vec<Vec<Vec<u32>>>,
 }
 
 impl Face {
@@ -107,8 +115,20 @@ impl Face {
         for spot in &spots {
             whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
         }
-        let area = places.area_vector().norm();
-        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, measure, spots, whole, bulge }
+        let (area, outward) = (places.area_vector().norm(), places.area_vector().normalize());
+        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, outward, measure, spots, whole, bulge }
+    }
+
+    /// Whether it shares an edge at a node with another one, over which both go on as one surface within an angle whose cosine is
+    /// `flat`.
+    fn goes_on(&self, other: &Self, node: u32, flat: f64) -> bool {
+        let ends = |face: &Self| {
+            let nodes = face.nodes[..face.corners.count].to_vec();
+            let beside = |k: usize| [nodes[(k + 1) % nodes.len()], nodes[(k + nodes.len() - 1) % nodes.len()]];
+            (0..nodes.len()).filter(|&k| nodes[k] == node).flat_map(beside).collect::<Vec<u32>>()
+        };
+        let theirs = ends(other);
+        self.outward.dot(&other.outward) >= flat && ends(self).iter().any(|end| theirs.contains(end))
     }
 
     /// How far the smooth face bulges over the flat one, (3) of the [module](self).
@@ -131,8 +151,14 @@ impl Face {
 
 impl Faces {
     /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
-    /// rings. `bulges` has four coefficients of each facet of the set, or none.
-    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave], is_ring: bool, bulges: &[f64]) -> Self {
+    /// rings. `bulges` has four coefficients of each facet of the set, or none; edges are sharp from `feature_angle` on, degrees.
+    pub fn new(
+        part: &Part,
+        facets: &[PartFacet],
+        slaves: &[Slave],
+        (is_ring, feature_angle): (bool, f64),
+        bulges: &[f64],
+    ) -> Self {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
             let bulge = bulges.as_chunks::<4>().0.get(facet.number as usize).copied().unwrap_or_default();
@@ -148,18 +174,41 @@ impl Faces {
                 faces.push(face);
             }
         }
-        Self { faces, around }
+        let flat = feature_angle.to_radians().cos();
+        let fans = |(slave, all): (&Slave, Vec<u32>)| {
+            fans(all, |a, b| faces[a as usize].goes_on(&faces[b as usize], slave.node, flat))
+        };
+        let fans = slaves.iter().zip(around).map(fans).collect();
+        Self { faces, fans }
     }
 
     /// The faces around a slave node.
     pub fn around(&self, slave: usize) -> impl Iterator<Item = &Face> + Clone {
-        self.around[slave].iter().map(|&f| &self.faces[f as usize])
+        self.fans[slave].iter().flatten().map(|&f| &self.faces[f as usize])
     }
 
     /// The nodes that move a slave node's faces; some more than once.
     pub fn beside(&self, slave: usize) -> impl Iterator<Item = u32> + '_ {
         self.around(slave).flat_map(|face| face.nodes[..face.corners.count].iter().copied())
     }
+}
+
+/// Some faces in groups, in which each is connected with the others.
+fn fans(mut faces: Vec<u32>, connected: impl Fn(u32, u32) -> bool) -> Vec<Vec<u32>> {
+    let mut fans = Vec::new();
+    while !faces.is_empty() {
+        let mut fan = vec![faces.remove(0)];
+        let mut k = 0;
+        while k < fan.len() {
+            let (with, without) = faces.into_iter().partition(|&other| connected(fan[k], other));
+            fan.extend::<Vec<u32>>(with);
+            faces = without;
+            k += 1;
+        }
+        fan.sort_unstable();
+        fans.push(fan);
+    }
+    fans
 }
 
 /// What shape functions make of values at corners; none counts of corners that do not.

@@ -108,8 +108,8 @@ impl Segments {
         self.get(share).portion(share.weight)
     }
 
-    /// The points of the faces around slave node `s`, with w_q N_i.
-    fn shares(&self, pair: &Pair, s: usize) -> Vec<Share> {
+    /// The points of some faces around slave node `s`, with w_q N_i.
+    fn shares(&self, pair: &Pair, s: usize, fan: &[u32]) -> Vec<Share> {
         let Some(faces) = pair.faces.as_ref() else { return Vec::new() };
         let node = pair.slaves[s].node;
         let of_face = |&f: &u32| {
@@ -120,12 +120,13 @@ impl Segments {
             };
             self.0[f as usize].iter().enumerate().map(share)
         };
-        faces.around[s].iter().flat_map(of_face).collect()
+        fan.iter().flat_map(of_face).collect()
     }
 
     /// Where the weightiest point of slave node `s` is on the master.
     pub fn weightiest(&self, pair: &Pair, s: usize) -> Option<Projection> {
-        self.weightiest_of(&self.shares(pair, s))
+        let fans = &pair.faces.as_ref()?.fans[s];
+        self.weightiest_of(&fans.iter().flat_map(|fan| self.shares(pair, s, fan)).collect::<Vec<_>>())
     }
 
     fn weightiest_of(&self, shares: &[Share]) -> Option<Projection> {
@@ -133,7 +134,7 @@ impl Segments {
     }
 
     /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
-    /// the shares of its points. The rest of the projection is that of its `own` closest point, or else of the weightiest.
+    /// the shares of its points, by the fan that is the nearest. The rest of the projection is that of its `own` closest point, or else of the weightiest.
     pub fn meet(
         &self,
         pair: &Pair,
@@ -141,17 +142,23 @@ impl Segments {
         own: Option<&Projection>,
         free: &Mat3,
     ) -> Option<(Projection, Vec<Share>)> {
-        let node = pair.slaves[s].node;
-        let whole: f64 = pair.faces.as_ref()?.around(s).map(|face| face.of_node(node, &face.whole)).sum();
-        let mut shares = self.shares(pair, s);
-        let covered: f64 = shares.iter().map(|share| share.weight).sum();
-        if covered < pair.controls.segment_least * whole {
-            return None;
-        }
-        shares.iter_mut().for_each(|share| share.weight /= covered);
+        let gap = |shares: &[Share]| -> f64 { shares.iter().map(|share| share.weight * self.get(share).at.gap).sum() };
+        let fans = pair.faces.as_ref()?.fans[s].iter().filter_map(|fan| self.shares_of_fan(pair, s, fan));
+        let shares = fans.min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
         let base = own.copied().or_else(|| self.weightiest_of(&shares))?;
         let weighted = shares.iter().map(|share| (&self.get(share).at, share.weight));
         Some((mean_of(weighted, &base, free)?, shares))
+    }
+
+    /// The w_iq of a fan around slave node `s`, unless it lies over too little of the master.
+    fn shares_of_fan(&self, pair: &Pair, s: usize, fan: &[u32]) -> Option<Vec<Share>> {
+        let (faces, node) = (&pair.faces.as_ref()?.faces, pair.slaves[s].node);
+        let of_node = |face: &Face| face.of_node(node, &face.whole);
+        let whole: f64 = fan.iter().map(|&f| of_node(&faces[f as usize])).sum();
+        let mut shares = self.shares(pair, s, fan);
+        let covered: f64 = shares.iter().map(|share| share.weight).sum();
+        shares.iter_mut().for_each(|share| share.weight /= covered);
+        (covered >= pair.controls.segment_least * whole).then_some(shares)
     }
 }
 
