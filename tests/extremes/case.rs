@@ -328,7 +328,7 @@ impl Done {
     /// The reason of a refusal, in one line.
     pub fn reason(&self) -> String {
         let error = self.stderr.split("error: ").nth(1).unwrap_or_default();
-        shown(error.split("help:").next().unwrap_or_default())
+        error.split("help:").next().unwrap_or_default().split_whitespace().collect::<Vec<_>>().join(" ")
     }
 
     /// The first warning with one of the words.
@@ -361,7 +361,7 @@ impl Done {
 }
 
 /// One line of a text, not too long.
-fn shown(text: &str) -> String {
+pub fn shown(text: &str) -> String {
     let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
     let short: String = line.chars().take(150).collect();
     if short.len() < line.len() { short + " ..." } else { short }

@@ -1,7 +1,7 @@
 //! Extremes: scenes at the ends of what can be asked for, each held against a value that does not come from the run.
 //!
-//! A row of the suite is right, or refused with a reason; a run that ends with exit code 0 and another answer is wrong.
-//! The rows that are quick run as tests of their families. All of them, in one table: `scripts/test --extremes`.
+//! A row of the suite is right, or refused with the reason that refused.txt has for it; a run that ends with exit code 0 and
+//! another answer is wrong. The rows that are quick run as tests of their families. All of them, in one table: `scripts/test --extremes`.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -29,6 +29,7 @@ mod pairs;
 mod passage;
 mod penalty;
 mod ranks;
+mod refused;
 mod rings;
 mod segments;
 mod sheets;

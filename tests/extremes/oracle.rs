@@ -3,7 +3,7 @@
 //! A quantity is a column of `history.csv` at its end, as in `cap.fx`; `cap.fx@press` is its last value in a step, and
 //! `a/b` a ratio of two.
 
-use crate::case::{Case, Done};
+use crate::case::{Case, Done, shown};
 use crate::common::History;
 
 #[derive(Clone)]
@@ -83,7 +83,7 @@ impl Oracle {
             Self::Same { quantity, as_in, times, tolerance, .. } => {
                 let other = as_in.run();
                 let Some(right) = other.history.as_ref().filter(|_| other.code == Some(0)) else {
-                    return Verdict { holds: false, text: format!("the oracle failed: {}", other.reason()) };
+                    return Verdict { holds: false, text: format!("the oracle failed: {}", shown(&other.reason())) };
                 };
                 let right = times * find(right, quantity);
                 compare(quantity, find(history, quantity), right, right.abs(), *tolerance)

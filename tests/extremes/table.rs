@@ -1,6 +1,7 @@
 //! Runs cases side by side, and prints what came out.
 
-use crate::case::{Case, Outcome};
+use crate::case::{Case, Outcome, shown};
+use crate::refused::{judged, outdated, write};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -8,14 +9,14 @@ use std::time::Instant;
 
 impl Outcome {
     /// As it stands in the table: bad ones in capitals.
-    fn words(&self) -> (&'static str, &str) {
+    fn words(&self) -> (&'static str, String) {
         match self {
-            Self::Right(text) => ("right", text),
-            Self::Refused(text) => ("refused", text),
-            Self::Wrong(text) => ("WRONG", text),
-            Self::Failed(text) => ("FAILED", text),
-            Self::Crash(text) => ("CRASH", text),
-            Self::Hang(text) => ("HANG", text),
+            Self::Right(text) => ("right", text.clone()),
+            Self::Refused(text) => ("refused", shown(text)),
+            Self::Wrong(text) => ("WRONG", text.clone()),
+            Self::Failed(text) => ("FAILED", shown(text)),
+            Self::Crash(text) => ("CRASH", text.clone()),
+            Self::Hang(text) => ("HANG", text.clone()),
         }
     }
 
@@ -29,7 +30,7 @@ pub fn hold(cases: Vec<Case>) {
     let quick: Vec<Case> = cases.into_iter().filter(|case| case.quick).collect();
     let mut bad = String::new();
     for case in &quick {
-        let outcome = case.outcome();
+        let outcome = judged(&case.name, case.outcome());
         let (word, text) = outcome.words();
         println!("{}: {word}, {text}", case.name);
         if !outcome.is_good() {
@@ -50,7 +51,7 @@ pub fn print(cases: &[Case]) -> bool {
                     Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, cases.get(k)?)))
                 {
                     let started = Instant::now();
-                    let outcome = case.outcome();
+                    let outcome = judged(&case.name, case.outcome());
                     let (word, text) = outcome.words();
                     let seconds = started.elapsed().as_secs_f64();
                     eprintln!("{}/{} {}: {word}: {text} ({seconds:.1} s)", k + 1, cases.len(), case.name);
@@ -70,6 +71,11 @@ pub fn print(cases: &[Case]) -> bool {
     }
     let counts = ["right", "refused", "WRONG", "FAILED", "CRASH", "HANG"]
         .map(|word| format!("{} {word}", outcomes.iter().filter(|outcome| outcome.words().0 == word).count()));
+    let named = || cases.iter().map(|case| case.name.as_str()).zip(&outcomes);
+    for row in outdated(named()) {
+        println!("no longer refused, see tests/extremes/refused.txt: {row}");
+    }
+    write(named());
     println!("\n{} cases: {}", cases.len(), counts.join(", "));
     outcomes.iter().all(Outcome::is_good)
 }
