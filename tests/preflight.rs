@@ -345,6 +345,21 @@ fn bodies_with_places_in_common() {
         &["bodies `a` and `b` lie on each other with 1 faces", "neither contact nor tie is between them"],
     );
     accepted(&two_cubes(false, contact), "4 nodes that touch");
+    // Tetrahedra on a hexahedron, whose face is none of theirs.
+    let unlike = Bench::new(
+        "[body.a]\nmaterial = \"soft\"\nmesh = \"two.inp\"\ngroup = \"low\"\n[body.b]\nmaterial = \"soft\"\nmesh = \"two.inp\"\n\
+         group = \"high\"\n[material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+         [[step]]\nincrements = 1\nfix = [{ set = \"a\" }, { set = \"b\" }]\n",
+    );
+    unlike.write(
+        "two.inp",
+        "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n9, 0.5, 0.5, 2\n\
+         *ELEMENT, TYPE=C3D8, ELSET=low\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=C3D4, ELSET=high\n2, 5, 6, 7, 9\n3, 5, 7, 8, 9\n",
+    );
+    warned(
+        &unlike,
+        &["bodies `a` and `b` share the nodes of 1 faces of `a` that are no faces of `b`: they come apart there"],
+    );
     let forgotten = two_cubes(true, "");
     let scene = std::fs::read_to_string(forgotten.path("scene.toml")).unwrap();
     forgotten.write("scene.toml", &scene.replace("group = \"low\"\n", "").replace("group = \"high\"\n", ""));

@@ -7,7 +7,7 @@
 
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::mesh::{Solid, message};
+use crate::mesh::{Solid, SolidShape, message};
 use crate::partition::GlobalMesh;
 use crate::scene::{Located, MeshSource, Scene, body_of};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
@@ -63,21 +63,36 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             let twin: Option<Vec<u32>> = face.iter().map(|n| pairs.get(n).copied()).collect();
             twin.is_some_and(|twin| others.contains(&sorted(&twin)))
         };
-        let bare: Vec<&Vec<u32>> =
-            ours.iter().filter(meets).filter(|face| !face.iter().all(|n| covered.contains(n))).collect();
-        if bare.is_empty() {
-            continue;
-        }
+        let is_bare = |face: &&Vec<u32>| !face.iter().all(|n| covered.contains(n));
         // Nodes of refined meshes that are new have the numbers of their own body.
         let of_file = |n: u32| global.id[n as usize] <= global.last_id[global.body[n as usize] as usize];
         let is_shared = |n: u32| match [n, pairs[&n]] {
             both if both.map(of_file) == [true; 2] => global.id[both[0] as usize] == global.id[both[1] as usize],
             both => both.map(of_file) == [false; 2],
         };
+        if is_one_file(&one.mesh, &other.mesh) {
+            let is_whole = |face: &&Vec<u32>| face.iter().all(|n| pairs.contains_key(n) && is_shared(*n));
+            let unlike =
+                outer_faces(&own).into_iter().filter(|face| is_whole(&face) && !meets(&face) && is_bare(&face));
+            let unlike = unlike.count();
+            if unlike > 0 {
+                common.warnings.push(format!(
+                    "bodies `{}` and `{}` share the nodes of {unlike} faces of `{}` that are no faces of `{}`: they come apart there; \
+                     mesh both with elements whose faces match, or `tie` them",
+                    one.name.value, other.name.value, one.name.value, other.name.value
+                ));
+            }
+        }
+        let bare: Vec<&Vec<u32>> = ours.iter().filter(meets).filter(is_bare).collect();
+        if bare.is_empty() {
+            continue;
+        }
         let shared = is_one_file(&one.mesh, &other.mesh)
             && bare.iter().all(|face| face.iter().all(|&n| is_shared(n)))
             && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
-        if shared && covered.is_empty() {
+        let quadratic = |solids: &[Solid]| solids.iter().any(|solid| solid.shape == SolidShape::Tet10);
+        let alike = one.is_layer() == other.is_layer() && quadratic(&own) == quadratic(&theirs);
+        if shared && covered.is_empty() && alike {
             let both = pairs.iter().filter(|(n, _)| is_shared(**n)).map(|(n, m)| [*n, *m]);
             common.one.extend(both);
             common.lines.push(format!(
@@ -101,8 +116,13 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             if shared { "share nodes of their mesh, and come apart" } else { "part, or pass through each other," }
         );
         if shared {
-            let help = "name these faces in the contact or tie, too, or take what belongs together as one body, with `materials` \
-                        for its parts";
+            let help = match alike {
+                true => {
+                    "name these faces in the contact or tie, too, or take what belongs together as one body, with `materials` for \
+                     its parts"
+                }
+                false => "mesh both with elements of one order, in space or both as layers, or add a `tie`",
+            };
             return Err(Error::input(&other.name.at, what, help));
         }
         common.warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
@@ -189,6 +209,13 @@ fn sorted(nodes: &[u32]) -> Vec<u32> {
 fn twins(solid: &Solid, pairs: &BTreeMap<u32, u32>) -> Option<Vec<u32>> {
     let twin: Option<Vec<u32>> = solid.nodes().iter().map(|n| pairs.get(n).copied()).collect();
     twin.map(|twin| sorted(&twin))
+}
+
+/// The faces that one solid alone has.
+fn outer_faces(solids: &[Solid]) -> Vec<Vec<u32>> {
+    let mut count: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+    solids.iter().flat_map(faces_of).for_each(|face| *count.entry(face).or_default() += 1);
+    count.into_iter().filter(|(_, count)| *count == 1).map(|(face, _)| face).collect()
 }
 
 fn faces_of(solid: &Solid) -> Vec<Vec<u32>> {

@@ -134,7 +134,8 @@ impl Segments {
     }
 
     /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
-    /// the shares of its points, by the fan that is the nearest. The rest of the projection is that of its `own` closest point, or else of the weightiest.
+    /// the shares of its points, by the fan that is the nearest. The rest of the projection is that of its `own` closest point, or else
+    /// of the weightiest.
     pub fn meet(
         &self,
         pair: &Pair,
