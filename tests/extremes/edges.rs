@@ -429,7 +429,7 @@ fn past_a_platen() -> Vec<Case> {
                 let case = Case::text(format!("{name}, {across} elements, {rim} wider"), text)
                     .oracle(same("t.fy", fine, tolerance, "a fine mesh"))
                     .or_warns(&["between its nodes"]);
-                cases.push(case.quick_if(across == 8 && kind != "" && rim == 0.3));
+                cases.push(case.quick_if(across == 8 && !kind.is_empty() && rim == 0.3));
             }
         }
     }
