@@ -96,24 +96,22 @@ impl Model {
             plane_strain::check(scene)?;
             layers::check(scene, &names, &global)?;
             slaves::check(scene, &names, &global)?;
-            let common = shared::find(scene, &names, &global)?;
-            common.unite(&mut global);
+            let united = shared::find(scene, &names, &global)?.unite(&mut global);
             let tied = ties::tie(scene, &names, &mut global)?;
-            Ok(Some((global, (common, tied))))
+            Ok(Some((global, (united, tied))))
         };
         let read = || agree(comm, if root { assemble() } else { Ok(None) });
         let (global, joined) = phases.time(Phase::Read, read)?.unzip();
-        let (common, tied) = joined.unzip();
+        let (united, tied) = joined.unzip();
         let said = global.iter().flat_map(|global: &GlobalMesh| &global.warnings);
         let said = said.chain(tied.iter().flat_map(|tied: &ties::Tied| &tied.warnings));
-        let found: Vec<String> =
-            said.chain(common.iter().flat_map(|common: &shared::Common| &common.warnings)).cloned().collect();
+        let found: Vec<String> = said.cloned().collect();
         let found = first_word(comm, (!found.is_empty()).then(|| found.join("\n"))).unwrap_or_default();
         let (part, numbers) = phases.time(Phase::Partition, || distribute(comm, global.as_ref()))?;
         let symmetry = symmetry::planes(comm, scene, &names, &part)?;
         axisymmetric::check_planes(scene, &symmetry)?;
         let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
-        let lines = tied.zip(common).map(|(tied, common)| [common.lines, tied.lines].concat().join("\n"));
+        let lines = united.zip(tied).map(|(united, tied)| [united, tied.lines].concat().join("\n"));
         let joined = first_word(comm, lines).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;

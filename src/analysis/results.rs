@@ -187,11 +187,11 @@ impl Results {
             let mut counts = [0.0; 3];
             let mut most = [0.0f64; 2];
             let mut force = [0.0; 3];
-            for pass in std::iter::once(pair).chain(pair.pass.other().map(|other| &model.pairs[other])) {
-                let tractions = tractions(comm, model, pass, &state.u);
+            for of_pass in std::iter::once(pair).chain(pair.pass.other().map(|other| &model.pairs[other])) {
+                let tractions = tractions(comm, model, of_pass, &state.u);
                 // Of two passes: what the slave's nodes bear, and what the slave gets as a master.
-                let sign = if pass.pass.is_second() { 1.0 } else { -1.0 };
-                for slave in &pass.slaves {
+                let sign = if of_pass.pass.is_second() { 1.0 } else { -1.0 };
+                for slave in &of_pass.slaves {
                     // In self-contact all that the nodes get, which adds up to nothing: what they bear themselves depends on
                     // how those that meet each other share a force, which is left open.
                     let on_slave = if pair.is_self() { slave.accepted.on_node() } else { sign * slave.accepted.force };

@@ -6,26 +6,24 @@ use super::Simulation;
 use super::conditions::Conditions;
 use super::state::Progress;
 use super::step::Running;
-use crate::contact::{Pair, Slave, Status};
+use crate::contact::{Pair, Slave, Status, touching_nodes};
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use crate::system::near;
-use std::collections::BTreeMap;
 
 impl<'a> Simulation<'a> {
     /// The pairs with multipliers as unknowns of which, as the iterate is, a slave node touches another master, too, one of them
     /// with friction. Collective.
     fn shared_by_nodes(&self) -> Vec<bool> {
         let pairs = &self.model.pairs;
-        let mut touching: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for (p, pair) in pairs.iter().enumerate().filter(|(_, pair)| pair.width() > 0 && !pair.is_self()) {
-            let touch = pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap);
-            touch.for_each(|slave| touching.entry(slave.node).or_default().push(p));
-        }
+        let touches =
+            |pair: &Pair, slave: &Slave| pair.width() > 0 && !pair.is_self() && slave.trial.status != Status::Gap;
+        let touching = touching_nodes(pairs, touches);
+        let rubs = |at: &[(usize, &Slave)]| at.iter().any(|(p, _)| pairs[*p].rules.friction > 0.0);
         let mut shared = vec![0.0; pairs.len()];
-        for at in touching.values().filter(|at| at.len() > 1 && at.iter().any(|&p| pairs[p].rules.friction > 0.0)) {
-            at.iter().for_each(|&p| shared[p] = 1.0);
+        for at in touching.values().filter(|at| at.len() > 1 && rubs(at)) {
+            at.iter().for_each(|(p, _)| shared[*p] = 1.0);
         }
         max(self.comm, &mut shared);
         shared.into_iter().map(|shared| shared > 0.0).collect()

@@ -11,7 +11,7 @@ use super::step::{Attempt, Converged};
 use super::strays::{beyond, stray, strays};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
-use crate::contact::{Movement, Pair, Sight, Slave, Status};
+use crate::contact::{Movement, Pair, Sight, Slave, Status, touching_nodes};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -19,7 +19,7 @@ use crate::parallel::{first_word, max, sum, word_of_largest};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::time::Instant;
 
 /// What a contact did until now.
@@ -417,25 +417,17 @@ fn take_slid(pairs: &mut [Pair]) -> Vec<f64> {
 /// What slave nodes of this rank bear of each tool that are on several at once, and that friction holds on one, N: forces that
 /// push these tools apart are in balance by themselves.
 fn shared(pairs: &[Pair]) -> Vec<f64> {
-    let mut met: BTreeMap<u32, (BTreeSet<usize>, bool)> = BTreeMap::new();
-    let acts = |slave: &&Slave| slave.accepted.force != Vec3::zeros();
-    for pair in pairs {
-        let Some(tool) = pair.master.tool() else { continue };
-        for slave in pair.slaves.iter().filter(acts) {
-            let (tools, is_held) = met.entry(slave.node).or_default();
-            tools.insert(tool);
-            *is_held |= pair.rules.friction > 0.0 && slave.accepted.status == Status::Stick;
+    let tool = |p: usize| pairs[p].master.tool();
+    let acts = |pair: &Pair, slave: &Slave| pair.master.tool().is_some() && slave.accepted.force != Vec3::zeros();
+    let holds = |(p, slave): &(usize, &Slave)| pairs[*p].rules.friction > 0.0 && slave.accepted.status == Status::Stick;
+    let mut shared = vec![0.0; pairs.len()];
+    for at in touching_nodes(pairs, acts).values() {
+        let is_on_several = at.iter().any(|(p, _)| tool(*p) != tool(at[0].0));
+        if is_on_several && at.iter().any(holds) {
+            at.iter().for_each(|(p, slave)| shared[*p] += slave.accepted.force.norm());
         }
     }
-    met.retain(|_, (tools, is_held)| tools.len() > 1 && *is_held);
-    let of = |pair: &Pair| match pair.master.tool() {
-        Some(_) if !met.is_empty() => {
-            let shared = pair.slaves.iter().filter(|slave| met.contains_key(&slave.node));
-            shared.map(|slave| slave.accepted.force.norm()).sum()
-        }
-        _ => 0.0,
-    };
-    pairs.iter().map(of).collect()
+    shared
 }
 
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its

@@ -96,7 +96,7 @@ impl Meeting {
         slave.pieces = pieces_of(&even);
         slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)), last);
         slave.trial.kinks.keeps = keeps;
-        slave.trial.note_entrance(enters);
+        slave.trial.kinks.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.yields = pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(&p, near));

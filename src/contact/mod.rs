@@ -310,18 +310,27 @@ fn penalty_share(method: Enforcement, controls: &Controls) -> f64 {
     }
 }
 
+/// The slave nodes that touch, as `touches` says, with the pairs in which they do and what they are there.
+pub fn touching_nodes(pairs: &[Pair], touches: impl Fn(&Pair, &Slave) -> bool) -> BTreeMap<u32, Vec<(usize, &Slave)>> {
+    let mut of_node: BTreeMap<u32, Vec<(usize, &Slave)>> = BTreeMap::new();
+    for (p, pair) in pairs.iter().enumerate() {
+        for slave in pair.slaves.iter().filter(|slave| touches(pair, slave)) {
+            of_node.entry(slave.node).or_default().push((p, slave));
+        }
+    }
+    of_node
+}
+
 /// Notes for each slave node what other master it touched at the last converged increment.
 pub fn note_bearers(pairs: &mut [Pair]) {
     if pairs.len() < 2 {
         return;
     }
-    let mut of_node: BTreeMap<u32, Vec<(usize, Vec3)>> = BTreeMap::new();
-    for (p, pair) in pairs.iter().enumerate() {
-        for slave in pair.slaves.iter().filter(|slave| slave.committed.status != Status::Gap) {
-            let at = slave.accepted.projection.map(|at| (p, at.normal));
-            of_node.entry(slave.node).or_default().extend(at);
-        }
-    }
+    let touching = touching_nodes(pairs, |_, slave| slave.committed.status != Status::Gap);
+    let normals = |at: Vec<(usize, &Slave)>| -> Vec<(usize, Vec3)> {
+        at.into_iter().filter_map(|(p, slave)| Some((p, slave.accepted.projection?.normal))).collect()
+    };
+    let of_node: BTreeMap<u32, Vec<(usize, Vec3)>> = touching.into_iter().map(|(n, at)| (n, normals(at))).collect();
     for (p, pair) in pairs.iter_mut().enumerate() {
         for slave in &mut pair.slaves {
             let others = of_node.get(&slave.node).map_or(&[][..], |all| all);

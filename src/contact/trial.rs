@@ -36,6 +36,11 @@ impl Kinks {
         self.entrances < 2 * self.patience
     }
 
+    /// Notes whether it is on the side that it was on, or came through.
+    pub fn note_entrance(&mut self, enters: bool) {
+        self.entrances += u32::from(enters != (self.entrances % 2 == 1));
+    }
+
     /// It is on the piece `here`, and was on `last` before.
     fn go(&mut self, here: u32, last: u32) {
         if here != last {
@@ -120,12 +125,6 @@ impl Trial {
         if let Some((here, last)) = here.zip(last) {
             self.kinks.go(here, last);
         }
-    }
-
-    /// Notes whether it is on the side that it was on, or came through.
-    pub fn note_entrance(&mut self, enters: bool) {
-        let entrances = &mut self.kinks.entrances;
-        *entrances += u32::from(enters != (*entrances % 2 == 1));
     }
 
     /// The force along the surface.

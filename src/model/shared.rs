@@ -18,9 +18,9 @@ const COINCIDENT: f64 = 1e-9;
 /// What bodies have in common.
 #[derive(Default)]
 pub struct Common {
-    pub warnings: Vec<String>,
+    warnings: Vec<String>,
     /// A line about each two bodies that are one solid.
-    pub lines: Vec<String>,
+    lines: Vec<String>,
     /// Their nodes, of the first and of the second.
     one: Vec<[u32; 2]>,
 }
@@ -57,11 +57,10 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             continue;
         }
         let covered = covered(scene, names, global, (a, b));
-        let faces = |solids: &[Solid]| -> BTreeSet<Vec<u32>> { solids.iter().flat_map(faces_of).collect() };
         let (ours, others) = (faces(&own), faces(&theirs));
         let meets = |face: &&Vec<u32>| {
             let twin: Option<Vec<u32>> = face.iter().map(|n| pairs.get(n).copied()).collect();
-            twin.is_some_and(|twin| others.contains(&sorted(&twin)))
+            twin.is_some_and(|twin| others.contains_key(&sorted(&twin)))
         };
         let is_bare = |face: &&Vec<u32>| !face.iter().all(|n| covered.contains(n));
         // Nodes of refined meshes that are new have the numbers of their own body.
@@ -72,9 +71,8 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
         };
         if is_one_file(&one.mesh, &other.mesh) {
             let is_whole = |face: &&Vec<u32>| face.iter().all(|n| pairs.contains_key(n) && is_shared(*n));
-            let unlike =
-                outer_faces(&own).into_iter().filter(|face| is_whole(&face) && !meets(&face) && is_bare(&face));
-            let unlike = unlike.count();
+            let outer = ours.iter().filter(|(_, count)| **count == 1).map(|(face, _)| face);
+            let unlike = outer.filter(is_whole).filter(is_bare).filter(|face| !meets(face)).count();
             if unlike > 0 {
                 common.warnings.push(format!(
                     "bodies `{}` and `{}` share the nodes of {unlike} faces of `{}` that are no faces of `{}`: they come apart there; \
@@ -83,7 +81,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
                 ));
             }
         }
-        let bare: Vec<&Vec<u32>> = ours.iter().filter(meets).filter(is_bare).collect();
+        let bare: Vec<&Vec<u32>> = ours.keys().filter(meets).filter(is_bare).collect();
         if bare.is_empty() {
             continue;
         }
@@ -131,8 +129,9 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
 }
 
 impl Common {
-    /// Gives nodes that are one the equations of the first of them, with those that had the equations of the others.
-    pub fn unite(&self, global: &mut GlobalMesh) {
+    /// Gives nodes that are one the equations of the first of them, with those that had the equations of the others. Warnings go to
+    /// the mesh; returns a line about each two bodies that are one solid.
+    pub fn unite(self, global: &mut GlobalMesh) -> Vec<String> {
         let first = |ties: &[u32], n: u32| {
             let mut n = ties[n as usize];
             while ties[n as usize] != n {
@@ -147,6 +146,8 @@ impl Common {
         if !self.one.is_empty() {
             global.tie = (0..global.tie.len() as u32).map(|n| first(&global.tie, n)).collect();
         }
+        global.warnings.extend(self.warnings);
+        self.lines
     }
 }
 
@@ -211,11 +212,11 @@ fn twins(solid: &Solid, pairs: &BTreeMap<u32, u32>) -> Option<Vec<u32>> {
     twin.map(|twin| sorted(&twin))
 }
 
-/// The faces that one solid alone has.
-fn outer_faces(solids: &[Solid]) -> Vec<Vec<u32>> {
-    let mut count: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
+/// The faces of solids, with how many have each.
+fn faces(solids: &[Solid]) -> BTreeMap<Vec<u32>, usize> {
+    let mut count = BTreeMap::new();
     solids.iter().flat_map(faces_of).for_each(|face| *count.entry(face).or_default() += 1);
-    count.into_iter().filter(|(_, count)| *count == 1).map(|(face, _)| face).collect()
+    count
 }
 
 fn faces_of(solid: &Solid) -> Vec<Vec<u32>> {

@@ -67,7 +67,7 @@ pub fn write<'a>(outcomes: impl Iterator<Item = (&'a str, &'a Outcome)>) {
     fs::write(path, outcomes.filter_map(line).collect::<String>()).unwrap();
 }
 
-/// Rows of the list that there are no longer, or that are no longer refused.
+/// Rows of the list that are no longer refused.
 pub fn outdated<'a>(outcomes: impl Iterator<Item = (&'a str, &'a Outcome)>) -> Vec<&'a str> {
     let is_right =
         |(name, outcome): &(&str, &Outcome)| LISTED.contains_key(name) && matches!(outcome, Outcome::Right(_));
