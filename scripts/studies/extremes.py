@@ -3,7 +3,9 @@
 
     scripts/test --extremes >extremes.log 2>&1
     scripts/test --oracles >oracles.log 2>&1
-    scripts/studies/extremes.py extremes.log oracles.log
+    scripts/studies/extremes.py extremes.log --oracles oracles.log
+
+Without a log of the oracles their table stays as it is.
 """
 
 import collections
@@ -50,10 +52,12 @@ def of_oracles(log):
 def main():
     parser = arguments(__doc__)
     parser.add_argument("extremes", type=Path)
-    parser.add_argument("oracles", type=Path)
+    parser.add_argument("--oracles", type=Path)
     given = parser.parse_args()
     page = PAGE.read_text()
-    tables = {"extremes": of_extremes(given.extremes.read_text()), "oracles": of_oracles(given.oracles.read_text())}
+    tables = {"extremes": of_extremes(given.extremes.read_text())}
+    if given.oracles:
+        tables["oracles"] = of_oracles(given.oracles.read_text())
     for name, rows in tables.items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
         before, rest = page.split(begin)

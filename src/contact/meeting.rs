@@ -79,10 +79,12 @@ impl Meeting {
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
-        // One that goes to and fro over a kink keeps to what it was on; to a single piece as long as it is not exactly between that
-        // and others, which on the way it is by symmetry alone.
+        // One that goes to and fro over a kink keeps to what it was on, unless it has left it for another piece; to a single piece as
+        // long as it is not exactly between that and others, which on the way it is by symmetry alone.
         let is_free = slave.pieces.is_empty() && !slave.trial.kinks.is_restless();
+        let is_on = |pieces: &[Beside]| projection.is_none_or(|p| pieces.iter().any(|piece| piece.patch == p.patch));
         let kept = (may_keep && !is_free).then_some(&slave.pieces[..]);
+        let kept = kept.filter(|pieces| pieces.is_empty() || is_on(pieces));
         let even = projection.filter(|_| kept.is_some() || is_nearest);
         let even = even.map_or(Vec::new(), |at| ground.evenly(pair, position, &at, kept));
         let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
