@@ -412,7 +412,7 @@ impl<'a> Ground<'a> {
             return Vec::new();
         }
         let kept: Option<Vec<u32>> = kept.map(|kept| kept.iter().map(|piece| piece.patch).collect());
-        let even = Even { turn: pair.controls.kink_turn, reach: pair.reach, extension: None, kept: kept.as_deref() };
+        let even = Even { turn: pair.controls.even_turn, reach: pair.reach, extension: None, kept: kept.as_deref() };
         let mut found = match self {
             Self::Tool(tool) => tool.evenly(x, at, &even),
             Self::Surface(surface, _) => {
