@@ -43,17 +43,12 @@ fn to_and_fro(name: String, master: &str, moved: &str, friction: f64) -> Case {
 }
 
 /// What symmetry says, to rounding, since a node that is exactly between facets is on all of them, but for two passes without
-/// friction, where there may be jumps, and to 1e-8 for segments, whose points stand still when they have settled, each by itself;
-/// and without friction the same force on every way. Where facets meet in a ridge a node on
+/// friction, where there may be jumps; and without friction the same force on every way. Where facets meet in a ridge a node on
 /// it is on the side that it came from: of them only what holds across. So it is at the small kinks between the patches of a
 /// dome, and of what has been deformed.
 fn symmetric(case: Case, of: &str, friction: f64, [shape, smoothing, discretization]: [&str; 3]) -> Case {
     let scale = 40.0;
-    let rounding = match discretization {
-        "two-pass" if friction == 0.0 => 5e-3,
-        "segment" => 1e-8,
-        _ => 1e-9,
-    };
+    let rounding = if discretization == "two-pass" && friction == 0.0 { 5e-3 } else { 1e-9 };
     let case = case.oracle(near(&format!("{of}.fy"), 0.0, scale, rounding, "symmetry")).oracle(near(
         &format!("{of}.fx@press"),
         0.0,

@@ -1,6 +1,5 @@
 //! Which rows of the table are refused, and why: `refused.txt`. A row that is not on that list must be right, or what ran yesterday
-//! may be refused today without anybody knowing; and one that is on it may be right, or refused for a reason that stands there. Where
-//! rounding decides which of several checks finds it, as with a matrix that is singular but for rounding, all of them stand there.
+//! may be refused today without anybody knowing; and one that is on it may be right, or refused for the reason that stands there.
 //!
 //! `NAGATA_EXTREMES_LIST=1 scripts/test --extremes` writes the list anew. It does not count where `NAGATA_CONTROLS` is set.
 
@@ -20,10 +19,7 @@ const KINDS: [(&str, &[&str]); 4] = [
     ("no convergence", &["converge", "do not settle", "comes back again", "contradict", "folded", "not stable"]),
 ];
 
-/// Between the kinds of reason of a row.
-const OR: &str = " or ";
-
-/// The kinds of reason of each row.
+/// The kind of reason of each row.
 static LISTED: LazyLock<BTreeMap<&str, &str>> = LazyLock::new(|| {
     include_str!("refused.txt")
         .lines()
@@ -52,27 +48,19 @@ pub fn judged(name: &str, outcome: Outcome) -> Outcome {
         return outcome;
     }
     match LISTED.get(name) {
-        Some(why) if is_among(why, &kind(reason)) => outcome,
+        Some(why) if *why == kind(reason) => outcome,
         Some(why) => Outcome::Failed(format!("refused for another reason than `{why}`: {reason}")),
         None => Outcome::Failed(format!("refused, and is not on the list of refused rows: {reason}")),
     }
 }
 
-fn is_among(kinds: &str, kind: &str) -> bool {
-    kinds.split(OR).any(|one| one == kind)
-}
-
-/// Writes the list of what was refused, where that is asked for; other kinds of reason that a row has already stay.
+/// Writes the list of what was refused, where that is asked for.
 pub fn write<'a>(outcomes: impl Iterator<Item = (&'a str, &'a Outcome)>) {
     if env::var_os("NAGATA_EXTREMES_LIST").is_none() {
         return;
     }
     let line = |(name, outcome): (&str, &Outcome)| match outcome {
-        Outcome::Refused(reason) => {
-            let kind = kind(reason);
-            let why = LISTED.get(name).filter(|why| is_among(why, &kind)).map_or(&kind[..], |why| why);
-            Some(format!("{why} <- {name}\n"))
-        }
+        Outcome::Refused(reason) => Some(format!("{} <- {name}\n", kind(reason))),
         _ => None,
     };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/extremes/refused.txt");
