@@ -39,18 +39,46 @@ pub struct BodySurface {
     pub before: Vec<Vec3>,
     /// Points of slave faces ask where they were on it then.
     pub keeps_past: bool,
-    past: PatchSet,
-    share: Vec<MovingPatch>,
-    share_nodes: Gather,
+    share: Share,
+    near: Near,
+}
+
+/// The patches that were dealt out to this rank.
+struct Share {
+    patches: Vec<MovingPatch>,
+    nodes: Gather,
+    /// First nodes of the ranks.
+    starts: Vec<u64>,
+}
+
+/// The patches near slave nodes of this rank.
+#[derive(Default)]
+struct Near {
     /// By rising id.
-    near: Vec<MovingPatch>,
-    /// Indices of the stencil of each near patch among the near nodes.
+    patches: Vec<MovingPatch>,
+    /// Indices of the stencil of each patch among the nodes.
     stencils: Vec<Vec<u32>>,
     nodes: Gather,
     positions: Vec<Vec3>,
     shapes: PatchSet,
+    /// Their shapes at the last converged increment, where points ask for them.
+    past: PatchSet,
     seen: Option<Seen>,
-    starts: Vec<u64>,
+}
+
+impl Near {
+    /// The patches with their nodes at `positions`.
+    fn shapes_at(&self, positions: &[Vec3]) -> Vec<Patch> {
+        let mut own = Vec::new();
+        let shapes = self.patches.iter().zip(&self.stencils).map(|(patch, stencil)| {
+            own.clear();
+            own.extend(pick(positions, stencil));
+            patch.shape(&own)
+        });
+        // A diverging iterate may be nowhere.
+        let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
+        shapes.filter(somewhere).collect()
+    }
 }
 
 /// What the near patches are complete for.
@@ -77,7 +105,7 @@ impl BodySurface {
         facet_size: f64,
     ) -> Self {
         let share = deal(comm, patches, |_, patch| owner(starts, &patch.nodes[0]));
-        let share_nodes = Gather::new(comm, starts, share.iter().flat_map(|p| p.nodes.iter().copied()));
+        let nodes = Gather::new(comm, starts, share.iter().flat_map(|p| p.nodes.iter().copied()));
         Self {
             name: name.into(),
             given,
@@ -87,16 +115,8 @@ impl BodySurface {
             fetches: 0,
             before: Vec::new(),
             keeps_past: false,
-            past: PatchSet::new(Vec::new()),
-            share,
-            share_nodes,
-            near: Vec::new(),
-            stencils: Vec::new(),
-            nodes: Gather::default(),
-            positions: Vec::new(),
-            shapes: PatchSet::new(Vec::new()),
-            seen: None,
-            starts: starts.to_vec(),
+            share: Share { patches: share, nodes, starts: starts.to_vec() },
+            near: Near::default(),
         }
     }
 
@@ -110,35 +130,22 @@ impl BodySurface {
         kept: &BTreeSet<u32>,
         place: impl Fn(u32) -> Vec3,
     ) -> bool {
-        let masters: Vec<Vec3> = self.share_nodes.asked().map(&place).collect();
+        let masters: Vec<Vec3> = self.share.nodes.asked().map(&place).collect();
         let travels = |seen: &Seen| [strayed(&seen.slaves, slaves), strayed(&seen.masters, &masters)];
-        let mut travels = self.seen.as_ref().map_or([f64::INFINITY; 2], travels);
+        let mut travels = self.near.seen.as_ref().map_or([f64::INFINITY; 2], travels);
         max(comm, &mut travels);
-        let complete = self.seen.as_ref().map_or(0.0, |seen| (1.0 + MARGIN) * seen.reach);
+        let complete = self.near.seen.as_ref().map_or(0.0, |seen| (1.0 + MARGIN) * seen.reach);
         let fetched = reach + travels[0] + 2.0 * travels[1] > complete;
         if fetched {
             self.fetch(comm, slaves, reach, kept, &place);
-            self.seen = Some(Seen { reach, slaves: slaves.to_vec(), masters });
+            self.near.seen = Some(Seen { reach, slaves: slaves.to_vec(), masters });
         }
-        let positions = gather(comm, &self.nodes, &place);
-        if fetched || positions != self.positions {
-            self.shapes.follow(self.shapes_at(&positions));
-            self.positions = positions;
+        let positions = gather(comm, &self.near.nodes, &place);
+        if fetched || positions != self.near.positions {
+            self.near.shapes.follow(self.near.shapes_at(&positions));
+            self.near.positions = positions;
         }
         fetched
-    }
-
-    /// The near patches with their nodes at `positions`.
-    fn shapes_at(&self, positions: &[Vec3]) -> Vec<Patch> {
-        let mut own = Vec::new();
-        let shapes = self.near.iter().zip(&self.stencils).map(|(patch, stencil)| {
-            own.clear();
-            own.extend(pick(positions, stencil));
-            patch.shape(&own)
-        });
-        // A diverging iterate may be nowhere.
-        let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
-        shapes.filter(somewhere).collect()
     }
 
     /// The same within `reach` of all the slave nodes of its pair. Collective.
@@ -162,34 +169,34 @@ impl BodySurface {
         kept: &BTreeSet<u32>,
         place: impl Fn(u32) -> Vec3,
     ) {
-        let positions = gather(comm, &self.share_nodes, &place);
-        let current = |p: &MovingPatch| shape_at(p, &positions, &stencil(p, &self.share_nodes)).bounds();
-        let mut near = collect(comm, &self.share, current, slaves, (1.0 + MARGIN) * reach);
-        near.extend(self.near.drain(..).filter(|p| kept.contains(&p.id)));
+        let positions = gather(comm, &self.share.nodes, &place);
+        let current = |p: &MovingPatch| shape_at(p, &positions, &stencil(p, &self.share.nodes)).bounds();
+        let mut near = collect(comm, &self.share.patches, current, slaves, (1.0 + MARGIN) * reach);
+        near.extend(self.near.patches.drain(..).filter(|p| kept.contains(&p.id)));
         near.sort_by_key(|p| p.id);
         near.dedup_by_key(|p| p.id);
-        self.nodes = Gather::new(comm, &self.starts, near.iter().flat_map(|p| p.nodes.iter().copied()));
-        self.stencils = near.iter().map(|p| stencil(p, &self.nodes)).collect();
-        self.near = near;
+        self.near.nodes = Gather::new(comm, &self.share.starts, near.iter().flat_map(|p| p.nodes.iter().copied()));
+        self.near.stencils = near.iter().map(|p| stencil(p, &self.near.nodes)).collect();
+        self.near.patches = near;
         self.fetches += 1;
     }
 
     /// Lets the next [`Self::follow`] fetch anew.
     pub fn forget(&mut self) {
-        self.seen = None;
+        self.near.seen = None;
     }
 
     /// Remembers where the near nodes were at the last converged increment. Collective.
     pub fn remember(&mut self, comm: &SimpleCommunicator, before: impl Fn(u32) -> Vec3) {
-        self.before = gather(comm, &self.nodes, before);
+        self.before = gather(comm, &self.near.nodes, before);
         if self.keeps_past {
-            self.past.follow(self.shapes_at(&self.before));
+            self.near.past.follow(self.near.shapes_at(&self.before));
         }
     }
 
     /// The near patches as they were then.
     pub fn shapes_before(&self) -> &PatchSet {
-        &self.past
+        &self.near.past
     }
 
     /// Three values of each near node, from those that the owners have of their local nodes. Collective.
@@ -197,18 +204,18 @@ impl BodySurface {
     where
         T: Equivalence + Copy + Default,
     {
-        self.nodes.fetch(comm, 3, value).as_chunks::<3>().0.to_vec()
+        self.near.nodes.fetch(comm, 3, value).as_chunks::<3>().0.to_vec()
     }
 
     /// The near patches as they are now.
     pub fn shapes(&self) -> &PatchSet {
-        &self.shapes
+        &self.near.shapes
     }
 
     /// A near patch, with the indices of its stencil among the near nodes.
     pub fn patch(&self, id: u32) -> Option<(&MovingPatch, &[u32])> {
-        let k = self.near.binary_search_by_key(&id, |p| p.id).ok()?;
-        Some((&self.near[k], &self.stencils[k]))
+        let k = self.near.patches.binary_search_by_key(&id, |p| p.id).ok()?;
+        Some((&self.near.patches[k], &self.near.stencils[k]))
     }
 
     /// The component of the mesh that a point of a near patch is on.
@@ -218,7 +225,7 @@ impl BodySurface {
 
     /// Tangents and unit normal of a near patch at a point of it, as columns.
     pub fn frame(&self, at: &Projection) -> Option<Mat3> {
-        self.shapes.get(at.patch).map(|patch| frame(&patch.local(at.xi)))
+        self.near.shapes.get(at.patch).map(|patch| frame(&patch.local(at.xi)))
     }
 
     /// The shape of a near patch at the last converged increment.
@@ -228,43 +235,43 @@ impl BodySurface {
 
     /// Global number of a near node.
     pub fn number(&self, node: u32) -> u64 {
-        self.nodes.number(node)
+        self.near.nodes.number(node)
     }
 
     /// Current position of a near node, by its global number.
     pub fn position(&self, node: u64) -> Option<Vec3> {
-        self.nodes.index(node).map(|k| self.positions[k as usize])
+        self.near.nodes.index(node).map(|k| self.near.positions[k as usize])
     }
 
     /// Positions of the near nodes elsewhere, given for owned local nodes. Collective.
     pub fn places(&self, comm: &SimpleCommunicator, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
-        gather(comm, &self.nodes, place)
+        gather(comm, &self.near.nodes, place)
     }
 
     /// Current positions of the near nodes.
     pub fn positions(&self) -> &[Vec3] {
-        &self.positions
+        &self.near.positions
     }
 
     /// Hands forces on the near nodes to the owners: `add` gets a local node and a force. Collective.
     pub fn add_forces(&self, comm: &SimpleCommunicator, forces: &[Vec3], mut add: impl FnMut(u32, Vec3)) {
         let flat: Vec<f64> = forces.iter().flat_map(|f| [f.x, f.y, f.z]).collect();
-        self.nodes.add_to_owners(comm, 3, &flat, |node, f| add(node, Vec3::new(f[0], f[1], f[2])));
+        self.near.nodes.add_to_owners(comm, 3, &flat, |node, f| add(node, Vec3::new(f[0], f[1], f[2])));
     }
 
     /// Box of the motions of all nodes of the surface between two places of the owned ones, on this rank.
     pub fn travel(&self, from: impl Fn(u32) -> Vec3, to: impl Fn(u32) -> Vec3) -> Option<Bounds> {
-        bounds(self.share_nodes.asked().map(|n| to(n) - from(n)))
+        bounds(self.share.nodes.asked().map(|n| to(n) - from(n)))
     }
 
     /// This rank's share of the surface with nodes at `place`: each patch in `n` by `n` cells, a facet as it is.
     /// Collective.
     pub fn tessellate(&self, comm: &SimpleCommunicator, n: usize, place: impl Fn(u32) -> Vec3) -> Tessellation {
-        let positions = gather(comm, &self.share_nodes, place);
+        let positions = gather(comm, &self.share.nodes, place);
         let n = self.cells(n);
         let mut cells = Tessellation::default();
-        for patch in &self.share {
-            cells.add_patch(&shape_at(patch, &positions, &stencil(patch, &self.share_nodes)), n);
+        for patch in &self.share.patches {
+            cells.add_patch(&shape_at(patch, &positions, &stencil(patch, &self.share.nodes)), n);
         }
         cells
     }
@@ -275,7 +282,7 @@ impl BodySurface {
             let first = u64::from(patch.id) << u32::BITS;
             first..first + Tessellation::points_of(patch.count, self.cells(n)) as u64
         };
-        self.share.iter().flat_map(of_patch).collect()
+        self.share.patches.iter().flat_map(of_patch).collect()
     }
 
     /// Cells along a side of a patch.

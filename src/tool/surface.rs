@@ -88,7 +88,7 @@ impl Surface {
     }
 
     fn of_patches(share: Vec<Patch>) -> (Shape, Share) {
-        (Shape::Patches(PatchSet::new(Vec::new())), Share::Patches(share))
+        (Shape::Patches(PatchSet::default()), Share::Patches(share))
     }
 
     fn of_faces(share: Vec<SewnFace>) -> (Shape, Share) {
@@ -139,7 +139,7 @@ impl Surface {
     /// Gives back what is near; the next watch fetches it anew.
     pub fn forget(&mut self) {
         match &self.share {
-            Share::Patches(_) => self.near = Shape::Patches(PatchSet::new(Vec::new())),
+            Share::Patches(_) => self.near = Shape::Patches(PatchSet::default()),
             Share::Faces(_) => self.near = Shape::Faces(FaceSet::new(&[])),
             Share::Nothing => {}
         }

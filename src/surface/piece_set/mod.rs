@@ -114,6 +114,13 @@ impl PatchSet {
     }
 }
 
+/// No pieces.
+impl<P: Piece> Default for PieceSet<P> {
+    fn default() -> Self {
+        Self::of_pieces(Vec::new())
+    }
+}
+
 impl<P: Piece> PieceSet<P> {
     /// A set of pieces with different ids.
     pub fn of_pieces(mut pieces: Vec<P>) -> Self {

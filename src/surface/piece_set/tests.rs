@@ -371,7 +371,7 @@ fn the_nearest_point_includes_ends_and_edges() {
             check_derivatives(&Vec3::from(x), |x| cube.nearest(x));
         }
     }
-    assert!(PatchSet::new(Vec::new()).nearest(&Vec3::zeros()).is_none());
+    assert!(PatchSet::default().nearest(&Vec3::zeros()).is_none());
 }
 
 /// A patch around the corners of a square, a narrow one where it is squeezed, with normals that lean out by up to 63 degrees.
