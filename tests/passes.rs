@@ -173,6 +173,20 @@ fn two_passes_slide_far_whatever_the_ranks() {
     }
 }
 
+/// A node of the table leaves the contact to one of the block that has come 4 % of an edge away, where the block is lower.
+#[test]
+fn nodes_that_two_passes_leave_in_the_master_are_told_of() {
+    let told = "a node that stands on one of the other side, to which it leaves the contact, was";
+    for (contact, settings, is_told) in [
+        ("discretization = \"two-pass\"", &["controls.watch_yields=5e-4"][..], true),
+        ("discretization = \"two-pass\"", &[], false),
+        ("discretization = \"one-pass\"", &["controls.watch_yields=5e-4"], false),
+    ] {
+        let run = dragged(&format!("smoothing = \"facet\"\n{contact}"), "0.4, 0.1").solve(1, settings);
+        assert_eq!(run.log().contains(told), is_told, "{contact}, {settings:?}");
+    }
+}
+
 /// Two blocks on conforming meshes, or one of their height, are pressed and sheared; `grip` is how they are held together.
 fn sheared(bodies: &str, grip: &str, foot: &str, by: f64) -> Run {
     Bench::new(&format!(

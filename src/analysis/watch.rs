@@ -39,6 +39,9 @@ pub struct Touch {
     deepest_at: f64,
     /// How deep its nodes ever were behind the master.
     depth: f64,
+    /// The same of nodes that leave the contact to one of the other side, and when.
+    yielded: f64,
+    yielded_at: f64,
     /// Sum of what its nodes bear now, N: around a shaft their forces cancel, and lose all the same.
     borne: f64,
     /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
@@ -58,6 +61,8 @@ crate::words!(Touch {
     between,
     deepest_at,
     depth,
+    yielded,
+    yielded_at,
     borne,
     slid,
     jumped,
@@ -279,11 +284,17 @@ impl Simulation<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared]);
         }
         sum(self.comm, &mut sums);
-        let deepest = |pair: &Pair| pair.slaves.iter().map(|slave| slave.sight.depth).fold(0.0, f64::max);
-        let mut depths: Vec<f64> = self.model.pairs.iter().map(deepest).collect();
+        let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
+            pair.slaves.iter().filter(|slave| of(slave)).map(|slave| slave.sight.depth).fold(0.0, f64::max)
+        };
+        let both = |pair: &Pair| [deepest(pair, &|_| true), deepest(pair, &|slave| slave.accepted.yields)];
+        let mut depths: Vec<f64> = self.model.pairs.iter().flat_map(both).collect();
         max(self.comm, &mut depths);
-        for (touch, depth) in self.state.touches.iter_mut().zip(depths) {
-            touch.depth = touch.depth.max(depth);
+        for (touch, [depth, yielded]) in self.state.touches.iter_mut().zip(depths.as_chunks::<2>().0) {
+            touch.depth = touch.depth.max(*depth);
+            if *yielded > touch.yielded {
+                (touch.yielded, touch.yielded_at) = (*yielded, self.state.time);
+            }
         }
         for (touch, between) in self.state.touches.iter_mut().zip(between) {
             if between.share > touch.between.share {
@@ -340,6 +351,17 @@ impl Simulation<'_> {
             if touch.between.share > pair.controls.watch_between {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
+            }
+            if touch.yielded > pair.controls.watch_yields * pair.facet_size && pair.rules.method != Enforcement::Penalty
+            {
+                warnings.push(format!(
+                    "contact `{name}`: a node that stands on one of the other side, to which it leaves the contact, was {:.3e} deep \
+                     in {master}, {:.1e} of a facet (time {:.6}), and forces lack what it would take to push it out: \
+                     `discretization = \"one-pass\"` or `\"segment\"` do not",
+                    touch.yielded,
+                    touch.yielded / pair.facet_size,
+                    touch.yielded_at
+                ));
             }
             if touch.slid.share > pair.controls.watch_slid {
                 let Loss { share, from, to, at } = touch.slid;
