@@ -103,9 +103,9 @@ fn one_goes_back_to_other_equations() {
         advance(&mut simulation, 3);
         simulation.begin(&scene.steps[1]).unwrap();
         advance(&mut simulation, 4);
-        let (then, growths) = (simulation.checkpoint(), simulation.summary().growths);
+        let (then, growths) = (simulation.checkpoint(), simulation.summary().counts.growths);
         let force = advance(&mut simulation, 12);
-        assert!(simulation.summary().growths > growths + 1);
+        assert!(simulation.summary().counts.growths > growths + 1);
         simulation.go_back(&then).unwrap();
         let again = advance(&mut simulation, 12);
         assert!((force - again).norm() < 1e-10 * force.norm(), "{force} {again}");

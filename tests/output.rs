@@ -13,7 +13,7 @@ use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::HistoryFile;
 use nagata::output::log::{Increment, Iteration, Log};
 use nagata::output::phases::{Phase, Phases};
-use nagata::output::summary::Summary;
+use nagata::output::summary::{Counts, Summary};
 use nagata::output::{OutputFolder, RUN};
 use nagata::parallel::{Sent, agree, number};
 use std::path::Path;
@@ -162,8 +162,13 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
     assert!(other.exit_code() == 2 && other.to_string().contains("another run writes to"), "{other}");
     phases.add(Phase::Solve, std::time::Duration::from_secs(comm.rank() as u64 + 1));
     let sent = Sent { messages: 3 + comm.rank() as u64, bytes: 2_000_000 };
-    Summary { converged: true, scene: "s".into(), increments: 2, ..Summary::default() }
-        .write(&folder, comm, &phases, sent)
+    Summary {
+        converged: true,
+        scene: "s".into(),
+        counts: Counts { increments: 2, ..Counts::default() },
+        ..Summary::default()
+    }
+    .write(&folder, comm, &phases, sent)
 }
 
 fn abort_in_third_increment(comm: &impl Communicator, path: &Path) -> Result<()> {

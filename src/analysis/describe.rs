@@ -80,16 +80,16 @@ pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
 
 /// The last lines of a log: how much was done, and where to look next.
 pub fn farewell(summary: &Summary, out: &Path) -> String {
-    let mean = summary.iterations as f64 / summary.increments.max(1) as f64;
+    let mean = summary.counts.iterations as f64 / summary.counts.increments.max(1) as f64;
     let mut text = format!(
         "{} increments, {} cutbacks, {} iterations ({mean:.2} an increment), {:.1} s\nforce curve: {}",
-        summary.increments,
-        summary.cutbacks,
-        summary.iterations,
+        summary.counts.increments,
+        summary.counts.cutbacks,
+        summary.counts.iterations,
         summary.wall_s,
         out.join("history.csv").display(),
     );
-    if summary.increments > 0 {
+    if summary.counts.increments > 0 {
         let _ = write!(text, "\nParaView:    {}", out.join("fields.xdmf").display());
     }
     text

@@ -53,7 +53,7 @@ impl<'a> Simulation<'a> {
             let attempt = self.attempt(frame, (snes, x), (end, Share::ALL), drag * self.model.stiffness, observer)?;
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
-                    self.summary.jumps += 1;
+                    self.summary.counts.jumps += 1;
                     observer(&Event::Jumped { step: frame.name(), steps: step })?;
                     return Ok(Attempt::Converged(converged));
                 }

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::estimate::facets::Stiffness;
 use crate::output::OutputFolder;
 use crate::output::checkpoint::{self, Stored, checksum};
-use crate::output::summary::Rounded;
+use crate::output::summary::{Counts, Rounded};
 use crate::parallel::{agree, any};
 use crate::scene::{Checkpoint, Scene};
 use mpi::traits::*;
@@ -30,8 +30,7 @@ pub(super) struct Record {
     pub since_written: usize,
     /// What the contacts of tools have shown so far.
     pub stiffness: Vec<Stiffness>,
-    /// Those of [`Summary::counts_mut`](crate::output::summary::Summary::counts_mut).
-    pub counts: [usize; 7],
+    pub counts: Counts,
 }
 
 crate::words!(Record { history, log, written, since_written, stiffness, counts });
@@ -75,8 +74,8 @@ impl<'f> Keeper<'f> {
         let told: Value = serde_json::from_str(&told?).unwrap_or_default();
         let list = |key: &str| told[key].as_array().cloned().unwrap_or_default();
         let summary = &mut simulation.summary;
-        summary.counts_mut().into_iter().zip(record.counts).for_each(|(count, was)| *count = was);
-        let increments = summary.increments;
+        summary.counts = record.counts;
+        let increments = record.counts.increments;
         summary.warnings = list("warnings").iter().filter_map(|w| w.as_str().map(str::to_string)).collect();
         summary.rounded = Rounded::from_json(&told["rounded"]);
         summary.restarted = Some(increments);
@@ -110,7 +109,6 @@ impl<'f> Keeper<'f> {
         let forced = if comm.rank() == 0 { forced() } else { Ok(()) };
         agree(comm, forced.map_err(|error| Error::System(format!("results cannot be forced to the disk: {error}"))))?;
         let summary = &simulation.summary;
-        let counts = summary.clone().counts_mut().map(|count| *count);
         let told = json!({
             "estimates": estimates,
             "rounded": summary.rounded.as_ref().map(Rounded::to_json),
@@ -119,7 +117,7 @@ impl<'f> Keeper<'f> {
         });
         let told = told.to_string();
         let texts = [("scene", &simulation.scene().text[..]), ("files", &self.files), ("told", &told)];
-        simulation.save(self.folder, &self.layout, &Record { counts, ..record }, &texts)?;
+        simulation.save(self.folder, &self.layout, &Record { counts: summary.counts, ..record }, &texts)?;
         self.last = (Instant::now(), simulation.state().increments);
         Ok(())
     }

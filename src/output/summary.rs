@@ -72,20 +72,7 @@ pub struct Summary {
     /// What contact and material remember.
     pub carried: Carried,
     pub elements: u64,
-    /// Converged increments.
-    pub increments: usize,
-    /// Increments that failed and were tried again in smaller ones.
-    pub cutbacks: usize,
-    /// Increments in which the structure jumped to another equilibrium.
-    pub jumps: usize,
-    /// Newton iterations, those of failed increments included.
-    pub iterations: usize,
-    /// Updates of held multipliers and of active sets, those of failed increments included.
-    pub outer_iterations: usize,
-    /// Times that the sparsity pattern was built anew for contact with deformable masters.
-    pub pattern_rebuilds: usize,
-    /// Times that slave nodes came to touch without having equations, and got them.
-    pub growths: usize,
+    pub counts: Counts,
     /// What was done for linear systems.
     pub linear: LinearStatistics,
     /// Times that patches of deformable masters were fetched.
@@ -109,6 +96,27 @@ pub struct Summary {
     /// What it was to cost, as foretold when it began.
     pub predicted: Option<Foretold>,
 }
+
+/// What is counted over all of a run, before and after a restart.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// Converged increments.
+    pub increments: usize,
+    /// Increments that failed and were tried again in smaller ones.
+    pub cutbacks: usize,
+    /// Increments in which the structure jumped to another equilibrium.
+    pub jumps: usize,
+    /// Newton iterations, those of failed increments included.
+    pub iterations: usize,
+    /// Updates of held multipliers and of active sets, those of failed increments included.
+    pub outer_iterations: usize,
+    /// Times that the sparsity pattern was built anew for contact with deformable masters.
+    pub pattern_rebuilds: usize,
+    /// Times that slave nodes came to touch without having equations, and got them.
+    pub growths: usize,
+}
+
+crate::words!(Counts { increments, cutbacks, jumps, iterations, outer_iterations, pattern_rebuilds, growths });
 
 /// Wall time, s, and peak memory of all ranks, MB, as foretold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,19 +143,6 @@ fn milli(value: f64) -> f64 {
 }
 
 impl Summary {
-    /// What is counted over all of a run that goes on from a checkpoint.
-    pub fn counts_mut(&mut self) -> [&mut usize; 7] {
-        [
-            &mut self.increments,
-            &mut self.cutbacks,
-            &mut self.jumps,
-            &mut self.iterations,
-            &mut self.outer_iterations,
-            &mut self.pattern_rebuilds,
-            &mut self.growths,
-        ]
-    }
-
     /// Takes note of the size of a system.
     pub fn count(&mut self, unknowns: u64, multipliers: u64, entries: u64) {
         self.dofs = self.dofs.max(unknowns);
@@ -204,13 +199,13 @@ impl Summary {
                 "stress_fields": stress_fields,
             },
             "elements": self.elements,
-            "increments": self.increments,
-            "cutbacks": self.cutbacks,
-            "jumps": self.jumps,
-            "iterations": self.iterations,
-            "outer_iterations": self.outer_iterations,
-            "pattern_rebuilds": self.pattern_rebuilds,
-            "growths": self.growths,
+            "increments": self.counts.increments,
+            "cutbacks": self.counts.cutbacks,
+            "jumps": self.counts.jumps,
+            "iterations": self.counts.iterations,
+            "outer_iterations": self.counts.outer_iterations,
+            "pattern_rebuilds": self.counts.pattern_rebuilds,
+            "growths": self.counts.growths,
             "analyses": self.linear.analyses,
             "factorizations": self.linear.factorizations,
             "linear_iterations": self.linear.krylov_iterations,

@@ -91,7 +91,7 @@ impl Simulation<'_> {
         self.state.time = time;
         self.state.increments += 1;
         self.note_touches(&converged.between, way == Way::Jump);
-        self.summary.increments += 1;
+        self.summary.counts.increments += 1;
         self.note_rounded(converged.effort.rounded.as_ref());
         let [touching, slipping, calmed] = self.count(converged.effort.calmed.len());
         let calmed_node = first_word(self.comm, converged.effort.calmed.first().map(|&n| node_name(&self.model, n)));

@@ -184,7 +184,7 @@ impl<'a> Simulation<'a> {
         snes.forget_pivots();
         let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
-            self.summary.iterations += outcome.iterations;
+            self.summary.counts.iterations += outcome.iterations;
             if newton.grows() {
                 grow(self.petsc, &mut newton, (snes, x), past)?;
                 continue;
@@ -309,9 +309,9 @@ fn of_rounding((lost, reason): (Lost, String)) -> Why {
 /// Counts what an attempt has taken. Collective.
 fn note(summary: &mut Summary, newton: &Newton) {
     let Newton { system: System { comm, dofs, pattern, .. }, course, .. } = newton;
-    summary.outer_iterations += course.rounds.count;
-    summary.pattern_rebuilds += course.rebuilds;
-    summary.growths += course.growths;
+    summary.counts.outer_iterations += course.rounds.count;
+    summary.counts.pattern_rebuilds += course.rebuilds;
+    summary.counts.growths += course.growths;
     if course.rebuilds + course.growths > 0 {
         summary.count(dofs.total, dofs.total_multipliers, pattern.entries(comm));
     }

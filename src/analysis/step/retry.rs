@@ -65,7 +65,7 @@ impl Simulation<'_> {
             // Multipliers are unknowns over the penalty.
             past.clear();
         }
-        self.summary.cutbacks += usize::from(remedy == Remedy::Cut);
+        self.summary.counts.cutbacks += usize::from(remedy == Remedy::Cut);
         observer(&Event::Retried(Retried { step: frame.name(), size, reason: &failed.reason, remedy }))?;
         if !is_remedy && !frame.plain.as_ref().is_some_and(|plain| is_of_cuts(&failed, plain, done)) {
             frame.plain = Some(failed);
