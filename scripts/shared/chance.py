@@ -289,6 +289,7 @@ class Maker:
         number = c.choices([1, 2, 3], [50, 38, 12])[0]
         width, height, depth = c.between(2, 20), c.between(1, 10), c.between(1, 10) if self.is_solid else 1.0
         start, level = c.choice([0.0, c.between(0.5, 2) * width]) * self.is_ring, 0.0
+        apart = [height * c.choice([0.0, 0.0, c.between(-0.01, 0.005)]) for _ in range(number - 1)]  # or within each other
         for k in range(number):
             shape = "box"
             if number == 1:
@@ -304,12 +305,12 @@ class Maker:
             low = [start if self.is_ring else (width - spread) / 2 + aside, level,
                    0.0 if self.is_half else (depth - deep) / 2]
             self.body(("base", "middle", "cap")[k], shape, low, [spread, tall, deep])
-            level += tall
-        for lower, upper in itertools.pairwise(self.bodies):
+            level += tall + sum(apart[k:k + 1])
+        for (lower, upper), gap in zip(itertools.pairwise(self.bodies), apart):
             under, over = lower.faces("top"), upper.faces("outside" if upper.shape == "barrel" else "bottom")
             fits = all(lower.low[k] <= upper.low[k] + 1e-9 and upper.high[k] <= lower.high[k] + 1e-9 for k in (0, 2))
             name = f"{lower.name}-{upper.name}"
-            if fits and upper.shape == "box" and not self.scene["tie"] and c.maybe(0.2):
+            if fits and gap == 0.0 and upper.shape == "box" and not self.scene["tie"] and c.maybe(0.2):
                 self.scene["tie"][name] = {"slave": over, "master": under}
             else:
                 self.pair(name, *((over, under) if c.maybe(0.6) else (under, over)))

@@ -8,7 +8,6 @@ use super::Newton;
 use crate::Vec3;
 use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
 use crate::contact::{Receiver, Segments, Status};
-use crate::controls::Controls;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{any, max, sum};
@@ -59,7 +58,8 @@ impl Newton<'_> {
             part.points[n] + u[n] + ahead.map_or(Vec3::zeros(), |ahead| ahead[n])
         };
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
-        let Controls { segment_settled: settled, segment_stalled: stalled, .. } = *controls;
+        let stalled = controls.segment_stalled;
+        let settled = stalled.min(controls.segment_settled * self.strategy.tolerance);
         let stand_still = match self.course.trace[self.course.since..] {
             [.., before, last] => last < settled || last < stalled && last > 0.5 * before,
             [last] => last < settled,
