@@ -335,6 +335,10 @@ controls! {
             "Turn of a tool, 5 degrees, of which a node's way in its frame is taken for straight.";
         watch_step: f64 = 0.01, [1e-4, 1.0], "longest edge of the slave facets",
             "Shortest step along a way.";
+        watch_steps: usize = 10000, [10, 100000000], "steps along a way",
+            "A node that takes more of them in an increment, close along the master by some thousand facets, is not followed, and the increment fails: no node may go through a wall unseen, and no watch on for ever.";
+        watch_mates: f64 = 1.0, [0.01, 100.0], "longest edge of the slave facets",
+            "A node that bears from node to node and has slid farther from the other one ends the run: another node is nearer. A tenth, as far as they may begin apart, is told of at the end.";
         watch_around: f64 = 2.0, [0.5, 100.0], "longest edge of the slave facets",
             "How far the watch looks, besides `watch_farther`.";
         watch_around_self: f64 = 1.0, [0.5, 100.0], "longest edge of the slave facets",

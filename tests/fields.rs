@@ -49,6 +49,43 @@ fn probe(run: &Run, name: &str) -> History {
     History::read(&run.out.join(format!("probe-{name}.csv")))
 }
 
+/// A layer stands under its weight: both planes of it share what the support bears, nothing else is held, and either plane of the
+/// support tells of all of it.
+#[test]
+fn reactions_of_a_layer_add_up_to_its_weight() {
+    let bench = Bench::new(
+        r#"
+[body.bar]
+plane_strain = true
+material = "m"
+block = { box = { size = [2, 1, 1] }, elements = [2, 2, 1] }
+[material.m]
+model = "hooke"
+young = 100.0
+poisson = 0.3
+density = 1.0
+[[step]]
+increments = 1
+fix = [{ set = "bar.ymin" }]
+gravity = [0, -1, 0]
+[output]
+history = ["bar", "bar.ymin", "bar.ymax"]
+fields = ["reaction"]
+"#,
+    );
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let reactions = field(&run, 1, "node/reaction");
+        let held = reactions.chunks_exact(3).filter(|r| r[1].abs() > 1e-12).count();
+        let sum: f64 = reactions.iter().skip(1).step_by(3).sum();
+        assert_eq!(held, 6);
+        assert_close("of the field", sum, 2.0, 1e-12);
+        for (set, weight) in [("bar", 2.0), ("bar.ymin", 2.0), ("bar.ymax", 0.0)] {
+            assert_small(set, run.history().last(&format!("{set}.fy")) - weight, 1e-12);
+        }
+    }
+}
+
 /// Uniform stress: all of it is the same everywhere, and nothing jumps.
 #[test]
 fn a_uniform_stretch() {

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close, root};
+use common::{Bench, Run, assert_close, assert_small, root};
 use std::fmt::Write;
 
 /// A bar of 4 x 2 x 2 unit cubes, its elements in the groups `near` and `far` by x, and `lower` by z; ends and top.
@@ -251,6 +251,37 @@ fn bodies_that_share_nodes_are_one_solid() {
         let run = pulled.solve(ranks, &[]).history();
         assert_close("pulled", run.last("far.right.fx"), one.last("bar.right.fx"), 1e-9);
         assert_close("borne", -run.last("near.left.fx"), one.last("bar.right.fx"), 1e-9);
+    }
+}
+
+/// Columns that stand beside each other, of moduli of 1 to 10, are pressed together: no stress of one is mixed with the other's, and
+/// each bears its own share of what the node between them bears.
+#[test]
+fn stresses_of_bodies_that_share_nodes_are_their_own() {
+    let cards = card("soft", "hooke", 50.0, 0.0) + &card("hard", "hooke", 500.0, 0.0);
+    let all = |what: &str, rest: &str| {
+        ["near", "far"].map(|body| format!("{{ {what} = \"{body}.{rest}, directions = \"z\" }}")).join(", ")
+    };
+    let step = format!(
+        "[[step]]\nincrements = 1\nfix = [{{ set = \"near.left\", directions = \"xy\" }}, {}]\nmove = [{}]\n\
+         [output]\nhistory = [\"near\", \"far\"]\nfields = [\"reaction\", \"nodal_stress\", \"stress_jump\"]\n",
+        all("set", "floor\""),
+        all("target", "top\", by = [0.0, 0.0, -0.02]")
+    );
+    for ranks in [1, 2] {
+        let run = halves(&cards, &step).solve(ranks, &[]);
+        let field = |body: &str, name: &str| run.field(&format!("increments/000001/body_{body}/node/{name}"));
+        let stress = |body: &str| field(body, "nodal_stress").chunks_exact(6).map(|s| s[2]).collect::<Vec<_>>();
+        let soft = stress("near")[0];
+        assert!(soft < -0.1);
+        for (body, times) in [("near", 1.0), ("far", 10.0)] {
+            stress(body).iter().for_each(|s| assert_close(body, *s, times * soft, 1e-9));
+            field(body, "stress_jump").iter().for_each(|jump| assert_small("jump", jump / soft, 1e-9));
+            for (d, c) in ["fx", "fy", "fz"].iter().enumerate() {
+                let sum: f64 = field(body, "reaction").iter().skip(d).step_by(3).sum();
+                assert_small("reactions", sum - run.history().last(&format!("{body}.{c}")), 1e-9);
+            }
+        }
     }
 }
 

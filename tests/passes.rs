@@ -173,17 +173,18 @@ fn two_passes_slide_far_whatever_the_ranks() {
     }
 }
 
-/// A node of the table leaves the contact to one of the block that has come 4 % of an edge away, where the block is lower.
+/// The block turns, and nodes of the table leave the contact to nodes of it that are a little aside, beside which it is lower.
 #[test]
 fn nodes_that_two_passes_leave_in_the_master_are_told_of() {
     let told = "a node that stands on one of the other side, to which it leaves the contact, was";
-    for (contact, settings, is_told) in [
-        ("discretization = \"two-pass\"", &["controls.watch_yields=5e-4"][..], true),
-        ("discretization = \"two-pass\"", &[], false),
-        ("discretization = \"one-pass\"", &["controls.watch_yields=5e-4"], false),
-    ] {
-        let run = dragged(&format!("smoothing = \"facet\"\n{contact}"), "0.4, 0.1").solve(1, settings);
-        assert_eq!(run.log().contains(told), is_told, "{contact}, {settings:?}");
+    let turn = "step.drag.move=[{ target = \"block.zmax\", rotate = { point = [2.5, 2.0, 3.5], axis = [0, 1, 0], angle = 8 } }]";
+    for (contact, distance, is_told) in
+        [("two-pass", 0.05, true), ("two-pass", 0.005, false), ("one-pass", 0.05, false)]
+    {
+        let bench = dragged(&format!("smoothing = \"facet\"\ndiscretization = \"{contact}\""), "0.0, 0.0");
+        let distance = format!("controls.repeat_distance={distance:?}");
+        let run = bench.solve(1, &["--set", turn, "--set", &distance, "--set", "step.drag.increments=6"]);
+        assert_eq!(run.log().contains(told), is_told, "{contact}, {distance}");
     }
 }
 
@@ -245,6 +246,28 @@ fn nodes_that_slip_on_nodes_obey_coulomb() {
         assert_close("friction", x.hypot(y), 0.1 * z, 1e-8);
         assert!(x < 0.0);
     }
+}
+
+/// A tenth of a facet is told of; a facet, from which on each node is nearer to another one, ends the run.
+#[test]
+fn nodes_that_slide_far_from_their_counterparts_are_told_of_and_refused() {
+    let two = block("lower", 0.0, 2.0, 1) + &block("upper", 2.0, 2.0, 1);
+    let scene = |by: f64| {
+        Bench::new(&format!(
+            "{two}{}[material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n[[step]]\nincrements = 4\n\
+             fix = [{{ set = \"lower.zmin\" }}]\nmove = [{{ target = \"upper.zmax\", by = [{by:.1}, 0.0, -0.2] }}]\n",
+            by_node(0.1)
+        ))
+    };
+    let told = "\"node-to-node\" is for small sliding";
+    assert!(!scene(0.1).solve(1, &[]).log().contains(told));
+    assert!(scene(0.8).solve(2, &[]).log().contains(told));
+    let run = scene(4.0).run(2, &[]);
+    assert!(
+        run.code == 1 && run.stderr.contains(told) && run.stderr.contains("another one is nearer"),
+        "{}",
+        run.stderr
+    );
 }
 
 #[test]

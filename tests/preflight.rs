@@ -67,6 +67,14 @@ fn accepted(bench: &Bench, words: &str) {
     assert!(code == 0 && !text.contains("warning") && text.contains(words), "{code}: {text}");
 }
 
+/// Anything would be in equilibrium.
+#[test]
+fn a_floor_of_forces_above_all_that_act_is_refused() {
+    let with = |floor: &str| block(&[("[[step]]", &format!("[solver]\nforce_floor = {floor}\n[[step]]"))]);
+    refused(&with("1e12"), &["`force_floor` = 1.0e12 lets residuals of 1.0e2 through", "help: leave it out"]);
+    assert_eq!(verdict(&with("1e-3"), 1).0, 0);
+}
+
 #[test]
 fn gaps_are_told_however_wide() {
     let at = |z: &str| block(&[("1.0], normal", &format!("{z}], normal"))]);

@@ -441,6 +441,20 @@ history = ["slab.ymin"]
     assert!(run.code == 1 && run.stderr.contains("is inside body `pad`"), "{}\n{}", run.code, run.stderr);
 }
 
+/// A plane that goes along itself farther than anybody could look: no answer, and no endless look either.
+#[test]
+fn a_way_that_is_too_long_to_follow_ends_the_increment() {
+    let plane = "plane]\npoint = [0.0, 0.0, 2.0]\nnormal = [0.0, 0.0, -1.0]";
+    let far = "fix = [{ set = \"b.bottom\" }]\nmove = [{ target = \"t\", by = [1e20, 0.0, -0.1] }]";
+    let run = block(plane, far).run(1, &[]);
+    assert!(
+        run.code == 1 && run.stderr.contains("too far to see what it went through"),
+        "{}\n{}",
+        run.code,
+        run.stderr
+    );
+}
+
 /// At the end of a run: a contact that never was, one that ended, and one that was ended on purpose.
 #[test]
 fn contacts_that_do_not_act_are_named_at_the_end() {
@@ -467,6 +481,8 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     let let_in = bench.solve(1, &[]);
     let depth = let_in.history().last("c.max_penetration");
     assert!(depth > 0.05 && let_in.log().contains(&format!("its penalty let nodes be {depth:.3e} deep")));
+    let loose = ["--set", "contact.c.method=uzawa", "--set", "contact.c.tolerance=0.2"];
+    assert!(bench.solve(1, &loose).log().contains("its tolerance let nodes be"));
     // The block is drawn away from under the tool.
     let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
     let until = warnings(&(moved("-0.3") + "\n" + drawn));

@@ -31,8 +31,6 @@ pub(super) struct BodyFields<'a> {
     strains: Vec<Voigt>,
     /// Of owned nodes; none unless asked for.
     jumps: Vec<f64>,
-    /// How many owned nodes move as each does, with it.
-    sharing: Vec<f64>,
 }
 
 impl<'a> BodyFields<'a> {
@@ -58,9 +56,7 @@ impl<'a> BodyFields<'a> {
             Some(recovered) => agree(comm, jumps(model, recovered, &state.u))?,
             None => Vec::new(),
         };
-        let mut sharing = vec![0.0; model.part.owned];
-        (0..model.part.owned).for_each(|n| sharing[model.part.tie[n] as usize] += 1.0);
-        Ok(Self { model, state, known, wanted, stresses, strains, jumps, sharing })
+        Ok(Self { model, state, known, wanted, stresses, strains, jumps })
     }
 
     /// The fields at these owned nodes.
@@ -70,11 +66,7 @@ impl<'a> BodyFields<'a> {
             let nodes = nodes.iter().map(|&n| n as usize);
             let values = match quantity {
                 Quantity::Displacement => vectors(nodes.map(|n| self.state.u[n])),
-                // Nodes that move as one share the force that holds them.
-                Quantity::Reaction => {
-                    let ties = nodes.map(|n| self.model.part.tie[n] as usize);
-                    vectors(ties.map(|n| self.state.reactions[n] / self.sharing[n]))
-                }
+                Quantity::Reaction => vectors(nodes.map(|n| self.state.reactions[n])),
                 Quantity::Nodal(measure) => {
                     let Some(recovered) = self.known.recovered else { continue };
                     let mut values = Vec::new();

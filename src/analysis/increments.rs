@@ -51,16 +51,21 @@ impl Increments {
 
     /// The fraction of the step at the end of the next increment; `None` at the end of the step.
     pub fn next(&self) -> Option<f64> {
+        self.next_of(self.size)
+    }
+
+    /// The same of an increment of another size.
+    fn next_of(&self, size: f64) -> Option<f64> {
         let rounding = 1e-9 * self.max;
         if self.done >= 1.0 - rounding {
             return None;
         }
         // What would leave less than a sliver to the grid, to a corner, or to the end, goes all the way.
-        let sliver = SLIVER * self.size.min(self.min);
+        let sliver = SLIVER * size.min(self.min);
         let grid = (((self.done + sliver.max(rounding)) / self.max).floor() + 1.0) * self.max;
         let corner = self.corners.iter().copied().find(|corner| *corner > self.done + rounding).unwrap_or(1.0);
         let stop = if grid > corner - sliver.max(rounding) { corner } else { grid };
-        Some(if self.done + self.size > stop - sliver { stop } else { self.done + self.size })
+        Some(if self.done + size > stop - sliver { stop } else { self.done + size })
     }
 
     /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed.
@@ -84,20 +89,25 @@ impl Increments {
         ((end - self.done) / self.min * (1.0 + 1e-9)).max(1.0) as usize
     }
 
-    /// The increment to `end` has failed: cuts it, or cuts it twice where it was cut before, to no less than the minimum.
+    /// The increment to `end` has failed: cuts it, or cuts it twice where it was cut before, to no less than the minimum, and to that
+    /// where what is left over would be taken along again.
     pub fn cut(&mut self, end: f64, twice: bool) {
         let part = self.controls.increment_cut.powi(if twice { 2 } else { 1 });
         self.size = (part * (end - self.done)).max(self.min);
+        if self.next().is_none_or(|shorter| shorter >= end) {
+            self.size = self.min;
+        }
     }
 
     /// Whether the increment to `end` is so short that a shorter one would hardly serve, or as short as it may be.
     pub fn is_short(&self, end: f64) -> bool {
         end - self.done <= (self.controls.short_increment * self.max).max(self.min) * (1.0 + 1e-9)
+            || self.is_shortest(end)
     }
 
-    /// Whether the increment to `end` is as short as it may be.
+    /// Whether the increment to `end` is as short as it may be, or as short as what it would leave may be.
     pub fn is_shortest(&self, end: f64) -> bool {
-        end - self.done <= self.min * (1.0 + 1e-9)
+        end - self.done <= self.min * (1.0 + 1e-9) || self.next_of(self.min).is_none_or(|shortest| shortest >= end)
     }
 
     /// Makes the next increment longer than that to `end`, which failed, by what two cuts had taken away, as far as the grid
@@ -115,6 +125,27 @@ mod tests {
 
     fn bounds(initial: f64, min: f64, max: f64) -> Increment {
         Increment { initial, min, max, limits: Limits::default() }
+    }
+
+    #[test]
+    fn an_increment_that_no_cut_makes_shorter_is_the_shortest() {
+        for (initial, min, max, cut) in
+            [(0.2, 0.17, 0.2, 0.5), (0.1, 0.09, 0.2, 0.5), (0.2, 0.05, 0.2, 0.5), (0.2, 0.1, 0.2, 0.9)]
+        {
+            let mut controls = Controls::default();
+            assert!(controls.set("increment_cut", cut));
+            let mut increments = Increments::new(&bounds(initial, min, max), 1.0, &controls);
+            let mut end = increments.next().unwrap();
+            for _ in 0..10 {
+                if increments.is_shortest(end) {
+                    break;
+                }
+                increments.cut(end, false);
+                assert!(increments.next().unwrap() < end, "{initial} {min} {max} {cut}");
+                end = increments.next().unwrap();
+            }
+            assert!(increments.is_shortest(end) && increments.is_short(end));
+        }
     }
 
     fn times(mut increments: Increments, fails: impl Fn(f64, f64) -> bool) -> Vec<f64> {

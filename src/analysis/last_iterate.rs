@@ -30,7 +30,8 @@ impl LastIterate {
             (0..3).filter(|&d| dofs.node[n][d] == NONE).for_each(|d| force[d] = 0.0);
             dofs.axes.outward(n, &force)
         };
-        Self::at(model, newton.found.u.clone(), (0..model.part.owned).map(residual).collect())
+        let residuals: Vec<Vec3> = (0..model.part.owned).map(residual).collect();
+        Self::at(model, newton.found.u.clone(), model.part.evened(&residuals))
     }
 
     /// One that is in balance, but is not accepted.

@@ -43,12 +43,10 @@ pub fn write_failed(folder: &OutputFolder, simulation: &Simulation) -> Result<bo
     let mut fields = Fields::create(folder, FAILED, comm)?;
     let grids = Grids::new(comm, &mut fields, model)?;
     let at = |nodes: &[u32], values: &[Vec3]| vectors(nodes.iter().map(|&n| values[n as usize]));
-    let mut sharing = vec![0.0; model.part.owned];
-    (0..model.part.owned).for_each(|n| sharing[model.part.tie[n] as usize] += 1.0);
     let tie = |n: u32| model.part.tie[n as usize] as usize;
     let mut all = Vec::new();
     for shown in &grids.bodies {
-        let residual = vectors(shown.nodes.iter().map(|&n| last.residual[tie(n)] / sharing[tie(n)]));
+        let residual = at(&shown.nodes, &last.residual);
         let node = vec![("displacement".into(), 3, at(&shown.nodes, &last.u)), ("residual".into(), 3, residual)];
         all.push(Columns { grid: &shown.grid, node, cell: Vec::new() });
     }

@@ -11,7 +11,7 @@ use super::step::{Attempt, Converged};
 use super::strays::{beyond, stray, strays};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
-use crate::contact::{Movement, Pair, Sight, Slave, Status, touching_nodes};
+use crate::contact::{Ground, Movement, Pair, Sight, Slave, Status, Trial, mates, touching_nodes};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -50,6 +50,9 @@ pub struct Touch {
     /// The largest share of that with which nodes bore on several tools at once, held by friction, and when.
     shared: f64,
     shared_at: f64,
+    /// How far nodes that bear from node to node ever were from those that they meet, and when.
+    apart: f64,
+    apart_at: f64,
 }
 
 crate::words!(Touch {
@@ -67,7 +70,9 @@ crate::words!(Touch {
     slid,
     jumped,
     shared,
-    shared_at
+    shared_at,
+    apart,
+    apart_at,
 });
 
 /// A change of a contact's force that comes from its discretization, or over which there was no equilibrium.
@@ -223,6 +228,13 @@ impl Simulation<'_> {
         let did = match finding {
             Finding::Behind(depth) => format!("is {depth:.3e} deep in {master}"),
             Finding::Through(_) => format!("went through {master}"),
+            Finding::Lost(way) => {
+                format!("went {way:.3e} along {master} in one increment, too far to see what it went through")
+            }
+            Finding::Apart(away) => format!(
+                "has slid {away:.3e} from the node of {master} that it meets, and another one is nearer: \"node-to-node\" is for \
+                 small sliding, take another `discretization`"
+            ),
             Finding::Unfelt(depth) => format!(
                 "is {depth:.3e} deep in {master}, but no gap is closed in the mean over the facets around a node, so that \
                  nothing resists: facets of the slave that are finer there, or `discretization = \"one-pass\"`, feel it"
@@ -287,11 +299,21 @@ impl Simulation<'_> {
         let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
             pair.slaves.iter().filter(|slave| of(slave)).map(|slave| slave.sight.depth).fold(0.0, f64::max)
         };
-        let both = |pair: &Pair| [deepest(pair, &|_| true), deepest(pair, &|slave| slave.accepted.yields)];
-        let mut depths: Vec<f64> = self.model.pairs.iter().flat_map(both).collect();
+        let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+        let farthest = |pair: &Pair| {
+            let ground = self.model.masters.of(pair.master);
+            let apart = pair.slaves.iter().filter_map(|s| apart(&ground, s, &s.accepted, &place(s.node)));
+            apart.fold(0.0, f64::max)
+        };
+        let all =
+            |pair: &Pair| [deepest(pair, &|_| true), deepest(pair, &|slave| slave.accepted.yields), farthest(pair)];
+        let mut depths: Vec<f64> = self.model.pairs.iter().flat_map(all).collect();
         max(self.comm, &mut depths);
-        for (touch, [depth, yielded]) in self.state.touches.iter_mut().zip(depths.as_chunks::<2>().0) {
+        for (touch, [depth, yielded, apart]) in self.state.touches.iter_mut().zip(depths.as_chunks::<3>().0) {
             touch.depth = touch.depth.max(*depth);
+            if *apart > touch.apart {
+                (touch.apart, touch.apart_at) = (*apart, self.state.time);
+            }
             if *yielded > touch.yielded {
                 (touch.yielded, touch.yielded_at) = (*yielded, self.state.time);
             }
@@ -388,9 +410,28 @@ impl Simulation<'_> {
                      {at:.6}, the largest): what it went through on the way is not resolved"
                 ));
             }
+            if touch.apart > mates::APART * pair.facet_size {
+                warnings.push(format!(
+                    "contact `{name}`: nodes slid {:.3e} from those of {master} that they meet, {:.2} of a facet (time {:.6}), and \
+                     forces act there all the same: \"node-to-node\" is for small sliding, take another `discretization`",
+                    touch.apart,
+                    touch.apart / pair.facet_size,
+                    touch.apart_at
+                ));
+            }
             // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
-            let is_of_penalty = pair.rules.method == Enforcement::Penalty && pair.faces.is_none();
-            if is_of_penalty && touch.depth > pair.controls.watch_deep * pair.facet_size {
+            let controls = &pair.controls;
+            let deep = controls.watch_deep + pair.faces.as_ref().map_or(0.0, |_| controls.watch_segment);
+            let is_given = pair.rules.method == Enforcement::Uzawa && pair.rules.tolerance.is_some();
+            if is_given && touch.depth > deep * pair.facet_size {
+                warnings.push(format!(
+                    "contact `{name}`: its tolerance let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
+                     what it would take to push them out: lower `tolerance`",
+                    touch.depth,
+                    touch.depth / pair.facet_size
+                ));
+            }
+            if pair.rules.method == Enforcement::Penalty && touch.depth > deep * pair.facet_size {
                 warnings.push(format!(
                     "contact `{name}`: its penalty let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
                      what it would take to push them out: raise `penalty`, or take another method",
@@ -519,10 +560,19 @@ fn judge_pair(
         let explained = explained(model, pair, s, motion.residuals[p]);
         let may = allowance(pair, explained, travel);
         let (sight, finding) = watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may);
+        let apart = apart(&ground, slave, &slave.trial, &to)
+            .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
+        let finding = finding.or(apart.map(Finding::Apart));
         let is_unfelt = |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained;
         (sight, finding.or_else(|| unfelt.is_some_and(is_unfelt).then_some(Finding::Unfelt(sight.depth))))
     };
     (0..pair.slaves.len()).map(judge).collect()
+}
+
+/// How far a node that bears from node to node is from the one that it meets.
+fn apart(ground: &Ground, slave: &Slave, of: &Trial, place: &Vec3) -> Option<f64> {
+    let Ground::Surface(surface, _) = ground else { return None };
+    slave.mate.filter(|_| of.status != Status::Gap)?.aside(surface, place)
 }
 
 /// How deep the law of contact lets a slave node be: what its force needs under a penalty, and what the tolerance leaves.

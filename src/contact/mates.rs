@@ -12,7 +12,7 @@ use crate::Vec3;
 use crate::surface::{Polygon, Projection};
 
 /// How far from a slave node its mate may be, over the shortest edge of the master around it.
-const APART: f64 = 0.1;
+pub const APART: f64 = 0.1;
 
 /// A node of the master: a corner of one of its patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,12 @@ impl Mate {
     pub fn slip_origin(&self, surface: &BodySurface, before: &Vec3) -> Option<Vec3> {
         let (now, then) = (self.place(surface, surface.positions())?, self.place(surface, &surface.before)?);
         Some(now + before - then)
+    }
+
+    /// How far a node at `position` has slid from it.
+    pub fn aside(&self, surface: &BodySurface, position: &Vec3) -> Option<f64> {
+        let away = position - self.place(surface, surface.positions())?;
+        Some((away - self.normal * self.normal.dot(&away)).norm())
     }
 
     fn place(&self, surface: &BodySurface, positions: &[Vec3]) -> Option<Vec3> {

@@ -72,6 +72,10 @@ pub enum Finding {
     Behind(f64),
     /// It went through the master on a way of this length.
     Through(f64),
+    /// Its way is so long, and so near to the master, that it is not followed.
+    Lost(f64),
+    /// It bears from node to node, so far from the node that it meets.
+    Apart(f64),
     /// Beside it, between nodes, the master is so deep in the slave.
     Between(f64),
     /// It is so deep behind the master, and no gap is closed in the mean around any node.
@@ -86,6 +90,8 @@ impl Finding {
         match self {
             Self::Behind(size)
             | Self::Through(size)
+            | Self::Lost(size)
+            | Self::Apart(size)
             | Self::Between(size)
             | Self::Unfelt(size)
             | Self::Undetermined(size) => *size,
@@ -239,16 +245,23 @@ pub fn judge(
     let start = start(view, past, &seen, last, [from, place]);
     let straight = [start.place, *to];
     let way = if start.way.is_empty() { &straight } else { &start.way[..] };
+    let travel: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
     if is_behind {
-        return match goes_through(view, way, may, false) {
-            true => (front, Some(Finding::Behind(seen.depth))),
-            false => (seen.sight(Side::Beside), None),
+        return match passage(view, way, may, false) {
+            Passage::Through => (front, Some(Finding::Behind(seen.depth))),
+            Passage::Lost => (front, Some(Finding::Lost(travel))),
+            Passage::Clear => (seen.sight(Side::Beside), None),
         };
     }
-    let travel: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-    let clear = travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may);
-    let through = !clear && goes_through(view, way, may, true);
-    (front, through.then_some(Finding::Through(travel)))
+    if travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may) {
+        return (front, None);
+    }
+    let finding = match passage(view, way, may, true) {
+        Passage::Through => Some(Finding::Through(travel)),
+        Passage::Lost => Some(Finding::Lost(travel)),
+        Passage::Clear => None,
+    };
+    (front, finding)
 }
 
 /// Judges a node of a surface that meets itself. Both sides of its sheet are near, and the way alone does not tell: what
@@ -293,13 +306,23 @@ pub fn intrusion(view: &View, x: &Vec3, inward: &Vec3, most: f64, reach: f64, ma
     way.min(most)
 }
 
+/// Where a way goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Passage {
+    Clear,
+    Through,
+    /// It takes more steps than are taken.
+    Lost,
+}
+
 /// Whether a way from the front of the surface goes through it, also when it is lifted off it at its beginning and, with
 /// `lift_end`, at its end.
-fn goes_through(view: &View, way: &[Vec3], may: &Allowance, lift_end: bool) -> bool {
+fn passage(view: &View, way: &[Vec3], may: &Allowance, lift_end: bool) -> Passage {
     let last = way.len() - 1;
     let lifted = |k: usize, x: &Vec3| if k < last || lift_end { lift(view, x, may) } else { *x };
     let way: Vec<Vec3> = way.iter().enumerate().map(|(k, x)| lifted(k, x)).collect();
-    way.windows(2).any(|ends| crosses(view, &ends[0], &ends[1], &way[last], may))
+    let parts = way.windows(2).map(|ends| crosses(view, &ends[0], &ends[1], &way[last], may));
+    parts.fold(Passage::Clear, |all, part| if part == Passage::Clear || all == Passage::Through { all } else { part })
 }
 
 /// A place a little farther off the surface, if it is near; in a corner off both its sides.
@@ -318,22 +341,25 @@ fn lift(view: &View, x: &Vec3, may: &Allowance) -> Vec3 {
 
 /// Whether a straight way crosses the surface from its front to its back, or a wall from front to front; the ground is known
 /// around `center`.
-fn crosses(view: &View, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowance) -> bool {
+fn crosses(view: &View, from: &Vec3, to: &Vec3, center: &Vec3, may: &Allowance) -> Passage {
     let look = |x: &Vec3| Point::new(view, x, (may.reach - (x - center).norm()).max(may.facet));
     let (length, along) = ((to - from).norm(), (to - from).normalize());
     let mut here = look(from);
     let mut done = 0.0;
-    while done < length {
+    for _ in 0..may.controls.watch_steps {
+        if done >= length {
+            return Passage::Clear;
+        }
         // Not all of it, which would end on the surface, by rounding on either side.
         let step = (SHARE * here.gap.abs()).max(may.controls.watch_step * may.facet);
         done = (done + step).min(length);
         let there = look(&(from + along * done));
         if is_between(&here, &there, &look, POINT * may.facet) {
-            return true;
+            return Passage::Through;
         }
         here = there;
     }
-    false
+    if done < length { Passage::Lost } else { Passage::Clear }
 }
 
 /// A point of a way, with its distance from the surface.

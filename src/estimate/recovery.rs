@@ -9,11 +9,12 @@
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::elements::{carrying, lost, medium, samples};
-use crate::parallel::agree;
+use crate::parallel::{agree, max};
 use crate::solid::element::{Inverted, Sample};
 use crate::solid::voigt::logarithmic_strain;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Kirchhoff stress, then spatial logarithmic strain 1/2 ln b: what is recovered.
 pub const WIDTH: usize = 12;
@@ -29,7 +30,7 @@ const PACKED: usize = 1 + 4 * WIDTH;
 
 /// The recovered values, each material of a body by itself: between two of them stresses jump.
 pub struct Recovered {
-    /// The first materials of all bodies, their second, and so on.
+    /// The first materials of bodies, their second, and so on; of bodies that share nodes none together.
     layers: Vec<Layer>,
     /// The layer of each section.
     layer_of: Vec<usize>,
@@ -161,8 +162,7 @@ impl Recovered {
     /// # Errors
     /// An element that is inverted, by its number, on all ranks.
     pub fn new(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Result<Self> {
-        let before = |k: usize| model.sections[..k].iter().filter(|s| s.body == model.sections[k].body).count();
-        let layer_of: Vec<usize> = (0..model.sections.len()).map(before).collect();
+        let layer_of = layers(comm, model);
         let count = layer_of.iter().max().map_or(0, |last| last + 1);
         let of = |layer: usize, e: usize| layer_of[model.part.solids[e].section as usize] == layer;
         let layers = (0..count).map(|layer| Layer::new(comm, model, u, &|e| of(layer, e)));
@@ -181,7 +181,7 @@ impl Recovered {
     /// The values at a local node, between materials those of the stiffest.
     pub(super) fn at_node(&self, model: &Model, n: usize) -> Values {
         let tie = model.part.tie[n] as usize;
-        self.layers[self.layer_of[model.part.section[tie] as usize]].at_node(tie)
+        self.layers[self.layer_of[model.part.section[n] as usize]].at_node(tie)
     }
 
     /// Values of the nodes of element `e`, weighted by shape functions.
@@ -199,6 +199,32 @@ impl Recovered {
         let all = if model.is_of_layer(&model.part.solids[e]) { 2.0 } else { 3.0 };
         nodes_of(model, e).all(|n| self.layer(model, e).known[n] < all)
     }
+}
+
+/// A layer for each section, another one than those of the sections of its body, and of bodies with which it shares nodes.
+/// Collective.
+fn layers(comm: &SimpleCommunicator, model: &Model) -> Vec<usize> {
+    let (part, count) = (&model.part, model.sections.len());
+    let mut around: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    let joined = |n: usize| part.body[part.tie[n] as usize] != part.body[n];
+    let shared: BTreeSet<u32> = (0..part.points.len()).filter(|&n| joined(n)).map(|n| part.tie[n]).collect();
+    for (e, solid) in part.solids.iter().enumerate() {
+        for n in nodes_of(model, e).filter(|&n| shared.contains(&(n as u32))) {
+            around.entry(n).or_default().insert(solid.section as usize);
+        }
+    }
+    let mut meet = vec![0.0; count * count];
+    for sections in around.values() {
+        sections.iter().flat_map(|a| sections.iter().map(move |b| a * count + b)).for_each(|k| meet[k] = 1.0);
+    }
+    max(comm, &mut meet);
+    let mut layer_of: Vec<usize> = Vec::with_capacity(count);
+    for (k, section) in model.sections.iter().enumerate() {
+        let apart = |other: &usize| model.sections[*other].body == section.body || meet[k * count + other] > 0.0;
+        let taken: BTreeSet<usize> = (0..k).filter(apart).map(|other| layer_of[other]).collect();
+        layer_of.push((0..).find(|layer| !taken.contains(layer)).unwrap_or(k));
+    }
+    layer_of
 }
 
 impl Layer {

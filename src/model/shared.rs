@@ -13,7 +13,7 @@ use crate::scene::{Located, MeshSource, Scene, body_of};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Nodes are at one place when they are closer than this times the size of both bodies.
-const COINCIDENT: f64 = 1e-9;
+const COINCIDENT: f64 = 1e-7;
 
 /// What bodies have in common.
 #[derive(Default)]

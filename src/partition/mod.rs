@@ -81,6 +81,17 @@ impl Part {
         (0..self.owned).filter(move |&n| self.body[n] as usize == body)
     }
 
+    /// Vectors of the owned nodes, of which those that move as one share the sum.
+    pub fn evened(&self, vectors: &[Vec3]) -> Vec<Vec3> {
+        let (mut sums, mut sharing) = (vec![Vec3::zeros(); self.owned], vec![0.0; self.owned]);
+        let ties = || self.tie[..self.owned].iter().map(|&tie| tie as usize);
+        for (tie, vector) in ties().zip(vectors) {
+            sums[tie] += vector;
+            sharing[tie] += 1.0;
+        }
+        ties().map(|tie| sums[tie] / sharing[tie]).collect()
+    }
+
     /// Longest edge of a facet; of a layer's in its plane.
     pub fn longest_edge(&self, facet: &PartFacet, is_planar: bool) -> f64 {
         let count = facet.count as usize;

@@ -537,7 +537,7 @@ pub struct Checkpoint {
 }
 
 /// Controls of the nonlinear solution.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Solver {
     /// What the settings that a scene does not give are those of.
     pub accuracy: Accuracy,
@@ -548,7 +548,7 @@ pub struct Solver {
     /// Newton iterations before an increment is cut.
     pub max_iterations: usize,
     /// Force that stands for "the forces of the scene" while there is none; `None` derives it from the stiffness.
-    pub force_floor: Option<f64>,
+    pub force_floor: Option<Located<f64>>,
     pub linear: Linear,
 }
 

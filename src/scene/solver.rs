@@ -42,7 +42,7 @@ pub(super) fn read(root: &Table) -> Result<Solver> {
     };
     let (pace, tolerance) = (table.optional("pace", pace), table.optional("tolerance", tolerance));
     let most = table.optional("max_iterations", Item::count);
-    let floor = table.optional("force_floor", Item::positive);
+    let floor = table.optional("force_floor", |item| Ok(item.located(item.positive()?)));
     let kinds = [
         ("auto", Linear::Auto),
         ("direct", Linear::Direct),

@@ -298,7 +298,7 @@ force_floor = 1e-3
     assert_eq!((step.pressures[0].value, step.body_forces[0].per_volume.z), (-2.0, -9.81));
     assert_eq!((scene.output.every, scene.output.history.len()), (3, 2));
     assert_eq!((scene.solver.tolerance, scene.solver.max_iterations), (1e-8, 30));
-    assert_eq!(scene.solver.force_floor, Some(1e-3));
+    assert_eq!(scene.solver.force_floor.map(|floor| floor.value), Some(1e-3));
 }
 
 fn tools_are_read(tools: &[Tool]) {

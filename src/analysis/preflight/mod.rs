@@ -52,6 +52,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
     units::stresses(scene, model);
+    units::floor(scene, model)?;
     probes::check(comm, scene, model)?;
     locking::check(comm, scene, model)?;
     opposite::check(comm, scene, model)?;

@@ -123,6 +123,24 @@ pub fn stresses(scene: &Scene, model: &mut Model) {
     }
 }
 
+/// Refuses a floor of forces of which the tolerance lets through more than what counts for no force (`force_floor_share`).
+pub fn floor(scene: &Scene, model: &Model) -> Result<()> {
+    let Some(floor) = &scene.solver.force_floor else { return Ok(()) };
+    let softest = model.sections.iter().map(|section| section.stiffness).fold(f64::INFINITY, f64::min);
+    let most = model.controls.force_floor_share * softest * model.size / scene.solver.tolerance;
+    if floor.value <= most {
+        return Ok(());
+    }
+    let what = format!(
+        "`force_floor` = {:.1e} lets residuals of {:.1e} through while bodies bear less: their stiffness times the size of an \
+         element, at which strains are of the order of 1, is {:.1e}",
+        floor.value,
+        floor.value * scene.solver.tolerance,
+        softest * model.size
+    );
+    Err(Error::input(&floor.at, what, format!("leave it out, or take {most:.0e} at most")))
+}
+
 /// Warns of sizes and distances that hint at mixed units. Collective.
 pub fn sizes(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, sights: &[Vec<Standing>]) {
     let boxes = boxes(comm, model);

@@ -51,7 +51,8 @@ impl Simulation<'_> {
         self.state.u.clone_from(&converged.u);
         self.model.turn_slaves(&self.state.u);
         self.model.follow_sheets(self.comm, &self.state.u);
-        self.state.reactions.clone_from(&converged.forces.nodes);
+        // Loads act on all nodes that move as one, what resists them on the one that stands for all.
+        self.state.reactions = self.model.part.evened(&converged.forces.nodes);
         self.state.damped.clone_from(&converged.forces.dashpots);
         self.state.tool_forces.clone_from(&converged.forces.tools);
         Ok(())
