@@ -785,8 +785,12 @@ fn axisymmetric_elements_become_a_layer() {
 #[test]
 fn axisymmetric_rubber_is_that_of_calculix() {
     let run = solved(RING);
-    assert_close("force", run.history().last("pad.low.fy"), 180.0 * 1.036804, 3e-4);
     let moved = run.vectors(run.written(), "body.pad", "displacement");
+    // It counts what presses on the support's own nodes, too: on the end of the bore, which leans inwards from there on.
+    let bore = run.points("body.pad").into_iter().zip(&moved).filter(|(x, _)| x[0] == 1.0 && x[1] > 0.0 && x[2] == 0.0);
+    let next = bore.min_by(|(a, _), (b, _)| a[1].total_cmp(&b[1])).unwrap().1[0];
+    let pressed = -2.0 * std::f64::consts::TAU * next * (1.0 / 3.0 + (1.0 + next) / 6.0);
+    assert_close("force", run.history().last("pad.low.fy") + pressed, 180.0 * 1.036804, 3e-4);
     let node = run.points("body.pad").iter().position(|x| *x == [1.0, 0.5, 0.0]).unwrap();
     for (d, of_calculix) in [-3.153182E-02, -7.500000E-02].into_iter().enumerate() {
         assert_close("bore", moved[node][d], of_calculix, 2e-4);
