@@ -289,7 +289,8 @@ class Maker:
         number = c.choices([1, 2, 3], [50, 38, 12])[0]
         width, height, depth = c.between(2, 20), c.between(1, 10), c.between(1, 10) if self.is_solid else 1.0
         start, level = c.choice([0.0, c.between(0.5, 2) * width]) * self.is_ring, 0.0
-        apart = [height * c.choice([0.0, 0.0, c.between(-0.01, 0.005)]) for _ in range(number - 1)]  # or within each other
+        # Gaps between bodies, or overlaps.
+        apart = [height * c.choice([0.0, 0.0, c.between(-0.01, 0.005)]) for _ in range(number - 1)]
         for k in range(number):
             shape = "box"
             if number == 1:
