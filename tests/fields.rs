@@ -49,8 +49,7 @@ fn probe(run: &Run, name: &str) -> History {
     History::read(&run.out.join(format!("probe-{name}.csv")))
 }
 
-/// A layer stands under its weight: both planes of it share what the support bears, nothing else is held, and either plane of the
-/// support tells of all of it.
+/// A layer stands under its weight: both planes of it share what the support bears, and nothing else is held.
 #[test]
 fn reactions_of_a_layer_add_up_to_its_weight() {
     let bench = Bench::new(
@@ -83,6 +82,38 @@ fields = ["reaction"]
         for (set, weight) in [("bar", 2.0), ("bar.ymin", 2.0), ("bar.ymax", 0.0)] {
             assert_small(set, run.history().last(&format!("{set}.fy")) - weight, 1e-12);
         }
+    }
+}
+
+/// A layer is held, and turned, by sets of one of its planes, or of both: each tells of all that the support bears.
+#[test]
+fn either_plane_of_a_layer_tells_of_all_of_its_support() {
+    let deck = "*NODE\n1, 1, 0, 0\n2, 2, 0, 0\n3, 1, 1, 0\n4, 2, 1, 0\n5, 1, 0, 0.5\n6, 2, 0, 0.5\n7, 1, 1, 0.5\n8, 2, 1, 0.5\n\
+        *ELEMENT, TYPE=C3D8, ELSET=E\n1, 1, 2, 4, 3, 5, 6, 8, 7\n*NSET, NSET=LOW0\n1, 2\n*NSET, NSET=LOW1\n5, 6\n\
+        *NSET, NSET=LOW\n1, 2, 5, 6\n*NSET, NSET=HIGH0\n3, 4\n*NSET, NSET=HIGH1\n7, 8\n*NSET, NSET=HIGH\n3, 4, 7, 8\n";
+    let solved = |plane: &str| {
+        let bench = Bench::new(&format!(
+            "[body.bar]\nmesh = \"bar.inp\"\nmaterial = \"m\"\nplane_strain = true\n\
+             [material.m]\nmodel = \"hooke\"\nyoung = 100.0\npoisson = 0.3\ndensity = 1.0\n\
+             [[step]]\nincrements = 1\nfix = [{{ set = \"bar.LOW{plane}\" }}]\ngravity = [0, -1, 0]\n\
+             move = [{{ target = \"bar.HIGH{plane}\", rotate = {{ point = [1.5, 0, 0], axis = [0, 0, 1], angle = 5 }} }}]\n\
+             [output]\nhistory = [\"bar.LOW0\", \"bar.LOW1\", \"bar.LOW\", \"bar.HIGH{plane}\"]\n"
+        ));
+        bench.write("bar.inp", deck);
+        bench.solve(1, &[]).history()
+    };
+    let both = solved("");
+    let scale = both.last("bar.LOW.fx").abs();
+    assert!(scale > 0.1 && both.last("bar.HIGH.moment").abs() > 0.1);
+    for plane in ["0", "1", ""] {
+        let history = solved(plane);
+        for c in ["fx", "fy"] {
+            for set in ["LOW0", "LOW1", "LOW"] {
+                assert_close(c, history.last(&format!("bar.{set}.{c}")), both.last(&format!("bar.LOW.{c}")), 1e-9);
+            }
+        }
+        let moment = history.last(&format!("bar.HIGH{plane}.moment"));
+        assert_close("moment", moment, both.last("bar.HIGH.moment"), 1e-9);
     }
 }
 

@@ -16,7 +16,7 @@ use crate::scene::{Enforcement, Scene, Step};
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
-use std::collections::HashMap;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// A simulation in progress. All ranks make the same calls at the same time; what they are given must be the same.
@@ -249,26 +249,19 @@ impl<'a> Simulation<'a> {
     pub fn set(&self, name: &str) -> Option<SetReading> {
         let nodes = &self.model.find_set(name)?.nodes;
         let axis = self.axis_of(name);
-        let part = &self.model.part;
-        // Of a body's nodes that move as one, as both planes of a layer do, those of the set stand for the others.
-        let as_one = |n: usize| (part.tie[n], part.body[n]);
-        let mut standing: HashMap<(u32, u32), f64> = HashMap::new();
-        nodes.iter().for_each(|&n| *standing.entry(as_one(n as usize)).or_default() += 1.0);
-        let mut all: HashMap<(u32, u32), f64> = HashMap::new();
-        (0..part.owned)
-            .map(as_one)
-            .filter(|one| standing.contains_key(one))
-            .for_each(|one| *all.entry(one).or_default() += 1.0);
         let mut sums = [0.0; 8];
-        for n in nodes.iter().map(|&n| n as usize) {
-            let (u, reaction) = (self.state.u[n], self.state.reactions[n] * (all[&as_one(n)] / standing[&as_one(n)]));
-            for d in 0..3 {
-                sums[d] += u[d];
-                sums[3 + d] += reaction[d];
-            }
+        for u in nodes.iter().map(|&n| self.state.u[n as usize]) {
+            (0..3).for_each(|d| sums[d] += u[d]);
             sums[6] += 1.0;
-            let moment =
-                |(point, axis): (Vec3, Vec3)| axis.dot(&(self.model.part.points[n] + u - point).cross(&reaction));
+        }
+        // What supports a node is shared by those of its body that move with it, as in the other plane of a layer.
+        let part = &self.model.part;
+        let as_one = |n: usize| (part.tie[n], part.body[n]);
+        let supported: HashSet<(u32, u32)> = nodes.iter().map(|&n| as_one(n as usize)).collect();
+        for n in (0..part.owned).filter(|&n| supported.contains(&as_one(n))) {
+            let (u, reaction) = (self.state.u[n], self.state.reactions[n]);
+            (0..3).for_each(|d| sums[3 + d] += reaction[d]);
+            let moment = |(point, axis): (Vec3, Vec3)| axis.dot(&(part.points[n] + u - point).cross(&reaction));
             sums[7] += axis.map_or(0.0, moment);
         }
         sum(self.comm, &mut sums);

@@ -11,7 +11,7 @@ use super::step::{Attempt, Converged};
 use super::strays::{beyond, stray, strays};
 use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
-use crate::contact::{Ground, Movement, Pair, Sight, Slave, Status, Trial, mates, touching_nodes};
+use crate::contact::{Ground, Movement, Pair, Sight, Slave, Status, mates, touching_nodes};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
@@ -302,7 +302,7 @@ impl Simulation<'_> {
         let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
         let farthest = |pair: &Pair| {
             let ground = self.model.masters.of(pair.master);
-            let apart = pair.slaves.iter().filter_map(|s| apart(&ground, s, &s.accepted, &place(s.node)));
+            let apart = pair.slaves.iter().filter_map(|s| apart(&ground, s, s.accepted.status, &place(s.node)));
             apart.fold(0.0, f64::max)
         };
         let all =
@@ -420,21 +420,17 @@ impl Simulation<'_> {
                 ));
             }
             // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
-            let controls = &pair.controls;
-            let deep = controls.watch_deep + pair.faces.as_ref().map_or(0.0, |_| controls.watch_segment);
-            let is_given = pair.rules.method == Enforcement::Uzawa && pair.rules.tolerance.is_some();
-            if is_given && touch.depth > deep * pair.facet_size {
+            let in_the_mean = pair.faces.as_ref().map_or(0.0, |_| pair.controls.watch_segment);
+            let lets_in = match pair.rules.method {
+                Enforcement::Penalty => Some(("penalty", "raise `penalty`, or take another method")),
+                Enforcement::Uzawa => pair.rules.tolerance.map(|_| ("tolerance", "lower `tolerance`")),
+                _ => None,
+            };
+            let is_deep = touch.depth > (pair.controls.watch_deep + in_the_mean) * pair.facet_size;
+            if let Some((what, remedy)) = lets_in.filter(|_| is_deep) {
                 warnings.push(format!(
-                    "contact `{name}`: its tolerance let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
-                     what it would take to push them out: lower `tolerance`",
-                    touch.depth,
-                    touch.depth / pair.facet_size
-                ));
-            }
-            if pair.rules.method == Enforcement::Penalty && touch.depth > deep * pair.facet_size {
-                warnings.push(format!(
-                    "contact `{name}`: its penalty let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
-                     what it would take to push them out: raise `penalty`, or take another method",
+                    "contact `{name}`: its {what} let nodes be {:.3e} deep in {master}, {:.2} of a facet, and forces lack \
+                     what it would take to push them out: {remedy}",
                     touch.depth,
                     touch.depth / pair.facet_size
                 ));
@@ -560,7 +556,7 @@ fn judge_pair(
         let explained = explained(model, pair, s, motion.residuals[p]);
         let may = allowance(pair, explained, travel);
         let (sight, finding) = watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may);
-        let apart = apart(&ground, slave, &slave.trial, &to)
+        let apart = apart(&ground, slave, slave.trial.status, &to)
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
         let finding = finding.or(apart.map(Finding::Apart));
         let is_unfelt = |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained;
@@ -570,9 +566,9 @@ fn judge_pair(
 }
 
 /// How far a node that bears from node to node is from the one that it meets.
-fn apart(ground: &Ground, slave: &Slave, of: &Trial, place: &Vec3) -> Option<f64> {
+fn apart(ground: &Ground, slave: &Slave, status: Status, place: &Vec3) -> Option<f64> {
     let Ground::Surface(surface, _) = ground else { return None };
-    slave.mate.filter(|_| of.status != Status::Gap)?.aside(surface, place)
+    slave.mate.filter(|_| status != Status::Gap)?.aside(surface, place)
 }
 
 /// How deep the law of contact lets a slave node be: what its force needs under a penalty, and what the tolerance leaves.

@@ -246,22 +246,19 @@ pub fn judge(
     let straight = [start.place, *to];
     let way = if start.way.is_empty() { &straight } else { &start.way[..] };
     let travel: f64 = way.windows(2).map(|ends| (ends[1] - ends[0]).norm()).sum();
-    if is_behind {
-        return match passage(view, way, may, false) {
-            Passage::Through => (front, Some(Finding::Behind(seen.depth))),
-            Passage::Lost => (front, Some(Finding::Lost(travel))),
-            Passage::Clear => (seen.sight(Side::Beside), None),
-        };
-    }
-    if travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may) {
+    let is_clear = || travel <= last.gap || travel <= seen.gap || seen.is_along(last, &start, to, may);
+    if !is_behind && is_clear() {
         return (front, None);
     }
-    let finding = match passage(view, way, may, true) {
-        Passage::Through => Some(Finding::Through(travel)),
-        Passage::Lost => Some(Finding::Lost(travel)),
-        Passage::Clear => None,
+    let (through, clear) = match is_behind {
+        true => (Finding::Behind(seen.depth), seen.sight(Side::Beside)),
+        false => (Finding::Through(travel), front),
     };
-    (front, finding)
+    match passage(view, way, may, !is_behind) {
+        Passage::Through => (front, Some(through)),
+        Passage::Lost => (front, Some(Finding::Lost(travel))),
+        Passage::Clear => (clear, None),
+    }
 }
 
 /// Judges a node of a surface that meets itself. Both sides of its sheet are near, and the way alone does not tell: what
@@ -307,7 +304,7 @@ pub fn intrusion(view: &View, x: &Vec3, inward: &Vec3, most: f64, reach: f64, ma
 }
 
 /// Where a way goes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Passage {
     Clear,
     Through,
@@ -315,14 +312,21 @@ enum Passage {
     Lost,
 }
 
-/// Whether a way from the front of the surface goes through it, also when it is lifted off it at its beginning and, with
-/// `lift_end`, at its end.
+/// Where a way from the front of the surface goes, also when it is lifted off it at its beginning and, with `lift_end`, at its
+/// end.
 fn passage(view: &View, way: &[Vec3], may: &Allowance, lift_end: bool) -> Passage {
     let last = way.len() - 1;
     let lifted = |k: usize, x: &Vec3| if k < last || lift_end { lift(view, x, may) } else { *x };
     let way: Vec<Vec3> = way.iter().enumerate().map(|(k, x)| lifted(k, x)).collect();
-    let parts = way.windows(2).map(|ends| crosses(view, &ends[0], &ends[1], &way[last], may));
-    parts.fold(Passage::Clear, |all, part| if part == Passage::Clear || all == Passage::Through { all } else { part })
+    let mut all = Passage::Clear;
+    for ends in way.windows(2) {
+        match crosses(view, &ends[0], &ends[1], &way[last], may) {
+            Passage::Through => return Passage::Through,
+            Passage::Lost => all = Passage::Lost,
+            Passage::Clear => {}
+        }
+    }
+    all
 }
 
 /// A place a little farther off the surface, if it is near; in a corner off both its sides.

@@ -178,7 +178,7 @@ impl Recovered {
         self.layer(model, e).at_node(n)
     }
 
-    /// The values at a local node, between materials those of the stiffest.
+    /// The values at a local node, between materials of its body those of the stiffest.
     pub(super) fn at_node(&self, model: &Model, n: usize) -> Values {
         let tie = model.part.tie[n] as usize;
         self.layers[self.layer_of[model.part.section[n] as usize]].at_node(tie)
