@@ -71,6 +71,8 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// A line about each.
     pub joined: Vec<String>,
+    /// Two bodies each that lie on each other with nothing between them, of which a warning tells.
+    pub told: Vec<[usize; 2]>,
     /// Index of each set of the scene in [`Part::sets`].
     set_index: BTreeMap<String, usize>,
     /// Largest diagonal entry of the initial stiffness, force per length; over all ranks.
@@ -102,7 +104,8 @@ impl Model {
         };
         let read = || agree(comm, if root { assemble() } else { Ok(None) });
         let (global, joined) = phases.time(Phase::Read, read)?.unzip();
-        let (united, tied) = joined.unzip();
+        let (united, tied): (Option<shared::United>, _) = joined.unzip();
+        let told = serve(comm, |_| united.iter().flat_map(|united| united.told.concat()).collect());
         let said = global.iter().flat_map(|global: &GlobalMesh| &global.warnings);
         let said = said.chain(tied.iter().flat_map(|tied: &ties::Tied| &tied.warnings));
         let found: Vec<String> = said.cloned().collect();
@@ -111,7 +114,7 @@ impl Model {
         let symmetry = symmetry::planes(comm, scene, &names, &part)?;
         axisymmetric::check_planes(scene, &symmetry)?;
         let joints = ties::deal(comm, scene, &part, (&numbers, &tied));
-        let lines = united.zip(tied).map(|(united, tied)| [united, tied.lines].concat().join("\n"));
+        let lines = united.zip(tied).map(|(united, tied)| [united.lines, tied.lines].concat().join("\n"));
         let joined = first_word(comm, lines).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
@@ -145,6 +148,7 @@ impl Model {
             pairs: Vec::new(),
             joints,
             joined: joined.lines().map(str::to_string).collect(),
+            told: told.as_chunks().0.to_vec(),
             set_index,
             stiffness: 0.0,
             size: 0.0,

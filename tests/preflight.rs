@@ -378,6 +378,30 @@ fn bodies_with_places_in_common() {
     warned(&twin, &["at one place: they do not know of each other"]);
 }
 
+/// Bodies that lie on each other or are in each other need not have a node in common.
+#[test]
+fn bodies_with_nothing_between_them() {
+    let pair = |z: f64, size: f64, elements: usize, more: &str| {
+        Bench::new(&format!(
+            "[body.low]\nmaterial = \"m\"\nblock = {{ box = {{ size = [3.0, 3.0, 1.0] }}, elements = [1, 1, 1] }}\n\
+             [body.high]\nmaterial = \"m\"\n\
+             block = {{ box = {{ origin = [0.2, 0.2, {z:?}], size = [{size:?}, {size:?}, 1.0] }}, elements = [{elements}, {elements}, 1] }}\n\
+             [material.m]\nmodel = \"hooke\"\nyoung = 100.0\npoisson = 0.3\n{more}\n\
+             [[step]]\nincrements = 1\nfix = [{{ set = \"low.zmin\" }}, {{ set = \"high.zmax\" }}]\n"
+        ))
+    };
+    let told =
+        ["bodies `low` and `high` touch or are in each other, such as at (", "neither contact nor tie is between them"];
+    // A narrow one, whose faces are in that of the other; a wide one, in whose face the other's are; one that is within.
+    for (z, size, elements) in [(1.0, 0.3, 2), (1.0, 9.0, 3), (0.5, 1.0, 3), (0.9, 9.0, 1)] {
+        warned(&pair(z, size, elements, ""), &told);
+    }
+    accepted(&pair(1.01, 1.0, 3, ""), "0 contacts");
+    let contact = "[contact.c]\nslave = \"high.zmin\"\nmaster = \"low.zmax\"";
+    accepted(&pair(1.0, 1.0, 3, contact), "touch");
+    accepted(&pair(1.0, 1.0, 3, &contact.replace("contact", "tie")), "tie `c`");
+}
+
 #[test]
 fn elements_that_do_not_suit_their_material() {
     let element = |material: &str, element: &str| {

@@ -716,3 +716,59 @@ fn what_tools_share_with_friction_is_told_of() {
     assert_eq!(told(2, 0.0, 1), [false, false]);
     assert!(!told(24, 0.5, 1)[0]);
 }
+
+/// Two blocks under one plate that stands on the first alone, the second pushed into the first and up through the plate: where a
+/// contact is missing they are as if the other were not there, and that is told of once.
+#[test]
+fn what_no_contact_brings_together_is_told_of_when_it_meets() {
+    let scene = |by: [f64; 3], more: &str| {
+        format!(
+            r#"
+[body.a]
+material = "m"
+block = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1] }}
+[body.b]
+material = "m"
+block = {{ box = {{ origin = [3.0, 0.3, -0.25], size = [2.0, 1.0, 1.0] }}, elements = [3, 1, 1] }}
+[material.m]
+model = "hooke"
+young = 100.0
+poisson = 0.3
+[tool.plate]
+plane = {{ point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }}
+[contact.c]
+slave = "a.zmax"
+master = "plate"
+{more}
+[[step]]
+name = "push"
+increments = 4
+fix = [{{ set = "a.zmin" }}]
+move = [{{ target = "b", by = {by:?} }}, {{ target = "plate", by = [0.0, 0.0, -0.01] }}]
+"#
+        )
+    };
+    let told = |by: [f64; 3], more: &str| {
+        [1, 2].map(|ranks| {
+            let run = Bench::new(&scene(by, more)).solve(ranks, &[]);
+            assert_eq!(run.code, 0, "{}", run.stderr);
+            let log = run.log();
+            let lines = log.lines().filter(|line| line.contains("warning") && line.contains("(time"));
+            lines.map(str::to_string).collect::<Vec<_>>()
+        })
+    };
+    let aside = [-1.6, 0.0, 0.0];
+    let [one, two] = told(aside, "");
+    assert_eq!(one, two);
+    let says = |line: &str, words: &[&str]| words.iter().all(|word| line.contains(word));
+    assert!(
+        one.len() == 1 && says(&one[0], &["bodies `a` and `b` touch or are in each other", "(time 0.75"]),
+        "{one:?}"
+    );
+    let [one, two] = told([0.0, 0.0, 0.9], "");
+    assert_eq!(one, two);
+    assert!(one.len() == 1 && says(&one[0], &["of body `b`", "tool `plate`", "no contact is between them"]), "{one:?}");
+    let above = "[contact.d]\nslave = \"b.zmax\"\nmaster = \"plate\"";
+    let [one, _] = told([0.0, 0.0, 0.2], above);
+    assert!(one.is_empty(), "{one:?}");
+}

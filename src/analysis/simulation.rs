@@ -4,6 +4,7 @@ use super::last_iterate::LastIterate;
 use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
+use super::strangers::Strangers;
 use super::{Event, Observer, Rounded, State, preflight};
 use crate::contact::meeting::{mean_of_pieces, pieces_of};
 use crate::contact::{Segments, Slave, Status};
@@ -65,6 +66,8 @@ pub struct Simulation<'a> {
     gaps: Vec<String>,
     /// Where factors may be kept in files.
     pub(super) scratch: Option<String>,
+    /// Of those that met in the beginning the preflight has told.
+    pub(super) strangers: Strangers,
     /// The run ends with so many steps.
     pub(super) steps: usize,
     /// Of the increment that could not be found, after [`Self::advance`] has failed so.
@@ -82,6 +85,8 @@ impl<'a> Simulation<'a> {
         let gaps = preflight::check(comm, scene, &mut model)?;
         let floors = Balance::floors(comm, &model, scene.solver.force_floor.as_ref().map(|floor| floor.value));
         let state = State::first(&model, floors.len());
+        let mut strangers = Strangers::new(comm, &model);
+        strangers.meet(comm, &model, &state.u);
         let summary = Summary {
             scene: scene.name.clone(),
             elements: model.part.total_solids,
@@ -103,6 +108,7 @@ impl<'a> Simulation<'a> {
             summary,
             gaps,
             scratch: None,
+            strangers,
             steps: scene.steps.len(),
             last_iterate: None,
         };

@@ -282,6 +282,7 @@ impl<'a> Simulation<'a> {
                         frame.is_unstable = true;
                         self.warn(describe::unstable(frame.name(), self.state.time), observer)?;
                     }
+                    self.tell_of_strangers(observer)?;
                     observer(&Event::Increment(&increment))?;
                     self.tell_of_solver(frame, snes, told, observer)?;
                     return Ok(Some(increment));
@@ -299,6 +300,15 @@ impl<'a> Simulation<'a> {
             }
         }
         Ok(None)
+    }
+
+    /// Says what has come to be in each other in the last increment while no contact is between. Collective.
+    fn tell_of_strangers(&mut self, observer: &mut Observer) -> Result<()> {
+        let begun = Instant::now();
+        let mut met = self.strangers.meet(self.comm, &self.model, &self.state.u);
+        met.extend(self.state.strays.iter_mut().filter_map(|strays| strays.told.take()));
+        self.phases.add(Phase::Watch, begun.elapsed());
+        met.into_iter().try_for_each(|met| self.warn(format!("{met} (time {:.6})", self.state.time), observer))
     }
 
     /// An element that has folded over, in words. Collective.

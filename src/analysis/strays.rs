@@ -1,5 +1,7 @@
-//! What no contact names: nodes of a body that are no slaves of a tool that other nodes of it meet, and bodies that come to lie
-//! beyond a plane of symmetry, in their own mirror image. Nothing holds them off.
+//! What no contact names: nodes of a body that are no slaves of a tool that other nodes of it meet, bodies that come through a
+//! tool that others meet, and bodies that come to lie beyond a plane of symmetry, in their own mirror image. Nothing holds them
+//! off. The first and the last end the increment; a body that no contact brings together with a tool may be meant so, and is told
+//! of.
 //!
 //! Nodes are watched as slave nodes are ([`crate::contact::watch`]), by their places alone, but for those that began inside;
 //! and only where they may have come as far as the tool was.
@@ -18,8 +20,12 @@ use std::collections::BTreeSet;
 /// The nodes of a body that its contacts with a tool do not name.
 #[derive(Clone, Debug)]
 pub(super) struct Strays {
-    /// The first of these contacts.
+    /// The first of these contacts; if there are none, the first of that tool.
     pair: usize,
+    body: usize,
+    /// That the tool, which the body has no contact with, came into it: told once, when the increment is accepted.
+    is_in: bool,
+    pub told: Option<String>,
     nodes: Vec<Stray>,
 }
 
@@ -36,26 +42,27 @@ struct Stray {
 
 /// Those of all tools and bodies at displacements `u`, of which the tools see what is near. Collective.
 pub(super) fn strays(comm: &SimpleCommunicator, model: &mut Model, u: &[Vec3]) -> Vec<Strays> {
-    let key = |pair: &Pair| pair.master.tool().map(|t| (t, pair.side.body));
-    let firsts: Vec<usize> = (0..model.pairs.len())
-        .filter(|&p| {
-            let own = key(&model.pairs[p]);
-            own.is_some() && !model.pairs[..p].iter().any(|other| key(other) == own)
-        })
-        .collect();
-    let of = |p: usize| {
-        let own = key(&model.pairs[p]);
-        let pairs = model.pairs.iter().filter(|pair| key(pair) == own);
+    let tools = 0..model.masters.tools.len();
+    let all = tools.flat_map(|t| (0..model.bodies.len()).map(move |body| (t, body)));
+    let first = |(t, body): (usize, usize)| {
+        let of_tool = || (0..model.pairs.len()).filter(|&p| model.pairs[p].master.tool() == Some(t));
+        let own = of_tool().find(|&p| model.pairs[p].side.body == body);
+        Some((own.or_else(|| of_tool().next())?, body))
+    };
+    let firsts: Vec<(usize, usize)> = all.filter_map(first).collect();
+    let of = |(p, body): (usize, usize)| {
+        let pairs = model.pairs.iter().filter(|pair| pair.master == model.pairs[p].master);
         let slaves: BTreeSet<u32> = pairs.flat_map(|pair| pair.slaves.iter().map(|slave| slave.node)).collect();
         let part = &model.part;
-        let own = part.owned_of(model.pairs[p].side.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32);
+        let own = part.owned_of(body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32);
         let nodes: Vec<u32> = own.filter(|n| !slaves.contains(n)).collect();
         look(comm, model, p, &nodes, 0.0, u);
         let (pair, may) = (&model.pairs[p], allowed(&model.pairs[p], 0.0));
         let view = View { ground: model.masters.of(pair.master), pair, slave: 0 };
         let sight = |n: u32| first_sight(&view, &(model.part.points[n as usize] + u[n as usize]), &may);
         let nodes = nodes.into_iter().map(|node| Stray { node, sight: sight(node), is_in: false });
-        Strays { pair: p, nodes: nodes.filter(|stray| stray.sight.side == Side::Front).collect() }
+        let nodes = nodes.filter(|stray| stray.sight.side == Side::Front).collect();
+        Strays { pair: p, body, is_in: false, told: None, nodes }
     };
     let strays = firsts.into_iter().map(of).collect();
     attend(comm, model, u);
@@ -98,7 +105,9 @@ pub(super) fn stray(
 ) -> (Vec<Strays>, Option<String>) {
     let (mut told, mut looked): (Option<(usize, u32, f64)>, bool) = (None, false);
     let mut seen = strays.to_vec();
-    for Strays { pair: p, nodes } in &mut seen {
+    for Strays { pair: p, body, is_in, told: says, nodes } in seen.iter_mut().filter(|strays| !strays.is_in) {
+        let is_foreign = model.pairs[*p].side.body != *body;
+        let mut deepest: Option<(u32, f64)> = None;
         let place = |model: &Model, u: &[Vec3], n: u32| model.part.points[n as usize] + u[n as usize];
         let Ground::Tool(tool) = model.masters.of(model.pairs[*p].master) else { continue };
         let way = |n: u32| {
@@ -136,9 +145,15 @@ pub(super) fn stray(
             stray.sight = Sight { side: if stray.is_in { Side::Front } else { sight.side }, ..sight };
             // One that went through is in front again.
             let tells = goes_in && sight.depth == 0.0 || stray.is_in && sight.depth > let_in + may.explained;
-            if tells && sight.depth >= told.map_or(0.0, |(.., depth)| depth) {
-                told = Some((*p, stray.node, sight.depth));
+            if tells && sight.depth >= deepest.map_or(0.0, |(_, depth)| depth) {
+                deepest = Some((stray.node, sight.depth));
             }
+        }
+        if is_foreign {
+            *says = word_of_foreign(comm, model, *p, deepest);
+            *is_in = says.is_some();
+        } else if let Some((node, depth)) = deepest.filter(|at| told.is_none_or(|(.., depth)| at.1 >= depth)) {
+            told = Some((*p, node, depth));
         }
     }
     if looked {
@@ -156,6 +171,18 @@ pub(super) fn stray(
     };
     let word = word_of_largest(comm, told.map(|(p, n, depth)| ((p, n), depth)), word);
     (seen, word.map(|(word, _)| word))
+}
+
+/// A node of a body in a tool that none of its contacts names, in words. Collective.
+fn word_of_foreign(comm: &SimpleCommunicator, model: &Model, p: usize, deepest: Option<(u32, f64)>) -> Option<String> {
+    let word = |n: u32| {
+        format!(
+            "node {} is in {} or went through it, and no contact is between them: add one, or end the tool before it (a plane and a              cylinder go on for ever, a `profile` and a mesh end)",
+            node_name(model, n),
+            model.master_name(&model.pairs[p])
+        )
+    };
+    word_of_largest(comm, deepest, word).map(|(word, _)| word)
 }
 
 /// A body that has come to lie beyond a plane of symmetry, in words. Collective.

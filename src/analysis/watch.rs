@@ -356,6 +356,9 @@ impl Simulation<'_> {
             counts
         };
         let [inside, beside] = [watch::Side::Inside, watch::Side::Beside].map(count);
+        let touches = |p: &Pair| p.slaves.iter().filter(|s| s.accepted.status != Status::Gap).count() as f64;
+        let mut touching: Vec<f64> = self.model.pairs.iter().map(touches).collect();
+        sum(self.comm, &mut touching);
         for (p, pair) in self.model.pairs.iter().enumerate() {
             let (name, master) = (&pair.name, self.model.master_name(pair));
             if inside[p] > 0.0 {
@@ -441,6 +444,12 @@ impl Simulation<'_> {
             }
             let until = [touch.until, other.and_then(|o| o.until)].into_iter().flatten().reduce(f64::max);
             match until {
+                None if touching[p] > 0.0 => {
+                    warnings.push(format!(
+                        "contact `{name}`: nothing has ever pressed {} nodes that touch {master}",
+                        touching[p]
+                    ));
+                }
                 None => warnings.push(format!("contact `{name}`: no node has ever touched {master}")),
                 Some(_) if self.was_taken_away(pair, touch) => {}
                 Some(time) => {

@@ -15,10 +15,20 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// Nodes are at one place when they are closer than this times the size of both bodies.
 const COINCIDENT: f64 = 1e-7;
 
+/// What is left to be known when nodes of several bodies have been made one.
+pub struct United {
+    /// A line about each two bodies that are one solid.
+    pub lines: Vec<String>,
+    /// Two bodies each of which a warning tells that they lie on each other.
+    pub told: Vec<[usize; 2]>,
+}
+
 /// What bodies have in common.
 #[derive(Default)]
 pub struct Common {
     warnings: Vec<String>,
+    /// Two bodies each of which a warning tells.
+    told: Vec<[usize; 2]>,
     /// A line about each two bodies that are one solid.
     lines: Vec<String>,
     /// Their nodes, of the first and of the second.
@@ -53,6 +63,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
                 let help = "the mesh file has several groups of elements: give each body its own `group`";
                 return Err(Error::input(&other.name.at, what, help));
             }
+            common.told.push([a as usize, b as usize]);
             common.warnings.push(what + ": they do not know of each other");
             continue;
         }
@@ -74,6 +85,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             let outer = ours.iter().filter(|(_, count)| **count == 1).map(|(face, _)| face);
             let unlike = outer.filter(is_whole).filter(is_bare).filter(|face| !meets(face)).count();
             if unlike > 0 {
+                common.told.push([a as usize, b as usize]);
                 common.warnings.push(format!(
                     "bodies `{}` and `{}` share the nodes of {unlike} faces of `{}` that are no faces of `{}`: they come apart there; \
                      mesh both with elements whose faces match, or `tie` them",
@@ -123,6 +135,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             };
             return Err(Error::input(&other.name.at, what, help));
         }
+        common.told.push([a as usize, b as usize]);
         common.warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
     }
     Ok(common)
@@ -130,8 +143,8 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
 
 impl Common {
     /// Gives nodes that are one the equations of the first of them, with those that had the equations of the others. Warnings go to
-    /// the mesh; returns a line about each two bodies that are one solid.
-    pub fn unite(self, global: &mut GlobalMesh) -> Vec<String> {
+    /// the mesh.
+    pub fn unite(self, global: &mut GlobalMesh) -> United {
         let first = |ties: &[u32], n: u32| {
             let mut n = ties[n as usize];
             while ties[n as usize] != n {
@@ -147,7 +160,7 @@ impl Common {
             global.tie = (0..global.tie.len() as u32).map(|n| first(&global.tie, n)).collect();
         }
         global.warnings.extend(self.warnings);
-        self.lines
+        United { lines: self.lines, told: self.told }
     }
 }
 

@@ -16,7 +16,7 @@
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
-//! Tools and bodies that no contact names are warned of. Places of probes outside all bodies are refused, too. What is
+//! Tools and bodies that no contact names are warned of, and bodies that meet with nothing between them. Places of probes outside all bodies are refused, too. What is
 //! wrong with the meshes alone is found where they are read: [`crate::model`].
 
 mod facing;
@@ -35,6 +35,7 @@ mod units;
 
 use super::conditions::Conditions;
 use super::probes;
+use super::strangers::Strangers;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{agree, first_word, max};
@@ -59,6 +60,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     turns(scene, model);
     freed(scene, model);
     bystanders(scene, model);
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    let met = Strangers::new(comm, model).meet(comm, model, &still);
+    model.warnings.extend(met);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
     facing::check(comm, &contacts, model, &sights)?;

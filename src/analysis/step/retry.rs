@@ -105,6 +105,8 @@ impl Simulation<'_> {
         let body = failure.place.as_ref().map(|place| place.body.as_str());
         let mut remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
         if failed.cause.is_of_iteration() {
+            // The last iterate has been kept.
+            self.model.masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
             watch::attend(self.comm, &mut self.model, &self.state.u);
             remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
         }
