@@ -325,6 +325,8 @@ controls! {
             "Nodes that slide off the end of a master in an increment with more of its force are told of at the end: a facet that still reaches over the end feels it no more. One row of ten leaves a block of ten with a tenth.";
         watch_shared: f64 = 0.1, [1e-3, 1.0], "force of the contact",
             "Nodes that several tools hold by friction at once, and that bear more of it, are told of at the end: what each tool bears of them is left open. Two rows of ten that meet in a corner share a tenth.";
+        watch_unpaid: f64 = 1.5, [0.01, 1e6], "what loads, supports and tools can have given",
+            "Elastic energy that an increment gains beyond this is told of where friction may hold what supports do not: no way leads to such a state. Their largest forces at both ends of an increment over its way are more than what they give, but for those that rise and fall within it.";
         watch_mirror: f64 = 1e-3, [1e-9, 1.0], "extent of the body across the plane",
             "How far a body may come beyond a plane of symmetry: more than rounding; what a penalty lets through that holds it off is added.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",

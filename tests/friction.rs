@@ -365,6 +365,59 @@ fn strip_across(steps: &str) -> Run {
     bench.solve(2, &[])
 }
 
+/// A block under its weight, led to and fro over a plane by a face with an edge on the plane, in short increments and long: each
+/// way it meets mu times its weight, whatever the nodes of that edge had before it turned.
+#[test]
+fn what_is_led_back_meets_as_much_friction() {
+    let dragged = |[there, back]: [usize; 2], how: &str| {
+        Bench::new(&format!(
+            r#"
+            [body.b]
+            material = "m"
+            plane_strain = true
+            block = {{ box = {{ size = [4.0, 3.0, 1.0] }}, elements = [4, 3, 1] }}
+            [material.m]
+            model = "hooke"
+            young = 1000.0
+            poisson = 0.3
+            density = 1.0
+            [tool.floor]
+            plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }}
+            [contact.c]
+            slave = "b.ymin"
+            master = "floor"
+            friction = 0.25
+            {how}
+            [[step]]
+            name = "rest"
+            increments = 2
+            gravity = [0.0, -1.0, 0.0]
+            [[step]]
+            name = "there"
+            keep = true
+            increments = {there}
+            move = [{{ target = "b.xmin", by = [0.3, 0.0, 0.0], directions = "x" }}]
+            [[step]]
+            name = "back"
+            keep = true
+            increments = {back}
+            move = [{{ target = "b.xmin", by = [-0.3, 0.0, 0.0], directions = "x" }}]
+            "#
+        ))
+    };
+    for increments in [[20, 8], [4, 60], [60, 200]] {
+        for how in ["", "method = \"lagrange\"", "method = \"uzawa\"", "discretization = \"segment\"", "penalty = 10.0"]
+        {
+            let run = dragged(increments, how).solve(1, &[]);
+            assert_eq!(run.code, 0, "{increments:?} {how}: {}", run.stderr);
+            let history = run.history();
+            let force = history.column("floor.fx");
+            assert_close(how, force[1 + increments[0]], -3.0, 1e-6);
+            assert_close(how, history.last("floor.fx"), 3.0, 1e-6);
+        }
+    }
+}
+
 /// Slave nodes that are led along z cannot stick, and their friction does not depend on who moves.
 #[test]
 fn nodes_drawn_along_a_tool_slip() {

@@ -577,6 +577,41 @@ move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
     assert!(code == 0, "{text}");
 }
 
+/// Faces that meet each other in two contacts, by whatever names.
+#[test]
+fn contacts_that_are_named_twice() {
+    let blocks = |slave: &str, master: &str| {
+        Bench::new(&format!(
+            r#"
+body.low.block = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1], faces = {{ deck = "zmax", hull = ["zmax", "xmax"] }} }}
+body.low.material = "soft"
+body.high.block = {{ box = {{ origin = [0.0, 0.0, 1.0], size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1], faces = {{ sole = "zmin", skirt = ["zmin", "xmin"] }} }}
+body.high.material = "soft"
+material.soft = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+tool.wall = {{ plane = {{ point = [2.5, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }} }}
+contact.one = {{ slave = "high.zmin", master = "low.zmax", friction = 0.2 }}
+contact.two = {{ slave = "{slave}", master = "{master}" }}
+contact.three = {{ slave = "low.xmax", master = "wall" }}
+[[step]]
+increments = 1
+fix = [{{ set = "low.zmin" }}]
+move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
+"#
+        ))
+    };
+    let told = |slave: &str, master: &str, other: &str| {
+        format!("has faces of `{slave}` and `{master}` in common with contact `{other}`: both keep them apart")
+    };
+    for (slave, master) in [("high.sole", "low.zmax"), ("high.skirt", "low.zmax"), ("high.sole", "low.hull")] {
+        refused(&blocks(slave, master), &[&told(slave, master, "one"), "help: name each face in one of them"]);
+    }
+    refused(&blocks("low.hull", "wall"), &[&told("low.xmax", "wall", "two")]);
+    for (slave, master) in [("high.xmin", "low.zmax"), ("high.sole", "low.xmax")] {
+        let (code, text) = verdict(&blocks(slave, master), 2);
+        assert!(code == 0, "{text}");
+    }
+}
+
 /// In a plane of symmetry a tool that crosses it has a mirror image that goes the other way.
 #[test]
 fn conditions_that_a_mirror_turns() {

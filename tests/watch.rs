@@ -772,3 +772,95 @@ move = [{{ target = "b", by = {by:?} }}, {{ target = "plate", by = [0.0, 0.0, -0
     let [one, _] = told([0.0, 0.0, 0.2], above);
     assert!(one.is_empty(), "{one:?}");
 }
+
+/// From segment to segment a node may be a quarter of a facet deep: from there on it is refused, as from where it touches, and is
+/// not lost out of sight, whether a ball smaller than its facets comes or goes over nodes that are held.
+#[test]
+fn a_node_that_segments_let_in_stays_in_sight() {
+    let scene = |ball: &str, how: &str, steps: &str| {
+        let bench = Bench::new(&format!(
+            r#"
+[body.b]
+material = "m"
+block = {{ box = {{ size = [4.0, 4.0, 2.0] }}, elements = [4, 4, 2] }}
+[material.m]
+model = "neo-hookean"
+young = 1000.0
+poisson = 0.3
+[tool.t]
+sphere = {ball}
+[contact.c]
+slave = "b.zmax"
+master = "t"
+discretization = "segment"
+{how}
+{steps}
+"#
+        ));
+        bench.run(1, &[])
+    };
+    let by = |z: f64| {
+        format!(
+            "[[step]]\nincrements = 20\nfix = [{{ set = \"b.zmin\" }}]\nmove = [{{ target = \"t\", by = [0.0, 0.0, {z:?}] }}]\n"
+        )
+    };
+    let small = "{ center = [2.0, 2.0, 2.6], radius = 0.6 }";
+    let there = scene(small, "", &by(-0.5));
+    let and_back = scene(small, "", &(by(-0.5) + &by(1.0)));
+    let over = "[[step]]\nincrements = 5\nfix = [{ set = \"b.zmin\" }, { set = \"b.xmin\", directions = \"xz\" }]\n\
+                move = [{ target = \"t\", by = [0.0, 0.0, -0.3] }]\n\
+                [[step]]\nincrements = 20\nkeep = true\nmove = [{ target = \"t\", by = [-2.0, 0.0, -0.1] }]\n";
+    let over = scene("{ center = [2.0, 2.0, 7.0], radius = 5.0 }", "friction = 0.1", over);
+    for run in [there, and_back, over] {
+        let (last, log) = (run.history(), run.log());
+        let deepest = last.column("c.max_penetration").iter().fold(0.0, |most: f64, depth| most.max(*depth));
+        assert!(run.code == 1 && run.stderr.contains("deep in the tool `t`"), "{}: {}{log}", run.code, run.stderr);
+        assert!((0.2..0.2601).contains(&deepest), "{deepest}");
+    }
+}
+
+/// A block that friction alone holds in a slot wider than it, pulled by next to nothing: equilibrium lets it stand askew and wedge
+/// itself with forces that nothing has given it, and that is told of; where a tool presses it, it is not.
+#[test]
+fn energy_that_nothing_gave_is_told_of() {
+    let pulled = |ceiling: f64, press: f64| {
+        let bench = Bench::new(&format!(
+            r#"
+[body.b]
+material = "m"
+block = {{ box = {{ size = [2.0, 2.0, 2.0] }}, elements = [2, 2, 2] }}
+[material.m]
+model = "hooke"
+young = 10.0
+poisson = 0.3
+[tool.above]
+plane = {{ point = [0.0, 0.0, {ceiling:?}], normal = [0.0, 0.0, -1.0] }}
+[tool.below]
+plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
+[contact.c]
+slave = "b.zmax"
+master = "above"
+friction = 0.3
+[contact.d]
+slave = "b.zmin"
+master = "below"
+friction = 0.3
+[[step]]
+name = "hold"
+increments = 1
+fix = [{{ set = "b.zmin" }}]
+move = [{{ target = "above", by = [0.0, 0.0, {press:?}] }}]
+[[step]]
+name = "pull"
+increments = 2
+force = [{{ target = "b.xmax", total = [0.001, 0.0, 0.0] }}]
+"#
+        ));
+        bench.run(1, &[])
+    };
+    let told = "of elastic energy in the increment to time 1.5";
+    let askew = pulled(2.2, 0.0);
+    assert!(askew.code != 0 || askew.log().contains(told), "{}", askew.log());
+    let pressed = pulled(2.0, -0.1);
+    assert!(pressed.code == 0 && !pressed.log().contains("elastic energy in"), "{}", pressed.log());
+}

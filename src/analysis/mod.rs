@@ -12,7 +12,8 @@
 //! - `shared_nodes`: nodes that bear several contacts with friction, or a driven tool where they cannot give way
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
-//!   `between` between the nodes of slaves, `strays` at what no contact names, `strangers` at bodies that nothing connects
+//!   `between` between the nodes of slaves, `strays` at what no contact names, `strangers` at bodies that nothing connects,
+//!   `unpaid` at energy that nothing gave
 //! - `results`: the history and the fields of what has converged; `grids` what has them, `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
@@ -62,6 +63,7 @@ mod step;
 mod strangers;
 mod strays;
 mod suspects;
+mod unpaid;
 mod watch;
 
 pub use check::check;

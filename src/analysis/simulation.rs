@@ -5,6 +5,7 @@ use super::newton::balance::Balance;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::strangers::Strangers;
+use super::unpaid::Account;
 use super::{Event, Observer, Rounded, State, preflight};
 use crate::contact::meeting::{mean_of_pieces, pieces_of};
 use crate::contact::{Segments, Slave, Status};
@@ -68,6 +69,8 @@ pub struct Simulation<'a> {
     pub(super) scratch: Option<String>,
     /// Of those that met in the beginning the preflight has told.
     pub(super) strangers: Strangers,
+    /// Of the last increment, if the next must account for its energy.
+    pub(super) account: Option<Account>,
     /// The run ends with so many steps.
     pub(super) steps: usize,
     /// Of the increment that could not be found, after [`Self::advance`] has failed so.
@@ -109,6 +112,7 @@ impl<'a> Simulation<'a> {
             gaps,
             scratch: None,
             strangers,
+            account: None,
             steps: scene.steps.len(),
             last_iterate: None,
         };
@@ -215,6 +219,7 @@ impl<'a> Simulation<'a> {
     /// A failing library.
     pub fn go_back(&mut self, to: &Checkpoint) -> Result<()> {
         self.state.clone_from(&to.state);
+        self.account = None;
         let same_methods = self.model.pairs.iter().map(|pair| pair.rules.method).eq(to.memory.methods());
         to.memory.give(&mut self.model);
         let same =

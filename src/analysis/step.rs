@@ -72,6 +72,7 @@ pub(super) struct Told {
     unsolved: bool,
     out_of_core: bool,
     impatience: bool,
+    unpaid: bool,
 }
 
 impl Frame {
@@ -274,7 +275,12 @@ impl<'a> Simulation<'a> {
                         self.retry(frame, converged.refused(&self.model, Cause::Folded, reason), duration, observer)?;
                         continue;
                     }
+                    let unpaid = self.unpaid(frame, &converged)?.filter(|_| !told.unpaid);
                     let increment = self.accept(frame, *converged, x)?;
+                    if let Some(unpaid) = unpaid {
+                        told.unpaid = true;
+                        self.warn(unpaid, observer)?;
+                    }
                     if let Some(element) = folded.filter(|_| !std::mem::replace(&mut told.folded, true)) {
                         self.warn(describe::folded(frame.name(), self.state.time, &element), observer)?;
                     }

@@ -245,6 +245,9 @@ impl Simulation<'_> {
                      the normal, or turn the tool by `rotate`"
                 )
             }
+            Finding::Pushed(force) => {
+                format!("is pushed along its way over {master} by friction, with {force:.3e} N")
+            }
             Finding::Between(_) => return self.word_between(p, between),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
@@ -568,10 +571,29 @@ fn judge_pair(
         let apart = apart(&ground, slave, slave.trial.status, &to)
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
         let finding = finding.or(apart.map(Finding::Apart));
+        let finding = finding.or_else(|| pushed(&ground, pair, s, [&from, &to], motion.residuals[p]));
         let is_unfelt = |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained;
         (sight, finding.or_else(|| unfelt.is_some_and(is_unfelt).then_some(Finding::Unfelt(sight.depth))))
     };
     (0..pair.slaves.len()).map(judge).collect()
+}
+
+/// Friction that pushes a node along its way over a tool, which is seen by places alone: what slips from node to node or from
+/// point to point has other ways, and a penalty holds what it has before it slips.
+fn pushed(ground: &Ground, pair: &Pair, s: usize, [from, to]: [&Vec3; 2], residual: f64) -> Option<Finding> {
+    // Cosine between both, and a way that is no rounding, over a facet.
+    const ALONG: f64 = 0.5;
+    const WAY: f64 = 1e-6;
+    let Ground::Tool(tool) = ground else { return None };
+    let multiplies = matches!(pair.rules.method, Enforcement::AugmentedLagrangian | Enforcement::Lagrange);
+    let at = &pair.slaves[s].trial;
+    let normal = at.projection.filter(|_| multiplies && at.status != Status::Gap && pair.slides_at_nodes())?.normal;
+    let along = |v: Vec3| v - normal * normal.dot(&v);
+    let (way, force) = (along(to - tool.trial.outward(&tool.committed.inward(from))), along(-at.force));
+    let is_pushed = way.norm() > WAY * pair.facet_size
+        && force.norm() > residual
+        && way.dot(&force) > ALONG * way.norm() * force.norm();
+    is_pushed.then(|| Finding::Pushed(force.norm()))
 }
 
 /// How far a node that bears from node to node is from the one that it meets.

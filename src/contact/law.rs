@@ -19,7 +19,8 @@
 //!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
 //!   the normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
 //!   the force has that of N n.
-//! - Where it is drawn along the master, it cannot stick.
+//! - Where it is drawn along the master, it cannot stick, and where λ̂_t is against its slip, as λ_t is from before it turned,
+//!   t = g_t / |g_t|: else F = λ would hold with friction that pushes it on, as long as ε_t |g_t| < -μ λ_n.
 //!
 //! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
 //!
@@ -353,13 +354,15 @@ fn frictional(
     let path = place.point - place.origin;
     let slip = tangential * path;
     let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
+    // Beyond the rounding of positions.
+    let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
     let combined = multiplier + held + path * law.tangential;
+    let is_against = drawn && combined.dot(&slip) < 0.0;
+    let (combined, kept) = if is_against { (path * law.tangential, 0.0) } else { (combined, 1.0) };
     let lambda_t = tangential * combined;
     let (way, size) = (slip.norm(), lambda_t.norm());
     let friction = law.friction * lean * (1.0 + law.creep * way);
     let bound = -friction * lambda_n;
-    // Beyond the rounding of positions.
-    let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
     // What rounding of places makes of a node that stands still has no direction to slip along.
     let still = 16.0 * f64::EPSILON * place.point.amax() * law.tangential;
     // A node that slipped last stands on the cone to rounding, and is taken to slip on.
@@ -402,9 +405,9 @@ fn frictional(
                     + leaning
                     + growth * by_normal(&path),
                 path: (rotation * law.tangential + growth) * tangential,
-                multiplier: direction * n.transpose() * share + rotation * tangential,
+                multiplier: direction * n.transpose() * share + rotation * tangential * kept,
             };
-            (direction * lambda_n, by, rotation * tangential)
+            (direction * lambda_n, by, rotation * tangential * kept)
         }
     };
     let constraint_by = Slopes { multiplier: by.multiplier - Mat3::identity(), ..by };

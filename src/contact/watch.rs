@@ -82,6 +82,8 @@ pub enum Finding {
     Unfelt(f64),
     /// It cannot give way to a tool that is only turned by a torque, which it touches with so much force: how much, nothing says.
     Undetermined(f64),
+    /// Friction of so much force pushes it along its way over a tool.
+    Pushed(f64),
 }
 
 impl Finding {
@@ -94,7 +96,8 @@ impl Finding {
             | Self::Apart(size)
             | Self::Between(size)
             | Self::Unfelt(size)
-            | Self::Undetermined(size) => *size,
+            | Self::Undetermined(size)
+            | Self::Pushed(size) => *size,
         }
     }
 }
@@ -329,13 +332,14 @@ fn passage(view: &View, way: &[Vec3], may: &Allowance, lift_end: bool) -> Passag
     all
 }
 
-/// A place a little farther off the surface, if it is near; in a corner off both its sides.
+/// A place a little farther off the surface, if it is near or as deep behind it as is allowed; in a corner off both its sides.
 fn lift(view: &View, x: &Vec3, may: &Allowance) -> Vec3 {
     const SIDES: usize = 3;
     let lift = may.controls.watch_lift * may.facet;
     let mut x = *x;
     for _ in 0..SIDES {
-        match view.nearest(&x, lift).filter(|p| p.gap >= -allowed(view, p, may)) {
+        let near = view.nearest(&x, may.reach).filter(|p| p.gap < lift && p.gap >= -allowed(view, p, may));
+        match near {
             Some(p) => x += p.normal * (lift - p.gap),
             None => break,
         }

@@ -6,7 +6,7 @@
 //! - `facing`: masters whose normals look away from the slave
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
-//! - `opposite`: contacts that are another one the other way round
+//! - `repeated`: contacts that are another one by other names, also in part, or the other way round
 //! - `tied`: slave nodes of ties that a step moves otherwise than their masters
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step
@@ -24,8 +24,8 @@ mod gaps;
 mod idle;
 mod locking;
 mod mirrored;
-mod opposite;
 mod pressed;
+mod repeated;
 pub mod rigid;
 mod sight;
 mod stuck;
@@ -56,7 +56,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     units::floor(scene, model)?;
     probes::check(comm, scene, model)?;
     locking::check(comm, scene, model)?;
-    opposite::check(comm, scene, model)?;
+    repeated::check(comm, scene, model)?;
     turns(scene, model);
     freed(scene, model);
     bystanders(scene, model);

@@ -41,6 +41,7 @@ pub struct Converged {
 /// Forces of a converged increment, as [`Evaluated`](super::newton::Evaluated) has those of nodes and tools.
 pub struct Forces {
     pub nodes: Vec<Vec3>,
+    pub loads: Vec<Vec3>,
     pub dashpots: Vec<Vec3>,
     pub tools: Vec<Vec3>,
     /// Multipliers of the slave nodes of each pair, and of each tie.
@@ -327,7 +328,7 @@ fn converged(newton: Newton, x: &[f64], negative: Negative) -> Converged {
         end,
         seen: found.balance.accepted(),
         u: found.u,
-        forces: Forces { nodes: found.forces, dashpots, tools: found.tool_forces, contacts, ties },
+        forces: Forces { nodes: found.forces, loads: found.loads, dashpots, tools: found.tool_forces, contacts, ties },
         offsets: found.offsets,
         limits,
         between: Vec::new(),

@@ -392,6 +392,28 @@ fn a_drawn_node_cannot_stick() {
     assert!(((e.force - p.normal * normal).norm() + LAW.friction * normal).abs() < 1e-14);
 }
 
+/// A node that is led back has the multiplier of the way there: however short the way, friction is against it.
+#[test]
+fn a_drawn_node_that_turns_is_not_pushed_on() {
+    let (_, x, lambda, origin) = states(Master::Sphere)[2];
+    let p = Master::Sphere.project(x);
+    let guide = Guide { drawn: [true; 3], ..Guide::default() };
+    let normal = p.normal * p.normal.dot(&lambda);
+    let way = p.point - origin;
+    let way = way - p.normal * p.normal.dot(&way);
+    let turned = normal - way.normalize() * (LAW.friction * normal.norm());
+    for short in [1.0, 1e-3, 1e-6] {
+        let origin = p.point - way * short;
+        let e = element(LAW, &Multiplier::Augmented(turned), &p, origin, &guide).response;
+        let tangential = e.force - p.normal * p.normal.dot(&e.force);
+        let bound = -LAW.friction * p.normal.dot(&e.force);
+        assert!(e.status == Status::Slip && (tangential - way.normalize() * bound).norm() < 1e-9 * bound, "{short}");
+        let by = |lambda: Vec3| element(LAW, &Multiplier::Augmented(lambda), &p, origin, &guide).response.force;
+        let difference = gradient(by, turned);
+        assert!((e.force_by.multiplier - difference).norm() < 1e-7, "{short}");
+    }
+}
+
 #[test]
 fn slipping_friction_obeys_coulomb_and_opposes_the_slip() {
     let (_, x, lambda, origin) = states(Master::Sphere)[2];

@@ -1,0 +1,68 @@
+//! Two contacts of the same faces, by several names, or with exchanged roles. Each makes its own conditions of the same gap, and
+//! forces between them are not determined; with two passes, one contact knows of both sides.
+
+use crate::error::{Error, Result};
+use crate::model::Model;
+use crate::parallel::any;
+use crate::scene::{Contact, Scene};
+use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
+
+/// The faces of a contact on this rank, by their nodes.
+struct Sides {
+    slave: BTreeSet<Vec<u32>>,
+    /// None of a tool.
+    master: BTreeSet<Vec<u32>>,
+}
+
+/// Refuses contacts that have faces of both sides in common with another one, and those that are another one the other way round.
+/// Collective.
+///
+/// # Errors
+/// There are such contacts.
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<()> {
+    let facets = |set: &str| -> BTreeSet<Vec<u32>> {
+        let sorted = |nodes: &[u32]| {
+            let mut nodes = nodes.to_vec();
+            nodes.sort_unstable();
+            nodes
+        };
+        model.set(set).facets.iter().map(|f| sorted(&f.nodes[..f.count as usize])).collect()
+    };
+    let sides = |contact: &Contact| Sides {
+        slave: facets(&contact.slave.value),
+        master: contact.surface.iter().flat_map(|_| facets(&contact.master.value)).collect(),
+    };
+    let sides: Vec<Sides> = scene.contacts.iter().map(sides).collect();
+    for (k, second) in scene.contacts.iter().enumerate() {
+        for (first, others) in scene.contacts.iter().zip(&sides[..k]) {
+            let (name, other) = (&second.name.value, &first.name.value);
+            if share(comm, (first, others), (second, &sides[k])) {
+                let what = format!(
+                    "contact `{name}` has faces of `{}` and `{}` in common with contact `{other}`: both keep them apart, and how \
+                     they share the force is not determined",
+                    second.slave.value, second.master.value
+                );
+                return Err(Error::input(&second.slave.at, what, "name each face in one of them"));
+            }
+            let are_bodies = [first, second].iter().all(|contact| contact.surface.is_some() && !contact.is_self());
+            if are_bodies && !any(comm, others.slave != sides[k].master || others.master != sides[k].slave) {
+                let what = format!(
+                    "contact `{name}` is contact `{other}` the other way round: both keep the same faces apart, and how they \
+                     share the force is not determined"
+                );
+                let help = "remove one, and give the other discretization = \"two-pass\"";
+                return Err(Error::input(&second.slave.at, what, help));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether two contacts have faces of both sides in common, or such of the slave and the tool. Collective.
+fn share(comm: &SimpleCommunicator, (first, one): (&Contact, &Sides), (second, other): (&Contact, &Sides)) -> bool {
+    let slaves = any(comm, !one.slave.is_disjoint(&other.slave));
+    let masters = any(comm, !one.master.is_disjoint(&other.master));
+    let is_one_tool = second.surface.is_none() && first.master.value == second.master.value;
+    slaves && (masters || is_one_tool)
+}
