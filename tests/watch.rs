@@ -767,7 +767,18 @@ move = [{{ target = "b", by = {by:?} }}, {{ target = "plate", by = [0.0, 0.0, -0
     );
     let [one, two] = told([0.0, 0.0, 0.9], "");
     assert_eq!(one, two);
-    assert!(one.len() == 1 && says(&one[0], &["of body `b`", "tool `plate`", "no contact is between them"]), "{one:?}");
+    assert!(
+        one.len() == 1
+            && says(
+                &one[0],
+                &[
+                    "of body `b`",
+                    "tool `plate`",
+                    "no contact is between them: add one, or end the tool before it (a plane and a cylinder go"
+                ]
+            ),
+        "{one:?}"
+    );
     let above = "[contact.d]\nslave = \"b.zmax\"\nmaster = \"plate\"";
     let [one, _] = told([0.0, 0.0, 0.2], above);
     assert!(one.is_empty(), "{one:?}");

@@ -177,7 +177,8 @@ pub(super) fn stray(
 fn word_of_foreign(comm: &SimpleCommunicator, model: &Model, p: usize, deepest: Option<(u32, f64)>) -> Option<String> {
     let word = |n: u32| {
         format!(
-            "node {} is in {} or went through it, and no contact is between them: add one, or end the tool before it (a plane and a              cylinder go on for ever, a `profile` and a mesh end)",
+            "node {} is in {} or went through it, and no contact is between them: add one, or end the tool before it (a plane and \
+             a cylinder go on for ever, a `profile` and a mesh end)",
             node_name(model, n),
             model.master_name(&model.pairs[p])
         )

@@ -16,8 +16,9 @@
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
 //! - `units`: sizes that hint at mixed units, and coordinates too far from the origin
 //!
-//! Tools and bodies that no contact names are warned of, and bodies that meet with nothing between them. Places of probes outside all bodies are refused, too. What is
-//! wrong with the meshes alone is found where they are read: [`crate::model`].
+//! Tools and bodies that no contact names are warned of, and bodies that meet with nothing between them. Places of
+//! probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read:
+//! [`crate::model`].
 
 mod facing;
 mod gaps;
