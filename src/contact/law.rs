@@ -19,8 +19,9 @@
 //!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
 //!   the normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
 //!   the force has that of N n.
-//! - Where it is drawn along the master, it cannot stick, and where λ̂_t is against its slip, as λ_t is from before it turned,
-//!   t = g_t / |g_t|: else F = λ would hold with friction that pushes it on, as long as ε_t |g_t| < -μ λ_n.
+//! - Where it is drawn along the master, by g_d of its slip, it cannot stick, and ε_t is -2 μ λ̂_n / |g_d| at least: else F = λ
+//!   would hold with friction that pushes the node on, as that of the way there on the way back, as long as ε_t |g_t| is less
+//!   than the friction.
 //!
 //! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
 //!
@@ -62,6 +63,9 @@
 //! - Lagrange: λ is an unknown with the same residual, the status is given, and the force is λ itself, without penalty.
 
 use crate::{Mat3, Vec3};
+
+/// The least tangential penalty of a node that is drawn, times its way over its friction: above 1 friction cannot push it on.
+const LED: f64 = 2.0;
 
 /// What a slave node does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -354,15 +358,21 @@ fn frictional(
     let path = place.point - place.origin;
     let slip = tangential * path;
     let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
-    // Beyond the rounding of positions.
-    let drawn = (0..3).any(|d| guide.drawn[d] && guide.axes.column(d).dot(&slip).abs() > 1e-12 * place.point.amax());
-    let combined = multiplier + held + path * law.tangential;
-    let is_against = drawn && combined.dot(&slip) < 0.0;
-    let (combined, kept) = if is_against { (path * law.tangential, 0.0) } else { (combined, 1.0) };
-    let lambda_t = tangential * combined;
-    let (way, size) = (slip.norm(), lambda_t.norm());
+    let way = slip.norm();
     let friction = law.friction * lean * (1.0 + law.creep * way);
     let bound = -friction * lambda_n;
+    // Beyond the rounding of positions.
+    let drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
+    let along = |d: usize| guide.axes.column(d) * slip.dot(&guide.axes.column(d));
+    let led = (tangential * (0..3).filter(drawn).map(along).sum::<Vec3>()).norm();
+    let drawn = (0..3).any(|d| drawn(&d));
+    // By how much the penalty rises with the normal force.
+    let steep = if drawn && led > 0.0 && set != Some(Status::Stick) { LED * friction / led } else { 0.0 };
+    let is_steep = -steep * lambda_n > law.tangential;
+    let (penalty, steep) = if is_steep { (-steep * lambda_n, steep) } else { (law.tangential, 0.0) };
+    let combined = multiplier + held + path * penalty;
+    let lambda_t = tangential * combined;
+    let size = lambda_t.norm();
     // What rounding of places makes of a node that stands still has no direction to slip along.
     let still = 16.0 * f64::EPSILON * place.point.amax() * law.tangential;
     // A node that slipped last stands on the cone to rounding, and is taken to slip on.
@@ -392,11 +402,14 @@ fn frictional(
         Status::Slip => {
             let t = lambda_t / size;
             let direction = n - friction * t;
+            let force = direction * lambda_n;
             let rotation = (Mat3::identity() - t * t.transpose()) * (bound / size);
             let leaning = t * n.transpose() * (friction * lambda_n * lean);
             // With what friction grows by with the slip; in the first iteration there may be none, but where it would go.
             let along = if way > 0.0 { slip / way } else { t };
             let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
+            // With the penalty, too.
+            let direction = direction - rotation * slip * steep;
             let by = Slopes {
                 gap: direction * (law.normal * lean * share),
                 normal: direction * n_by_normal.transpose()
@@ -404,10 +417,10 @@ fn frictional(
                     + rotation * t_by_normal
                     + leaning
                     + growth * by_normal(&path),
-                path: (rotation * law.tangential + growth) * tangential,
-                multiplier: direction * n.transpose() * share + rotation * tangential * kept,
+                path: (rotation * penalty + growth) * tangential,
+                multiplier: direction * n.transpose() * share + rotation * tangential,
             };
-            (direction * lambda_n, by, rotation * tangential * kept)
+            (force, by, rotation * tangential)
         }
     };
     let constraint_by = Slopes { multiplier: by.multiplier - Mat3::identity(), ..by };

@@ -408,9 +408,12 @@ fn a_drawn_node_that_turns_is_not_pushed_on() {
         let tangential = e.force - p.normal * p.normal.dot(&e.force);
         let bound = -LAW.friction * p.normal.dot(&e.force);
         assert!(e.status == Status::Slip && (tangential - way.normalize() * bound).norm() < 1e-9 * bound, "{short}");
-        let by = |lambda: Vec3| element(LAW, &Multiplier::Augmented(lambda), &p, origin, &guide).response.force;
-        let difference = gradient(by, turned);
-        assert!((e.force_by.multiplier - difference).norm() < 1e-7, "{short}");
+        let aside = turned + p.normal.cross(&way).normalize() * (0.4 * LAW.friction * normal.norm());
+        let of = |lambda: &Vec3| element(LAW, &Multiplier::Augmented(*lambda), &p, origin, &guide).response;
+        let difference = gradient(|lambda| of(&lambda).force, aside);
+        let found = of(&aside);
+        assert!(found.force.dot(&way) > 0.0 && found.status == Status::Slip, "{short}");
+        assert!((found.force_by.multiplier - difference).norm() < 1e-7, "{short}");
     }
 }
 
