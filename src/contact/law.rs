@@ -19,9 +19,9 @@
 //!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
 //!   the normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
 //!   the force has that of N n.
-//! - Where it is drawn along the master, by g_d of its slip, it cannot stick, and ε_t is -2 μ λ̂_n / |g_d| at least: else F = λ
-//!   would hold with friction that pushes the node on, as that of the way there on the way back, as long as ε_t |g_t| is less
-//!   than the friction.
+//! - Where it is drawn along the master, by g_d of its slip, it cannot stick, and ε_t is at least so large that λ̂_t is along the
+//!   way with what is left on the cone beside the part of λ_t across: else F = λ would hold with friction that pushes the
+//!   node on, as that of the way there on the way back, as long as ε_t |g_t| is less than the friction.
 //!
 //! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
 //!
@@ -63,9 +63,6 @@
 //! - Lagrange: λ is an unknown with the same residual, the status is given, and the force is λ itself, without penalty.
 
 use crate::{Mat3, Vec3};
-
-/// The least tangential penalty of a node that is drawn, times its way over its friction: above 1 friction cannot push it on.
-const LED: f64 = 2.0;
 
 /// What a slave node does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -346,6 +343,35 @@ fn augmented(
     }
 }
 
+/// The tangential penalty of a node that is drawn: that with which friction, where the node slips along its way alone, has the
+/// part across that it bears already, and the rest along the way.
+struct Lead {
+    penalty: f64,
+    /// Its derivatives by λ̂_n and by λ_t.
+    by_force: f64,
+    by_base: Vec3,
+}
+
+impl Lead {
+    /// The least friction along the way, of all of it: where all was across it.
+    const LEAST: f64 = 0.1;
+
+    fn new(led: &Vec3, base: &Vec3, friction: f64, lambda_n: f64) -> Option<Self> {
+        let length = led.norm();
+        let way = led.try_normalize(f64::MIN_POSITIVE)?;
+        let bound = -friction * lambda_n;
+        let along = base.dot(&way);
+        let across = base - way * along;
+        let rest = (bound.powi(2) - across.norm_squared()).max(0.0).sqrt();
+        let (rest, by_force, by_base) = match rest > Self::LEAST * bound {
+            true => (rest, -friction * bound / rest, -across / rest),
+            false => (Self::LEAST * bound, -friction * Self::LEAST, Vec3::zeros()),
+        };
+        let penalty = (rest - along) / length;
+        Some(Self { penalty, by_force: by_force / length, by_base: (by_base - way) / length })
+    }
+}
+
 fn frictional(
     law: Law,
     [multiplier, held]: [&Vec3; 2],
@@ -364,12 +390,14 @@ fn frictional(
     // Beyond the rounding of positions.
     let drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
     let along = |d: usize| guide.axes.column(d) * slip.dot(&guide.axes.column(d));
-    let led = (tangential * (0..3).filter(drawn).map(along).sum::<Vec3>()).norm();
+    let led = tangential * (0..3).filter(drawn).map(along).sum::<Vec3>();
     let drawn = (0..3).any(|d| drawn(&d));
-    // By how much the penalty rises with the normal force.
-    let steep = if drawn && led > 0.0 && set != Some(Status::Stick) { LED * friction / led } else { 0.0 };
-    let is_steep = -steep * lambda_n > law.tangential;
-    let (penalty, steep) = if is_steep { (-steep * lambda_n, steep) } else { (law.tangential, 0.0) };
+    let lead = match set {
+        Some(Status::Stick) => None,
+        _ => Lead::new(&led, &(tangential * (multiplier + held)), friction, lambda_n),
+    };
+    let lead = lead.filter(|lead| lead.penalty > law.tangential);
+    let penalty = lead.as_ref().map_or(law.tangential, |lead| lead.penalty);
     let combined = multiplier + held + path * penalty;
     let lambda_t = tangential * combined;
     let size = lambda_t.norm();
@@ -409,7 +437,10 @@ fn frictional(
             let along = if way > 0.0 { slip / way } else { t };
             let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
             // With the penalty, too.
-            let direction = direction - rotation * slip * steep;
+            let stretch = rotation * slip;
+            let (steep, by_base) = lead.map_or((0.0, Mat3::zeros()), |l| (l.by_force, stretch * l.by_base.transpose()));
+            let direction = direction + stretch * steep;
+            let by_base = (rotation + by_base) * tangential;
             let by = Slopes {
                 gap: direction * (law.normal * lean * share),
                 normal: direction * n_by_normal.transpose()
@@ -418,9 +449,9 @@ fn frictional(
                     + leaning
                     + growth * by_normal(&path),
                 path: (rotation * penalty + growth) * tangential,
-                multiplier: direction * n.transpose() * share + rotation * tangential,
+                multiplier: direction * n.transpose() * share + by_base,
             };
-            (force, by, rotation * tangential)
+            (force, by, by_base)
         }
     };
     let constraint_by = Slopes { multiplier: by.multiplier - Mat3::identity(), ..by };
