@@ -30,7 +30,7 @@ pub fn check(
     model: &mut Model,
     begun: Instant,
 ) -> Result<String> {
-    let begins = preflight::check(comm, scene, model)?;
+    let begins = preflight::check(comm, scene, model)?.gaps;
     let mut text = format!("{}\n{}\n", describe::heading(comm, scene, model), scene.solver.describe());
     text += &describe::bodies(scene, model);
     for tool in &model.masters.tools {

@@ -14,7 +14,7 @@ use crate::contact::{Pair, Sight, Slave};
 use crate::model::locate::held;
 use crate::model::{Model, elements};
 use crate::parallel::{any, max};
-use crate::partition::parcels::{bounds, hull};
+use crate::partition::parcels::{bounds, hull, meets};
 use crate::surface::Patch;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -39,9 +39,8 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
         return suspects;
     }
     let own = || elements::of_body(model, body).flat_map(|e| part.solids[e].nodes().iter().copied());
-    let Some((low, high)) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
-    let is_near = |x: &Vec3| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
-    suspects.retain(|(_, n)| is_near(&now(*n)));
+    let Some(hull) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
+    suspects.retain(|(_, n)| meets(&hull, &(now(*n), now(*n))));
     let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
         let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
         let mut held = held(comm, model, body, &points.concat(), place).into_iter();

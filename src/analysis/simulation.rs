@@ -2,6 +2,7 @@
 
 use super::last_iterate::LastIterate;
 use super::newton::balance::Balance;
+use super::preflight::Beginning;
 use super::state::{Checkpoint, Memory};
 use super::step::Running;
 use super::strangers::Strangers;
@@ -67,7 +68,6 @@ pub struct Simulation<'a> {
     gaps: Vec<String>,
     /// Where factors may be kept in files.
     pub(super) scratch: Option<String>,
-    /// Of those that met in the beginning the preflight has told.
     pub(super) strangers: Strangers,
     /// Of the last increment, if the next must account for its energy.
     pub(super) account: Option<Account>,
@@ -85,11 +85,9 @@ impl<'a> Simulation<'a> {
     pub fn new(comm: &'a SimpleCommunicator, petsc: &'a Petsc<'a>, scene: &'a Scene) -> Result<Self> {
         let phases = Phases::default();
         let mut model = Model::new(comm, scene, &phases)?;
-        let gaps = preflight::check(comm, scene, &mut model)?;
+        let Beginning { gaps, strangers } = preflight::check(comm, scene, &mut model)?;
         let floors = Balance::floors(comm, &model, scene.solver.force_floor.as_ref().map(|floor| floor.value));
         let state = State::first(&model, floors.len());
-        let mut strangers = Strangers::new(comm, &model);
-        strangers.meet(comm, &model, &state.u);
         let summary = Summary {
             scene: scene.name.clone(),
             elements: model.part.total_solids,

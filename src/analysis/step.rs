@@ -275,10 +275,9 @@ impl<'a> Simulation<'a> {
                         self.retry(frame, converged.refused(&self.model, Cause::Folded, reason), duration, observer)?;
                         continue;
                     }
-                    let unpaid = self.unpaid(frame, &converged)?.filter(|_| !told.unpaid);
+                    let unpaid = self.unpaid(frame, &converged)?.filter(|_| !std::mem::replace(&mut told.unpaid, true));
                     let increment = self.accept(frame, *converged, x)?;
                     if let Some(unpaid) = unpaid {
-                        told.unpaid = true;
                         self.warn(unpaid, observer)?;
                     }
                     if let Some(element) = folded.filter(|_| !std::mem::replace(&mut told.folded, true)) {

@@ -11,7 +11,7 @@ use crate::model::locate::held;
 use crate::mortar::Corners;
 use crate::parallel::{max, word_of_largest};
 use crate::partition::PartSolid;
-use crate::partition::parcels::meets;
+use crate::partition::parcels::{Bounds, bounds, hull, meets};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
@@ -65,30 +65,19 @@ impl Strangers {
         }
         let part = &model.part;
         let place = |n: u32| part.points[n as usize] + u[part.tie[n as usize] as usize];
-        let mut ends = vec![f64::NEG_INFINITY; 6 * model.bodies.len()];
-        for n in 0..part.owned {
-            let x = place(n as u32);
-            for (end, x) in ends[6 * part.body[n] as usize..].iter_mut().zip([x.x, x.y, x.z, -x.x, -x.y, -x.z]) {
-                *end = end.max(x);
-            }
-        }
-        max(comm, &mut ends);
-        let bounds = |body: usize| {
-            let ends = &ends[6 * body..];
-            (-Vec3::from_column_slice(&ends[3..6]), Vec3::from_column_slice(&ends[..3]))
-        };
+        let of = |body: usize| hull(comm, bounds(part.owned_of(body).map(|n| place(n as u32))));
+        let hulls: Vec<Option<Bounds>> = (0..model.bodies.len()).map(of).collect();
         let mut told = Vec::new();
         let faces = &self.faces;
         self.pairs.retain(|&[a, b]| {
-            if !meets(&bounds(a), &bounds(b)) {
+            let (Some(of_a), Some(of_b)) = (hulls[a], hulls[b]) else { return true };
+            if !meets(&of_a, &of_b) {
                 return true;
             }
-            let within = |one: usize, other: usize| {
-                let (low, high) = bounds(other);
-                let is_near = |x: &Vec3| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]);
+            let within = |one: usize, other: usize, hull: &Bounds| {
                 let own = faces.iter().filter(|face| face.body == one);
                 let beside = own.filter_map(|face| Some((face.outside(&place)?, face.number)));
-                let (points, numbers): (Vec<Vec3>, Vec<u64>) = beside.filter(|(x, _)| is_near(x)).unzip();
+                let (points, numbers): (Vec<Vec3>, Vec<u64>) = beside.filter(|(x, _)| meets(hull, &(*x, *x))).unzip();
                 let held = held(comm, model, other, &points, &place);
                 let found = points.into_iter().zip(numbers).zip(held).filter(|(_, held)| *held);
                 // The same on any number of ranks.
@@ -97,7 +86,7 @@ impl Strangers {
                     format!("({:.6}, {:.6}, {:.6})", x.x, x.y, x.z)
                 })
             };
-            let found = within(a, b).or_else(|| within(b, a));
+            let found = within(a, b, &of_b).or_else(|| within(b, a, &of_a));
             if let Some((place, _)) = &found {
                 told.push(format!(
                     "bodies `{}` and `{}` touch or are in each other, such as at {place}, and neither contact nor tie is between \

@@ -110,9 +110,7 @@ pub(super) fn stray(
         let mut deepest: Option<(u32, f64)> = None;
         let place = |model: &Model, u: &[Vec3], n: u32| model.part.points[n as usize] + u[n as usize];
         let Ground::Tool(tool) = model.masters.of(model.pairs[*p].master) else { continue };
-        let way = |n: u32| {
-            (tool.trial.inward(&place(model, after, n)) - tool.committed.inward(&place(model, before, n))).norm()
-        };
+        let way = |n: u32| tool.way(&place(model, before, n), &place(model, after, n)).norm();
         let ways: Vec<f64> = nodes.iter().map(|stray| way(stray.node)).collect();
         let near: Vec<usize> = (0..nodes.len()).filter(|&k| nodes[k].sight.gap <= ways[k]).collect();
         for (Stray { sight, .. }, way) in nodes.iter_mut().zip(&ways).filter(|(stray, way)| stray.sight.gap > **way) {

@@ -589,7 +589,7 @@ fn pushed(ground: &Ground, pair: &Pair, s: usize, [from, to]: [&Vec3; 2], residu
     let at = &pair.slaves[s].trial;
     let normal = at.projection.filter(|_| multiplies && at.status != Status::Gap && pair.slides_at_nodes())?.normal;
     let along = |v: Vec3| v - normal * normal.dot(&v);
-    let (way, force) = (along(to - tool.trial.outward(&tool.committed.inward(from))), along(-at.force));
+    let (way, force) = (along(tool.trial.rotation * tool.way(from, to)), along(-at.force));
     let is_pushed = way.norm() > WAY * pair.facet_size
         && force.norm() > residual
         && way.dot(&force) > ALONG * way.norm() * force.norm();

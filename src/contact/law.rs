@@ -388,10 +388,10 @@ fn frictional(
     let friction = law.friction * lean * (1.0 + law.creep * way);
     let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
-    let drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
+    let is_drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
     let along = |d: usize| guide.axes.column(d) * slip.dot(&guide.axes.column(d));
-    let led = tangential * (0..3).filter(drawn).map(along).sum::<Vec3>();
-    let drawn = (0..3).any(|d| drawn(&d));
+    let led = tangential * (0..3).filter(is_drawn).map(along).sum::<Vec3>();
+    let drawn = led != Vec3::zeros();
     let lead = match set {
         Some(Status::Stick) => None,
         _ => Lead::new(&led, &(tangential * (multiplier + held)), friction, lambda_n),

@@ -34,6 +34,11 @@ impl Tool {
         })
     }
 
+    /// The way over the tool, in its frame, of a point that was at `from` at the last converged increment and is at `to`.
+    pub fn way(&self, from: &Vec3, to: &Vec3) -> Vec3 {
+        self.trial.inward(to) - self.committed.inward(from)
+    }
+
     /// How far the origin of the tool's frame has moved since the beginning, at the last converged increment.
     pub fn displacement(&self) -> Vec3 {
         self.committed.translation

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 const COINCIDENT: f64 = 1e-7;
 
 /// What is left to be known when nodes of several bodies have been made one.
+#[derive(Default)]
 pub struct United {
     /// A line about each two bodies that are one solid.
     pub lines: Vec<String>,
@@ -27,11 +28,8 @@ pub struct United {
 #[derive(Default)]
 pub struct Common {
     warnings: Vec<String>,
-    /// Two bodies each of which a warning tells.
-    told: Vec<[usize; 2]>,
-    /// A line about each two bodies that are one solid.
-    lines: Vec<String>,
-    /// Their nodes, of the first and of the second.
+    united: United,
+    /// Nodes of two bodies that are one solid, of the first and of the second.
     one: Vec<[u32; 2]>,
 }
 
@@ -63,7 +61,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
                 let help = "the mesh file has several groups of elements: give each body its own `group`";
                 return Err(Error::input(&other.name.at, what, help));
             }
-            common.told.push([a as usize, b as usize]);
+            common.united.told.push([a as usize, b as usize]);
             common.warnings.push(what + ": they do not know of each other");
             continue;
         }
@@ -85,7 +83,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             let outer = ours.iter().filter(|(_, count)| **count == 1).map(|(face, _)| face);
             let unlike = outer.filter(is_whole).filter(is_bare).filter(|face| !meets(face)).count();
             if unlike > 0 {
-                common.told.push([a as usize, b as usize]);
+                common.united.told.push([a as usize, b as usize]);
                 common.warnings.push(format!(
                     "bodies `{}` and `{}` share the nodes of {unlike} faces of `{}` that are no faces of `{}`: they come apart there; \
                      mesh both with elements whose faces match, or `tie` them",
@@ -105,7 +103,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
         if shared && covered.is_empty() && alike {
             let both = pairs.iter().filter(|(n, _)| is_shared(**n)).map(|(n, m)| [*n, *m]);
             common.one.extend(both);
-            common.lines.push(format!(
+            common.united.lines.push(format!(
                 "bodies `{}` and `{}` are one solid at {} faces, whose nodes they share",
                 one.name.value,
                 other.name.value,
@@ -135,7 +133,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             };
             return Err(Error::input(&other.name.at, what, help));
         }
-        common.told.push([a as usize, b as usize]);
+        common.united.told.push([a as usize, b as usize]);
         common.warnings.push(what + "; add a contact or a `tie`, or mesh them as one body");
     }
     Ok(common)
@@ -160,7 +158,7 @@ impl Common {
             global.tie = (0..global.tie.len() as u32).map(|n| first(&global.tie, n)).collect();
         }
         global.warnings.extend(self.warnings);
-        United { lines: self.lines, told: self.told }
+        self.united
     }
 }
 

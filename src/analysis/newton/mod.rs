@@ -71,8 +71,6 @@ pub struct Evaluated {
     pub offsets: Vec<Vec3>,
     /// Internal less external forces plus contact forces on the owned nodes: zero where free, the reaction where held.
     pub forces: Vec<Vec3>,
-    /// External forces on the owned nodes.
-    pub loads: Vec<Vec3>,
     /// Contact force on each tool, then for each its moment about the origin.
     pub tool_forces: Vec<Vec3>,
     /// Sum of the internal forces of this rank on each body.
@@ -191,7 +189,6 @@ impl<'a> Newton<'a> {
             u: committed.to_vec(),
             offsets: start.offsets.to_vec(),
             forces: vec![Vec3::zeros(); model.part.owned],
-            loads: Vec::new(),
             tool_forces: vec![Vec3::zeros(); 2 * model.masters.tools.len()],
             internal: vec![Vec3::zeros(); model.bodies.len()],
             balance: Balance::new(model, dofs, start.seen.to_vec(), start.floors.to_vec()),
@@ -262,10 +259,8 @@ impl<'a> Newton<'a> {
         if let Some(ahead) = &ahead {
             assembly::add_tangent_times(self.system.model, &self.found.u, ahead, &mut forces);
         }
-        let before = forces.clone();
         self.add_loads(&mut forces);
         forces.truncate(self.system.model.part.owned);
-        self.found.loads = forces.iter().zip(before).map(|(force, before)| before - force).collect();
         self.found.forces = forces;
         self.system.phases.add(Phase::Assembly, begun.elapsed());
         r.fill(0.0);
@@ -303,6 +298,14 @@ impl<'a> Newton<'a> {
     /// Whether this is the first iteration of a step.
     fn is_first(&self) -> bool {
         self.strategy.predicting && self.strategy.share.begin == 0.0
+    }
+
+    /// External forces on the owned nodes.
+    pub(super) fn loads(&mut self) -> Vec<Vec3> {
+        let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
+        self.add_loads(&mut forces);
+        forces.truncate(self.system.model.part.owned);
+        forces.into_iter().map(|force| -force).collect()
     }
 
     fn add_loads(&mut self, forces: &mut [Vec3]) {

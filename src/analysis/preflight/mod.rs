@@ -45,12 +45,20 @@ use crate::system::dofs::node_name;
 use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 
-/// Checks a model before it is run; warnings are added to the model. Gives a line about the gap of every contact and tie.
-/// Collective; what is found does not depend on the number of ranks.
+/// What the first look at a model leaves.
+pub struct Beginning {
+    /// A line about the gap of every contact and tie.
+    pub gaps: Vec<String>,
+    /// Without those that meet from the beginning, of which a warning tells.
+    pub(super) strangers: Strangers,
+}
+
+/// Checks a model before it is run; warnings are added to the model. Collective; what is found does not depend on the number of
+/// ranks.
 ///
 /// # Errors
 /// What cannot be right, with its place in the scene, on all ranks.
-pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Vec<String>> {
+pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Result<Beginning> {
     let steps = conditions(comm, scene, model)?;
     units::offset(comm, scene, model)?;
     units::stresses(scene, model);
@@ -62,13 +70,14 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     freed(scene, model);
     bystanders(scene, model);
     let still = vec![Vec3::zeros(); model.part.points.len()];
-    let met = Strangers::new(comm, model).meet(comm, model, &still);
+    let mut strangers = Strangers::new(comm, model);
+    let met = strangers.meet(comm, model, &still);
     model.warnings.extend(met);
     let sights = sight::look(comm, model);
     let contacts = scene.passes();
     facing::check(comm, &contacts, model, &sights)?;
-    let mut lines = gaps::check(comm, &contacts, model, &sights)?;
-    lines.extend(model.joined.clone());
+    let mut gaps = gaps::check(comm, &contacts, model, &sights)?;
+    gaps.extend(model.joined.clone());
     units::sizes(comm, scene, model, &sights);
     mirrored::check(comm, scene, model, (&steps, &sights));
     stuck::check(comm, scene, model, &steps)?;
@@ -77,7 +86,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     idle::check(comm, scene, model, &steps);
-    Ok(lines)
+    Ok(Beginning { gaps, strangers })
 }
 
 /// Warns of steps in which tools or sets turn too far for the increments that are asked for.

@@ -319,16 +319,17 @@ fn note(summary: &mut Summary, newton: &Newton) {
 }
 
 /// What is kept of a converged iterate.
-fn converged(newton: Newton, x: &[f64], negative: Negative) -> Converged {
+fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
     let (limits, [residual, limit], rounded) = (newton.limits(), newton.nearest_to_its_limit(), newton.rounded());
     let (contacts, ties, dashpots) = (newton.multipliers(x), newton.tie_forces(x), newton.damped());
+    let (seen, loads) = (newton.found.balance.accepted(), newton.loads());
     let Newton { s: end, found, course, .. } = newton;
     let rounds = course.rounds.count + course.rounds.tightened;
     Converged {
         end,
-        seen: found.balance.accepted(),
+        seen,
         u: found.u,
-        forces: Forces { nodes: found.forces, loads: found.loads, dashpots, tools: found.tool_forces, contacts, ties },
+        forces: Forces { nodes: found.forces, loads, dashpots, tools: found.tool_forces, contacts, ties },
         offsets: found.offsets,
         limits,
         between: Vec::new(),
