@@ -546,7 +546,7 @@ fn what_a_deck_has_besides() {
     refused(&scene("group = \"link\""), &["element 950 has type CONN3D2, which is not read"]);
 }
 
-/// Whatever their faces are called; two contacts that share only some are left alone.
+/// Whatever their faces are called, and also in part; contacts that share only those of one side are left alone.
 #[test]
 fn a_contact_that_is_another_the_other_way_round_is_refused() {
     let scene = |faces: &str, slave: &str, master: &str| {
@@ -568,13 +568,16 @@ move = [{{ target = "high.zmax", by = [0.0, 0.0, -0.1] }}]
     };
     let words = [
         "scene.toml:8:24",
-        "contact `up` is contact `down` the other way round: both keep the same faces apart",
-        "help: remove one, and give the other discretization = \"two-pass\"",
+        "in common with contact `down`, the other way round: both keep them apart",
+        "where both sides are to be slaves give that one discretization = \"two-pass\"",
     ];
     refused(&scene("", "low.zmax", "high.zmin"), &words);
     refused(&scene("top = \"zmax\"", "low.top", "high.zmin"), &words);
-    let (code, text) = verdict(&scene("more = [\"zmax\", \"xmax\"]", "low.more", "high.zmin"), 2);
-    assert!(code == 0, "{text}");
+    refused(&scene("more = [\"zmax\", \"xmax\"]", "low.more", "high.zmin"), &words);
+    for (slave, master) in [("low.xmax", "high.zmin"), ("low.zmax", "high.xmax")] {
+        let (code, text) = verdict(&scene("", slave, master), 2);
+        assert!(code == 0, "{text}");
+    }
 }
 
 /// Faces that meet each other in two contacts, by whatever names.

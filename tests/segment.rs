@@ -2,7 +2,8 @@
 
 mod common;
 
-use common::{Bench, assert_small, nagata};
+use common::{Bench, assert_close, assert_small, nagata};
+use nalgebra::Vector3;
 use std::path::Path;
 
 /// Cauchy stress of W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J in uniaxial strain: both cubes go from 10 to 9.5.
@@ -318,4 +319,46 @@ history = ["block.bottom"]
             }
         }
     }
+}
+
+/// Nodes that are held across the master's normal, under a roller: fields have its normal, not what is left of it.
+#[test]
+fn the_normal_of_nodes_that_are_held_is_that_of_the_surface() {
+    let run = Bench::new(
+        r#"
+        [body.block]
+        block = { box = { size = [1.0, 4.0, 1.0] }, elements = [1, 12, 3] }
+        material = "soft"
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.roller]
+        cylinder = { point = [0.0, 2.0, 3.0], axis = [1.0, 0.0, 0.0], radius = 2.0 }
+        [contact.top]
+        slave = "block.zmax"
+        master = "roller"
+        discretization = "segment"
+        friction = 0.2
+        [[step]]
+        increments = 2
+        fix = [{ set = "block.zmin" }, { set = "block", directions = "y" }]
+        move = [{ target = "roller", by = [0.0, 0.0, -0.4] }]
+        "#,
+    )
+    .solve(1, &[]);
+    let last = run.written();
+    let (status, normals) = (run.scalars(last, "contact.top", "status"), run.vectors(last, "contact.top", "normal"));
+    let (points, moved) = (run.points("contact.top"), run.vectors(last, "contact.top", "displacement"));
+    let (tractions, pressures) =
+        (run.vectors(last, "contact.top", "traction"), run.scalars(last, "contact.top", "pressure"));
+    let mut steepest: f64 = 0.0;
+    for k in (0..status.len()).filter(|&k| status[k] > 0.0) {
+        let (normal, traction) = (Vector3::from(normals[k]), Vector3::from(tractions[k]));
+        let away = Vector3::new(0.0, points[k][1] + moved[k][1] - 2.0, points[k][2] + moved[k][2] - 2.6);
+        assert_small("normal", (normal - away.normalize()).norm(), 0.05);
+        assert_close("pressure", pressures[k], normal.dot(&traction), 1e-12);
+        steepest = steepest.max(normal.y.abs());
+    }
+    assert!(steepest > 0.3, "{steepest}");
 }

@@ -8,6 +8,7 @@ use super::step::Running;
 use super::strangers::Strangers;
 use super::unpaid::Account;
 use super::{Event, Observer, Rounded, State, preflight};
+use crate::Vec3;
 use crate::contact::meeting::{mean_of_pieces, pieces_of};
 use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
@@ -16,7 +17,6 @@ use crate::output::phases::Phases;
 use crate::output::summary::{self, Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
-use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use petsc::Petsc;
 use std::collections::HashSet;
@@ -342,9 +342,7 @@ impl<'a> Simulation<'a> {
                 let projection = projection.map(facing);
                 let projection = match &segments {
                     None => projection,
-                    Some(segments) => {
-                        segments.meet(pair, s, projection.as_ref(), &Mat3::identity()).map(|(mean, _)| mean)
-                    }
+                    Some(segments) => segments.meet(pair, s, projection.as_ref()).map(|(mean, _)| mean),
                 };
                 let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at, None));
                 let slave = &mut pair.slaves[s];

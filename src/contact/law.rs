@@ -345,11 +345,13 @@ fn augmented(
 
 /// The tangential penalty of a node that is drawn: that with which friction, where the node slips along its way alone, has the
 /// part across that it bears already, and the rest along the way.
+#[derive(Default)]
 struct Lead {
     penalty: f64,
-    /// Its derivatives by λ̂_n and by λ_t.
+    /// Its derivatives by λ̂_n, by λ_t, and by the way that it is led.
     by_force: f64,
     by_base: Vec3,
+    by_way: Vec3,
 }
 
 impl Lead {
@@ -363,12 +365,14 @@ impl Lead {
         let along = base.dot(&way);
         let across = base - way * along;
         let rest = (bound.powi(2) - across.norm_squared()).max(0.0).sqrt();
-        let (rest, by_force, by_base) = match rest > Self::LEAST * bound {
-            true => (rest, -friction * bound / rest, -across / rest),
-            false => (Self::LEAST * bound, -friction * Self::LEAST, Vec3::zeros()),
+        // By the direction of the way the rest changes as the part along it does.
+        let (rest, by_force, by_base, by_along) = match rest > Self::LEAST * bound {
+            true => (rest, -friction * bound / rest, -across / rest, along / rest),
+            false => (Self::LEAST * bound, -friction * Self::LEAST, Vec3::zeros(), 0.0),
         };
         let penalty = (rest - along) / length;
-        Some(Self { penalty, by_force: by_force / length, by_base: (by_base - way) / length })
+        let by_way = (across * ((by_along - 1.0) / length) - way * penalty) / length;
+        Some(Self { penalty, by_force: by_force / length, by_base: (by_base - way) / length, by_way })
     }
 }
 
@@ -389,8 +393,9 @@ fn frictional(
     let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
     let is_drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
-    let along = |d: usize| guide.axes.column(d) * slip.dot(&guide.axes.column(d));
-    let led = tangential * (0..3).filter(is_drawn).map(along).sum::<Vec3>();
+    let along = |d: usize| guide.axes.column(d) * guide.axes.column(d).transpose();
+    let leading: Mat3 = (0..3).filter(is_drawn).map(along).sum();
+    let led = tangential * leading * slip;
     let drawn = led != Vec3::zeros();
     let lead = match set {
         Some(Status::Stick) => None,
@@ -438,8 +443,11 @@ fn frictional(
             let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
             // With the penalty, too.
             let stretch = rotation * slip;
-            let (steep, by_base) = lead.map_or((0.0, Mat3::zeros()), |l| (l.by_force, stretch * l.by_base.transpose()));
-            let direction = direction + stretch * steep;
+            let lead = lead.unwrap_or_default();
+            let direction = direction + stretch * lead.by_force;
+            let (by_base, by_way) = (stretch * lead.by_base.transpose(), stretch * lead.by_way.transpose());
+            let steep = by_base * by_normal(&(multiplier + held))
+                + by_way * (by_normal(&(leading * slip)) + tangential * leading * by_normal(&path));
             let by_base = (rotation + by_base) * tangential;
             let by = Slopes {
                 gap: direction * (law.normal * lean * share),
@@ -447,8 +455,9 @@ fn frictional(
                     + turn * lambda_n
                     + rotation * t_by_normal
                     + leaning
-                    + growth * by_normal(&path),
-                path: (rotation * penalty + growth) * tangential,
+                    + growth * by_normal(&path)
+                    + steep,
+                path: (rotation * penalty + growth + by_way * tangential * leading) * tangential,
                 multiplier: direction * n.transpose() * share + by_base,
             };
             (force, by, by_base)

@@ -35,6 +35,18 @@ enum Touch {
     Pieces(Vec<Point>),
 }
 
+impl Touch {
+    /// The projector on the directions that its normal may have in the element: of means those that are not held.
+    fn free(&self, guide: &Guide) -> Mat3 {
+        if let Self::Faces(_) = self { guide.free() } else { Mat3::identity() }
+    }
+}
+
+/// A normal that has some part along what is `free`, along that.
+fn along(free: &Mat3, normal: &Vec3) -> Vec3 {
+    (free * normal).normalize()
+}
+
 /// Where the nodes of the slave are, and the points of its faces where it has them.
 #[derive(Clone, Copy)]
 pub struct Ahead<'a> {
@@ -78,7 +90,7 @@ impl Meeting {
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
-        let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref(), &guide.free()));
+        let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref()));
         // One that goes to and fro over a kink keeps to what it was on, unless it has left it for another piece; to a single piece as
         // long as it is not exactly between that and others, which on the way it is by symmetry alone.
         let is_free = slave.pieces.is_empty() && !slave.trial.kinks.is_restless();
@@ -143,9 +155,11 @@ impl Meeting {
         stuck.method.tangent = Tangent::Exact;
         // Others are nearly symmetric, but not against steep penalties.
         stuck.method.transfer = Transfer::Variational;
+        let guide = self.guide;
         let Some((p, touch)) = stuck.contact.as_mut().filter(|_| self.method.law.friction > 0.0) else {
             return Some(stuck);
         };
+        let normal = along(&touch.free(&guide), &p.normal);
         match touch {
             Touch::Faces(_) | Touch::Pieces(_) if status == Status::Slip => return None,
             Touch::Faces(_) | Touch::Pieces(_) => return Some(stuck),
@@ -161,7 +175,7 @@ impl Meeting {
             Multiplier::Augmented(_) => {}
             Multiplier::Force(_, set) if *set == Status::Slip => *set = Status::Stick,
             Multiplier::Force(..) => {}
-            Multiplier::Held { tangential, force, .. } => *tangential = *force - p.normal * p.normal.dot(force),
+            Multiplier::Held { tangential, force, .. } => *tangential = *force - normal * normal.dot(force),
         }
         Some(stuck)
     }
@@ -193,7 +207,7 @@ pub fn pieces_of(even: &[(Projection, f64)]) -> Vec<Beside> {
 
 /// The mean of the points that a slave node has `even`ly; the rest is that of `at`.
 pub fn mean_of_pieces(even: &[(Projection, f64)], at: &Projection) -> Option<Projection> {
-    mean_of(even.iter().map(|(p, share)| (p, *share)), at, &Mat3::identity())
+    mean_of(even.iter().map(|(p, share)| (p, *share)), at)
 }
 
 /// What a slave node, which has the point `at`, meets where it is exactly between pieces of the master, on which it has points
@@ -285,13 +299,16 @@ impl Workspace {
             (segments, _) => segments.map(|_| Vec::new()),
         };
         if let Some(portions) = portions {
-            let spread = |(p, touch): &(Projection, Touch)| Spread {
-                node: slave.node,
-                portions: &portions,
-                gap: p.gap,
-                normal: p.normal,
-                free: if let Touch::Faces(_) = touch { guide.free() } else { Mat3::identity() },
-                carried: meeting.carried,
+            let spread = |(p, touch): &(Projection, Touch)| {
+                let free = touch.free(guide);
+                Spread {
+                    node: slave.node,
+                    portions: &portions,
+                    gap: p.gap,
+                    normal: along(&free, &p.normal),
+                    free,
+                    carried: meeting.carried,
+                }
             };
             let spread = meeting.contact.as_ref().map(spread);
             return match with_tangent {

@@ -6,7 +6,7 @@
 //! - `facing`: masters whose normals look away from the slave
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
-//! - `repeated`: contacts that are another one by other names, also in part, or the other way round
+//! - `repeated`: contacts that are another one by other names or the other way round, also in part
 //! - `tied`: slave nodes of ties that a step moves otherwise than their masters
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step

@@ -15,8 +15,7 @@ struct Sides {
     master: BTreeSet<Vec<u32>>,
 }
 
-/// Refuses contacts that have faces of both sides in common with another one, and those that are another one the other way round.
-/// Collective.
+/// Refuses contacts that have faces of both sides in common with another one, whichever of them is the slave. Collective.
 ///
 /// # Errors
 /// There are such contacts.
@@ -46,12 +45,15 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<
                 return Err(Error::input(&second.slave.at, what, "name each face in one of them"));
             }
             let are_bodies = [first, second].iter().all(|contact| contact.surface.is_some() && !contact.is_self());
-            if are_bodies && !any(comm, others.slave != sides[k].master || others.master != sides[k].slave) {
+            if are_bodies && meet(comm, &others.slave, &sides[k].master) && meet(comm, &others.master, &sides[k].slave)
+            {
                 let what = format!(
-                    "contact `{name}` is contact `{other}` the other way round: both keep the same faces apart, and how they \
-                     share the force is not determined"
+                    "contact `{name}` has faces of `{}` and `{}` in common with contact `{other}`, the other way round: both \
+                     keep them apart, and how they share the force is not determined",
+                    second.slave.value, second.master.value
                 );
-                let help = "remove one, and give the other discretization = \"two-pass\"";
+                let help = "name each face in one of them, and where both sides are to be slaves give that one \
+                            discretization = \"two-pass\"";
                 return Err(Error::input(&second.slave.at, what, help));
             }
         }
@@ -61,8 +63,11 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<
 
 /// Whether two contacts have faces of both sides in common, or such of the slave and the tool. Collective.
 fn share(comm: &SimpleCommunicator, (first, one): (&Contact, &Sides), (second, other): (&Contact, &Sides)) -> bool {
-    let slaves = any(comm, !one.slave.is_disjoint(&other.slave));
-    let masters = any(comm, !one.master.is_disjoint(&other.master));
     let is_one_tool = second.surface.is_none() && first.master.value == second.master.value;
-    slaves && (masters || is_one_tool)
+    meet(comm, &one.slave, &other.slave) && (is_one_tool || meet(comm, &one.master, &other.master))
+}
+
+/// Whether two sets of faces have some in common. Collective.
+fn meet(comm: &SimpleCommunicator, one: &BTreeSet<Vec<u32>>, other: &BTreeSet<Vec<u32>>) -> bool {
+    any(comm, !one.is_disjoint(other))
 }

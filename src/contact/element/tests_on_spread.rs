@@ -40,6 +40,7 @@ struct Scene {
     spots: &'static [Spot],
     multiplier: Vec3,
     friction: f64,
+    guide: Guide,
 }
 
 impl Bed for Scene {
@@ -59,14 +60,14 @@ impl Scene {
         let patches = MovingPatch::all(&mesh, &numbers, smoothing, 50.0, &[], &Controls::default()).unwrap();
         let stencils = patches.iter().map(|patch| patch.nodes.iter().map(|&n| n as u32).collect()).collect();
         let points = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
-        Self { patches, stencils, points, slaves: Vec::new(), spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }
-            .placed()
+        let (slaves, multiplier, guide) = (Vec::new(), Vec3::zeros(), Guide::default());
+        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide }.placed()
     }
 
     fn ball() -> Self {
         let (points, slaves) = (vec![Vec3::from(CENTER)], Vec::new());
-        let (patches, stencils) = (Vec::new(), Vec::new());
-        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier: Vec3::zeros(), friction: 0.3 }.placed()
+        let (patches, stencils, multiplier, guide) = (Vec::new(), Vec::new(), Vec3::zeros(), Guide::default());
+        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide }.placed()
     }
 
     /// Puts the slave nodes where the points are about where they are said to be.
@@ -131,13 +132,13 @@ impl Scene {
             node: 0,
             portions: &portions,
             gap: portions.iter().map(|p| p.weight * p.at.gap).sum(),
-            normal: sum(&|p| p.at.normal).normalize(),
-            free: Mat3::identity(),
+            normal: (self.guide.free() * sum(&|p| p.at.normal)).normalize(),
+            free: self.guide.free(),
             carried: Vec3::zeros(),
         };
         let friction = if width == 3 { self.friction } else { 0.0 };
         let method = Method { law: Law { friction, ..LAW }, transfer, tangent: Tangent::Exact };
-        let (multiplier, guide) = (Multiplier::Augmented(self.multiplier), Guide::default());
+        let (multiplier, guide) = (Multiplier::Augmented(self.multiplier), self.guide);
         let mut e = Element::default();
         let response = e.spread_tangent(&method, &multiplier, (Some(&spread), self), &guide);
         let own = e.own.iter().chain(response.constraint.iter().take(width));
@@ -198,6 +199,24 @@ fn the_tangent_of_points_is_the_derivative_of_the_residual() {
             assert!(status == Status::Slip && error < 1e-8, "{transfer:?}: {error:e}");
             let is_symmetric = transfer == Transfer::Variational || scene.patches.is_empty();
             assert!(!is_symmetric || skew < 1e-12, "{skew:e}");
+        }
+    }
+}
+
+/// A node that is held, or drawn, along some direction.
+#[test]
+fn the_tangent_of_points_is_the_derivative_where_nodes_are_guided() {
+    let axes = *nalgebra::Rotation3::from_euler_angles(0.2, -0.3, 0.4).matrix();
+    let (none, one, two) = ([false; 3], [true, false, false], [true, true, false]);
+    for scene in [Scene::new(Smoothing::Nagata), Scene::ball()] {
+        for (held, drawn) in [(one, none), (none, one), (none, two), (one, [false, true, false])] {
+            let guide = Guide { axes, held, drawn };
+            let multiplier = guide.free() * Vec3::new(1.0, -2.0, -12.0);
+            for friction in [50.0, 3.0, 0.3, 0.05] {
+                let scene = Scene { multiplier, friction, guide, ..scene.clone() };
+                let (status, error, _) = scene.errors(3, Transfer::Variational);
+                assert!(error < 1e-9, "{held:?} {drawn:?} {friction} {status:?}: {error:e}");
+            }
         }
     }
 }

@@ -1,13 +1,13 @@
 //! Integration points of slave faces on the master, and what a slave node meets through them.
 
 use super::{Face, Spot, mean};
+use crate::Vec3;
 use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
 use crate::contact::{BodySurface, Pair};
 use crate::mortar::rule::on_line;
 use crate::mortar::{Corners, MeanPlane, overlap};
 use crate::surface::{Patch, Projection};
-use crate::{Mat3, Vec3};
 
 /// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
 /// nothing is, or where these are multiplied by a radius.
@@ -133,22 +133,15 @@ impl Segments {
         shares.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).map(|share| self.get(share).at)
     }
 
-    /// What slave node `s` meets, (1) of the [module](super): gap, normal along the directions that are `free`, mean contact point, and
-    /// the shares of its points, by the fan that is the nearest. The rest of the projection is that of its `own` closest point, or else
-    /// of the weightiest.
-    pub fn meet(
-        &self,
-        pair: &Pair,
-        s: usize,
-        own: Option<&Projection>,
-        free: &Mat3,
-    ) -> Option<(Projection, Vec<Share>)> {
+    /// What slave node `s` meets, (1) of the [module](super): gap, normal, mean contact point, and the shares of its points, by the fan
+    /// that is the nearest. The rest of the projection is that of its `own` closest point, or else of the weightiest.
+    pub fn meet(&self, pair: &Pair, s: usize, own: Option<&Projection>) -> Option<(Projection, Vec<Share>)> {
         let gap = |shares: &[Share]| -> f64 { shares.iter().map(|share| share.weight * self.get(share).at.gap).sum() };
         let fans = pair.faces.as_ref()?.fans[s].iter().filter_map(|fan| self.shares_of_fan(pair, s, fan));
         let shares = fans.min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
         let base = own.copied().or_else(|| self.weightiest_of(&shares))?;
         let weighted = shares.iter().map(|share| (&self.get(share).at, share.weight));
-        Some((mean_of(weighted, &base, free)?, shares))
+        Some((mean_of(weighted, &base)?, shares))
     }
 
     /// The w_iq of a fan around slave node `s`, unless it lies over too little of the master.
@@ -163,20 +156,15 @@ impl Segments {
     }
 }
 
-/// Mean of projections with their weights, (1) of the [module](super), the normal along the directions that are `free`; the rest
-/// is that of `base`.
-pub fn mean_of<'a>(
-    weighted: impl Iterator<Item = (&'a Projection, f64)>,
-    base: &Projection,
-    free: &Mat3,
-) -> Option<Projection> {
+/// Mean of projections with their weights, (1) of the [module](super); the rest is that of `base`.
+pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: &Projection) -> Option<Projection> {
     let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
     for (at, weight) in weighted {
         gap += weight * at.gap;
         normal += at.normal * weight;
         point += at.point * weight;
     }
-    let normal = (free * normal).try_normalize(f64::MIN_POSITIVE)?;
+    let normal = normal.try_normalize(f64::MIN_POSITIVE)?;
     Some(Projection { gap, point, normal, ..*base })
 }
 
