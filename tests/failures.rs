@@ -214,6 +214,53 @@ fix = [{ set = "soft.zmin" }]
 move = [{ target = "stiff.zmax", by = [0.1, 0.0, -0.1] }]
 "#;
 
+/// A billet spreads into the corners of a die: as one contact it has one force for a node there, and with a contact for each
+/// side, or a fillet, as many as it needs.
+#[test]
+fn hollow_edges_are_named() {
+    let scene = |tools: &str, contacts: &str| {
+        Bench::new(&format!(
+            r#"
+body.billet.block = {{ box = {{ origin = [-1.0, 0.0, 0.0], size = [2.0, 2.0, 0.25] }}, elements = [8, 8, 1], faces = {{ skin = ["xmin", "ymin", "xmax"] }} }}
+body.billet.material = "rubber"
+body.billet.plane_strain = true
+material.rubber = {{ model = "neo-hookean", young = 10.0, poisson = 0.45 }}
+tool.punch.plane = {{ point = [0.0, 2.0, 0.0], normal = [0.0, -1.0, 0.0] }}
+contact.up = {{ slave = "billet.ymax", master = "punch", friction = 0.1 }}
+{tools}
+{contacts}
+[[step]]
+increments = 10
+move = [{{ target = "punch", by = [0.0, -0.35, 0.0] }}]
+"#
+        ))
+    };
+    let die = |fillet: &str| {
+        format!(
+            "tool.die.profile = {{ points = [[1.05, 4.0], [1.05, 0.0], [-1.05, 0.0], [-1.05, 4.0]], fillets = {fillet} }}"
+        )
+    };
+    let of_die = "contact.die = { slave = \"billet.skin\", master = \"die\", friction = 0.1 }";
+    let text = failure(&scene(&die("0.0"), of_die).run(2, &[]));
+    for words in [
+        "help: node ",
+        "is in a hollow edge of the tool `die`, whose sides, which turn by 90 degrees there, both press it",
+        "contact `die` has one force for a node",
+    ] {
+        assert!(text.contains(words), "{words}\n{text}");
+    }
+    let planes =
+        [("floor", [0.0, 0.0], [0.0, 1.0]), ("left", [-1.05, 0.0], [1.0, 0.0]), ("right", [1.05, 0.0], [-1.0, 0.0])];
+    let plane = |(name, [x, y], [nx, ny]): &(&str, [f64; 2], [f64; 2])| {
+        let tool = format!("tool.{name}.plane = {{ point = [{x}, {y}, 0.0], normal = [{nx}, {ny}, 0.0] }}\n");
+        (tool, format!("contact.{name} = {{ slave = \"billet.skin\", master = \"{name}\", friction = 0.1 }}\n"))
+    };
+    let (tools, contacts): (String, String) = planes.iter().map(plane).unzip();
+    let force = |bench: Bench| bench.solve(2, &[]).history().last("punch.fy");
+    let [sharp, rounded] = [force(scene(&tools, &contacts)), force(scene(&die("[0.0, 0.05, 0.05, 0.0]"), of_die))];
+    assert!(sharp < -3.5 && (rounded / sharp - 1.0).abs() < 0.03, "{sharp} {rounded}");
+}
+
 /// What is peculiar to a contact is named before what always helps, and nothing of a contact that is as it should be.
 #[test]
 fn contacts_that_may_be_why_are_named() {

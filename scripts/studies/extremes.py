@@ -18,12 +18,12 @@ from shared import arguments
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/validation/extremes.md"
 # Of the lines that tell what has ended.
-CASE = re.compile(r"^\d+/\d+ (?P<test>\w+/\w+): .*?: (?P<outcome>right|refused|[A-Z]{4,}): (?P<text>.*) \([\d.]+ s\)$")
+CASE = re.compile(r"^\d+/\d+ (?P<test>\w+/\w+): .*?: (?P<outcome>right|warned|refused|[A-Z]{4,}): (?P<text>.*) \([\d.]+ s\)$")
 ERROR = re.compile(r"off by ([\d.]+e-?\d+)")
 
 
 def of_extremes(log):
-    """A row a test: cases, how many are right and refused, and the largest error of those that are right."""
+    """A row a test: cases, how many are right, warned of and refused, and the largest error of those that are right."""
     tests = collections.OrderedDict()
     for line in log.splitlines():
         if found := CASE.match(line):
@@ -31,15 +31,17 @@ def of_extremes(log):
             outcomes[found["outcome"]] += 1
             if found["outcome"] == "right":
                 errors += map(float, ERROR.findall(found["text"]))
-    rows = ["| test | cases | right | refused | largest error |", "|---|---|---|---|---|"]
+    rows = ["| test | cases | right | warned | refused | largest error |", "|---|---|---|---|---|---|"]
     total = collections.Counter()
     for name, (outcomes, errors) in sorted(tests.items()):
         total += outcomes
         largest = f"{max(errors):.0e}" if errors else ""
-        count, right, refused = sum(outcomes.values()), outcomes["right"], outcomes["refused"]
-        mark = f" **{count - right - refused} neither**" if count > right + refused else ""
-        rows.append(f"| `{name}` | {count} | {right} | {refused}{mark} | {largest} |")
-    rows.append(f"| all | {sum(total.values())} | {total['right']} | {total['refused']} | |")
+        count = sum(outcomes.values())
+        right, warned, refused = (outcomes[word] for word in ("right", "warned", "refused"))
+        others = count - right - warned - refused
+        mark = f" **{others} neither**" if others else ""
+        rows.append(f"| `{name}` | {count} | {right} | {warned} | {refused}{mark} | {largest} |")
+    rows.append(f"| all | {sum(total.values())} | {total['right']} | {total['warned']} | {total['refused']} | |")
     return rows
 
 

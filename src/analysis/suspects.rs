@@ -1,11 +1,13 @@
 //! What of its contacts may be why an increment has no solution: roles, discretizations, methods and tangents that fail
 //! where others do not.
 
+use crate::Vec3;
 use crate::contact::{Discretization, Pair, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
-use crate::parallel::sum;
+use crate::parallel::{sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene};
+use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 
 /// Share of the friction that contacts can bear from which they hardly hold what they hold.
@@ -71,6 +73,35 @@ fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<Strin
             model.master_name(pair)
         )
     })
+}
+
+/// Contacts of which nodes are in hollow edges of the master, at displacements `u`, which the master attends to: two sides press
+/// them, and a contact has one force for a node. Collective.
+pub fn hollow(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
+    model.pairs.iter().filter_map(|pair| of_hollow(comm, model, pair, u)).collect()
+}
+
+fn of_hollow(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Option<String> {
+    /// Over the facets of the slave: how near a node is to both sides.
+    const NEAR: f64 = 0.1;
+    let ground = model.masters.of(pair.master);
+    let sides = |node: u32| {
+        let x = model.part.points[node as usize] + u[node as usize];
+        let [a, b] = ground.hollow(pair, &x, NEAR * pair.facet_size)?;
+        Some((node, a.dot(&b).clamp(-1.0, 1.0).acos().to_degrees()))
+    };
+    let sharpest = pair.slaves.iter().filter_map(|slave| sides(slave.node)).max_by(|a, b| a.1.total_cmp(&b.1));
+    let told = |(node, turn): (u32, f64)| {
+        format!(
+            "node {} is in a hollow edge of {}, whose sides, which turn by {turn:.0} degrees there, both press it, and contact `{}` has \
+             one force for a node: round the edge by a fillet, or give each side a contact of its own, as faces with a name or a \
+             tool for each",
+            node_name(model, node),
+            model.master_name(pair),
+            pair.name
+        )
+    };
+    word_of_largest(comm, sharpest.map(|(node, turn)| ((node, turn), turn)), told).map(|(told, _)| told)
 }
 
 /// What to change in the contacts of the `body` where an increment failed, of all bodies where that is not known. Collective.

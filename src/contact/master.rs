@@ -395,13 +395,33 @@ impl<'a> Ground<'a> {
     /// another one; it looks `outward`.
     pub fn facing(&self, pair: &Pair, x: &Vec3, found: &Projection, outward: &Vec3) -> Option<Projection> {
         let sides = pair.sides();
-        sides.facing(found, outward, |most| match self {
-            Self::Tool(tool) => tool.perpendiculars(x, most, sides.aside),
+        sides.facing(found, outward, |most| self.perpendiculars(pair, x, (most, sides.aside)))
+    }
+
+    /// Perpendiculars from a point to all pieces of the master, no longer than `most`, that miss a piece by `aside` at most; none
+    /// within a body.
+    fn perpendiculars(&self, pair: &Pair, x: &Vec3, (most, aside): (f64, f64)) -> Vec<Projection> {
+        match self {
+            Self::Tool(tool) => tool.perpendiculars(x, most, aside),
             Self::Surface(surface, Meets::Faces) if !pair.is_within_body() => {
-                surface.shapes().perpendiculars(x, most, sides.aside)
+                surface.shapes().perpendiculars(x, most, aside)
             }
             Self::Surface(..) => Vec::new(),
-        })
+        }
+    }
+
+    /// The normals of two sides of the master that both touch a slave node at `x`, to `near`, where these meet in a hollow edge
+    /// sharper than `even_turn` of the [`Controls`].
+    pub fn hollow(&self, pair: &Pair, x: &Vec3, near: f64) -> Option<[Vec3; 2]> {
+        let feet = self.perpendiculars(pair, x, (near, near));
+        let turns = |a: &Vec3, b: &Vec3| a.dot(b) < 1.0 - pair.controls.even_turn;
+        let first = feet.first()?.normal;
+        let most = feet.iter().map(|at| at.normal).min_by(|a, b| a.dot(&first).total_cmp(&b.dot(&first)))?;
+        // Out of a hollow edge both sides stay in sight, out of an edge that sticks out neither.
+        let out = (first + most).try_normalize(f64::MIN_POSITIVE).filter(|_| turns(&first, &most))?;
+        let seen = self.perpendiculars(pair, &(x + out * (2.0 * near)), (4.0 * near, near * 1e-3));
+        let sees = |side: &Vec3| seen.iter().any(|at| at.gap > 0.0 && !turns(&at.normal, side));
+        (sees(&first) && sees(&most)).then_some([first, most])
     }
 
     /// Where a slave node of a pair at `x`, which has the point `at`, is exactly between pieces of the master: its points on all of

@@ -26,6 +26,8 @@ pub enum Expected {
 pub enum Outcome {
     /// All oracles agree; with the error of the worst.
     Right(String),
+    /// Exit code 0, and what is not right is said: with the warning.
+    Warned(String),
     /// Exit code 1 or 2, with a reason.
     Refused(String),
     /// Exit code 0, and off by more than the tolerance of an oracle.
@@ -236,7 +238,7 @@ impl Case {
         let warned = self.warning.and_then(|words| done.warning(words));
         if self.expected == Expected::Refused {
             return match warned {
-                Some(line) => Outcome::Right(format!("warned: {line}")),
+                Some(line) => Outcome::Warned(line),
                 None => Outcome::Wrong(format!("accepted: {}", done.forces())),
             };
         }
@@ -246,7 +248,7 @@ impl Case {
             return Outcome::Right(text);
         }
         match warned {
-            Some(line) => Outcome::Right(format!("{text}, warned: {line}")),
+            Some(line) => Outcome::Warned(format!("{text}; {line}")),
             None => Outcome::Wrong(format!("{text}{}", done.cost())),
         }
     }

@@ -69,8 +69,9 @@ pub fn write<'a>(outcomes: impl Iterator<Item = (&'a str, &'a Outcome)>) {
 
 /// Rows of the list that are no longer refused.
 pub fn outdated<'a>(outcomes: impl Iterator<Item = (&'a str, &'a Outcome)>) -> Vec<&'a str> {
-    let is_right =
-        |(name, outcome): &(&str, &Outcome)| LISTED.contains_key(name) && matches!(outcome, Outcome::Right(_));
+    let is_right = |(name, outcome): &(&str, &Outcome)| {
+        LISTED.contains_key(name) && matches!(outcome, Outcome::Right(_) | Outcome::Warned(_))
+    };
     outcomes.filter(is_right).map(|(name, _)| name).collect()
 }
 

@@ -12,6 +12,7 @@ impl Outcome {
     fn words(&self) -> (&'static str, String) {
         match self {
             Self::Right(text) => ("right", text.clone()),
+            Self::Warned(text) => ("warned", text.clone()),
             Self::Refused(text) => ("refused", shown(text)),
             Self::Wrong(text) => ("WRONG", text.clone()),
             Self::Failed(text) => ("FAILED", shown(text)),
@@ -21,11 +22,11 @@ impl Outcome {
     }
 
     pub fn is_good(&self) -> bool {
-        matches!(self, Self::Right(_) | Self::Refused(_))
+        matches!(self, Self::Right(_) | Self::Warned(_) | Self::Refused(_))
     }
 }
 
-/// Fails the test that calls it, and says why, unless each of the quick cases is right or refused.
+/// Fails the test that calls it, and says why, unless each of the quick cases is right, warned of or refused.
 pub fn hold(cases: Vec<Case>) {
     let quick: Vec<Case> = cases.into_iter().filter(|case| case.quick).collect();
     let mut bad = String::new();
@@ -69,7 +70,7 @@ pub fn print(cases: &[Case]) -> bool {
         let (word, text) = outcome.words();
         println!("{:first$} | {:second$} | {word}: {text}", case.name, case.oracle_text());
     }
-    let counts = ["right", "refused", "WRONG", "FAILED", "CRASH", "HANG"]
+    let counts = ["right", "warned", "refused", "WRONG", "FAILED", "CRASH", "HANG"]
         .map(|word| format!("{} {word}", outcomes.iter().filter(|outcome| outcome.words().0 == word).count()));
     let named = || cases.iter().map(|case| case.name.as_str()).zip(&outcomes);
     for row in outdated(named()) {
