@@ -228,6 +228,30 @@ fn conditions_last_until_they_are_changed() {
     assert_close("z", z, -2700.0, 2e-3);
 }
 
+/// OP=NEW takes off what acted before its step alone, and nothing that the step itself gives; a card of one kind does not change its
+/// mind.
+#[test]
+fn what_a_step_gives_stays_in_it() {
+    let (model, _) = STEPS.split_once("*STEP").unwrap();
+    let model = model.replace("MATERIAL=BRASS", "MATERIAL=STEEL");
+    let step = |cards: &str| format!("*STEP, NLGEOM\n*STATIC\n1., 1.\n{cards}*END STEP\n");
+    let first = step("*DSLOAD\nSIDE, P, 2.\n");
+    let lid = "13, P2, 5.\n14, P2, 5.\n15, P2, 5.\n16, P2, 5.\n";
+    let foot = |cards: &str| {
+        let (bench, _) = converted(&format!("{model}{first}{}", step(cards)));
+        let history = bench.solve(1, &[]).history();
+        ["fx", "fz"].map(|c| history.last(&format!("body.FOOT.{c}")))
+    };
+    let [alone, z] = foot("*DSLOAD, OP=NEW\nSIDE, P, 0.\n");
+    assert!(alone.abs() < 1e-6 && z.abs() < 1e-6, "{alone} {z}");
+    let [x, z] = foot(&format!("*DLOAD\n{lid}*DSLOAD, OP=NEW\nSIDE, P, 0.\n"));
+    assert!(x.abs() < 1e-2 && z > 100.0, "{x} {z}");
+    for (card, line) in [("CLOAD", "HEAD, 1, 20.\n"), ("BOUNDARY", "FOOT, 1, 1, 0.1\n")] {
+        let (_, told) = refused(&format!("{model}{first}{}", step(&format!("*{card}\n{line}*{card}, OP=NEW\n{line}"))));
+        assert!(told.contains("OP=NEW comes after a card of its kind without it in the same step"), "{card}: {told}");
+    }
+}
+
 /// A bar of two sections is one body of two materials; with Poisson's ratio 0 each stretches by ln l = -p l/E.
 #[test]
 fn sections_of_one_part_are_materials_of_one_body() {

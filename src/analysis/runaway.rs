@@ -140,6 +140,10 @@ fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) ->
             let _ = write!(text, "the tool `{tool}` spins: its torque comes to {:.3e}, and ", torque.abs());
             text += &match hold.in_reach {
                 0 => "no slave node is in reach of it".to_string(),
+                _ if hold.moment > torque.abs() => {
+                    let all = hold.moment;
+                    format!("contact as it presses now does not hold that, though all its friction comes to {all:.3e}")
+                }
                 _ => format!("contact as it presses now holds no more than {:.3e}", hold.moment),
             };
             "press it on harder first, give its contact more friction, or turn it by `rotate` of `move`"

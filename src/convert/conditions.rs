@@ -19,6 +19,8 @@ use std::rc::Rc;
 #[derive(Default)]
 pub(super) struct Conditions {
     pub step: usize,
+    /// The kinds of cards that there were in the step, and whether the first of each has OP=NEW.
+    kinds_given: BTreeMap<String, bool>,
     pub supports: Supports,
     /// Forces on nodes.
     pub forces: Loads,
@@ -55,6 +57,7 @@ impl Conditions {
     /// Goes on to the next step.
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.step += 1;
+        self.kinds_given.clear();
         self.supports.begin(last, next, amplitudes);
         let kinds = [&mut self.forces, &mut self.moments, &mut self.pressures, &mut self.gravity, &mut self.spins];
         kinds.into_iter().for_each(|loads| loads.begin(last, next, amplitudes));
@@ -78,6 +81,11 @@ impl Conditions {
     /// Takes a card of the step.
     pub fn take(&mut self, card: &Card, setting: &mut Setting) -> Result<()> {
         let is_new = is_new(card);
+        let begins_anew = *self.kinds_given.entry(card.keyword.name.clone()).or_insert(is_new);
+        if is_new && !begins_anew {
+            let what = "OP=NEW comes after a card of its kind without it in the same step: CalculiX passes it over, and others do not";
+            return Err(card.error(what, "give it with the first card of the step"));
+        }
         let amplitude = amplitudes::of(setting.amplitudes, card)?;
         let mut lines = |take: &mut dyn FnMut(Line) -> Result<()>| {
             Faults::all(card.rows.iter().map(|row| take(Line { card, row, amplitude, setting }))).map(|_| ())
@@ -91,8 +99,8 @@ impl Conditions {
             }
             "CLOAD" => {
                 if is_new {
-                    self.forces.reset();
-                    self.moments.reset();
+                    self.forces.reset(self.step);
+                    self.moments.reset(self.step);
                 }
                 // The lines with single nodes are one load, as programs write that on a face.
                 let mut loads = BTreeMap::new();
@@ -102,9 +110,9 @@ impl Conditions {
             }
             "DLOAD" | "DSLOAD" => {
                 if is_new {
-                    self.pressures.reset();
-                    self.gravity.reset();
-                    self.spins.reset();
+                    self.pressures.reset(self.step);
+                    self.gravity.reset(self.step);
+                    self.spins.reset(self.step);
                 }
                 lines(&mut |mut line| self.take_distributed(&mut line))
             }

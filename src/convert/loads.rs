@@ -120,10 +120,12 @@ impl Loads {
         refused.map_or(Ok(()), Err)
     }
 
-    /// OP=NEW: all that acted until this step is taken off; the first card of a step counts.
-    pub fn reset(&mut self) {
+    /// OP=NEW in a step: all that acted until then is taken off; the first such card of a step counts.
+    pub fn reset(&mut self, step: usize) {
         if !std::mem::replace(&mut self.was_reset, true) {
-            self.fading.append(&mut self.live);
+            let (new, old) = std::mem::take(&mut self.live).into_iter().partition(|load| load.step == step);
+            self.live = new;
+            self.fading.extend::<Vec<Load>>(old);
             for load in &mut self.fading {
                 load.values.clear();
                 load.amplitude = None;

@@ -6,6 +6,7 @@ use crate::contact::{Pair, Status};
 use crate::model::Model;
 use crate::model::elements::nodal_areas;
 use crate::model::tractions::tractions;
+use crate::mortar::Corners;
 use crate::parallel::{any, max, sum};
 use crate::partition::PartFacet;
 use mpi::topology::SimpleCommunicator;
@@ -73,6 +74,29 @@ impl Nodes<'_> {
         depths
     }
 
+    /// Unit normals of the slave in the initial mesh, three values a node. Collective.
+    fn outward(&self) -> Vec<f64> {
+        let part = &self.model.part;
+        let mut outward = vec![0.0; 3 * part.points.len()];
+        for facet in self.facets {
+            let corners = Corners::new(&facet.nodes[..facet.count as usize]);
+            let area = corners.map(|n| part.points[n as usize]).area_vector();
+            for &n in &facet.nodes[..facet.count as usize] {
+                let n = part.tie[n as usize] as usize;
+                (0..3).for_each(|d| outward[3 * n + d] += area[d]);
+            }
+        }
+        for normal in outward.as_chunks_mut::<3>().0 {
+            *normal = Vec3::from(*normal).try_normalize(0.0).unwrap_or_default().into();
+        }
+        for n in 0..part.owned {
+            let tie = part.tie[n] as usize;
+            outward.copy_within(3 * tie..3 * tie + 3, 3 * n);
+        }
+        part.halo.update(self.comm, 3, &mut outward);
+        outward
+    }
+
     /// Areas of the nodes, and the means of a field over the facets around them, weighted by shape functions.
     fn means(&self, field: &[f64], u: &[Vec3]) -> (Vec<f64>, Vec<f64>) {
         let mut areas = vec![0.0; field.len()];
@@ -98,8 +122,9 @@ impl Nodes<'_> {
 
 /// Work of the pressure `field` on what the master is behind the facets that this rank counts. Where normals of the master turn
 /// by dn along an edge d, it bulges by dn.d/8 over the edge; of all edges the mean over a facet is the sum of dn.d/24, for
-/// triangles as for quadrilaterals. Across the edge of the contact the slave goes no farther along a master that turns away
-/// than the force of a node indents it.
+/// triangles as for quadrilaterals. As far as the slave bulges so in the initial mesh, as a bore does over a shaft, its faces need not
+/// bend. Across the edge of the contact the slave goes no farther along a master that turns away than the force of a node
+/// indents it.
 fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     let part = &nodes.model.part;
     let mut normals = vec![0.0; 3 * part.points.len()];
@@ -120,11 +145,18 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     nodes.share(&mut gaps);
     nodes.share(&mut indents);
     let normal = |n: usize| Vec3::from_column_slice(&normals[3 * n..3 * n + 3]);
+    let outwards = nodes.outward();
+    let outward = |n: usize| Vec3::from_column_slice(&outwards[3 * n..3 * n + 3]);
     let of_facet = |facet: &PartFacet| {
         let count = facet.count as usize;
         let at = |k: usize| facet.nodes[k % count] as usize;
-        let place = |n: usize| part.points[n] + u[n];
-        let bulges = (0..count).map(|k| (normal(at(k + 1)) - normal(at(k))).dot(&(place(at(k + 1)) - place(at(k)))));
+        let turns = |normal: &dyn Fn(usize) -> Vec3, place: &dyn Fn(usize) -> Vec3| -> f64 {
+            let along = |k: usize| (normal(at(k + 1)) - normal(at(k))).dot(&(place(at(k + 1)) - place(at(k))));
+            (0..count).map(along).sum()
+        };
+        let bulges = turns(&normal, &|n| part.points[n] + u[n]);
+        let own = -turns(&outward, &|n| part.points[n]);
+        let bulges = bulges - own.clamp(bulges.min(0.0), bulges.max(0.0));
         let force: f64 = nodal_areas(nodes.model, &facet.nodes[..facet.count as usize], u)
             .iter()
             .zip(&facet.nodes)
@@ -136,7 +168,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
         let gap = (0..count).map(|k| gaps[at(k)]).sum::<f64>() / count as f64;
         let indent = (0..count).map(|k| indents[at(k)]).fold(0.0, f64::max);
         let most = if gap > 0.0 { indent } else { f64::INFINITY };
-        [force * (bulges.sum::<f64>() / 24.0).clamp(-most, most), force * gap.min(most)]
+        [force * (bulges / 24.0).clamp(-most, most), force * gap.min(most)]
     };
     let all = nodes.facets.iter().filter(|facet| facet.mine).map(of_facet);
     all.fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]])

@@ -10,7 +10,7 @@ use crate::model::elements::{Outcome, Scratch, carrying, facet_pressure};
 pub type Tangent<'a> = (&'a Pattern, &'a mut [f64]);
 
 /// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete), and tells of
-/// each element its body and its largest nodal force. In the same pass it adds their tangents to the matrix values of this
+/// each element its section, its nodes and its forces on them. In the same pass it adds their tangents to the matrix values of this
 /// rank's rows, if these are given: [`add_tangent`], but for enhanced strain, which is not kept.
 ///
 /// # Errors
@@ -20,19 +20,15 @@ pub fn internal_forces(
     u: &[Vec3],
     forces: &mut [Vec3],
     mut tangent: Option<Tangent>,
-    mut of_element: impl FnMut(u32, f64),
+    mut of_element: impl FnMut(u32, &[u32], &[[f64; 3]]),
 ) -> Outcome {
     let mut scratch = Scratch::default();
     for (e, solid) in model.part.solids.iter().enumerate() {
         scratch.evaluate(model, e, u, tangent.is_some())?;
         let nodes = carrying(model, solid);
-        let mut largest = 0.0f64;
-        for (&n, force) in nodes.iter().zip(scratch.forces(nodes.len())) {
-            let force = Vec3::from(*force);
-            largest = largest.max(force.amax());
-            forces[n as usize] += force;
-        }
-        of_element(solid.section, largest);
+        let own = scratch.forces(nodes.len());
+        nodes.iter().zip(own).for_each(|(&n, force)| forces[n as usize] += Vec3::from(*force));
+        of_element(solid.section, nodes, own);
         if let Some((pattern, values)) = &mut tangent {
             scatter(pattern, values, e, nodes, &scratch);
         }

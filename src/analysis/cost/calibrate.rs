@@ -122,7 +122,7 @@ impl Bench<'_> {
             let begun = Instant::now();
             let tangent = Some((&block.pattern, &mut values[..]));
             // An element that cannot be strained so takes as long.
-            let _ = internal_forces(&block.model, &u, &mut forces, tangent, |_, _| ());
+            let _ = internal_forces(&block.model, &u, &mut forces, tangent, |_, _, _| ());
             Ok(begun.elapsed().as_secs_f64() / count)
         })
     }
@@ -260,7 +260,7 @@ impl Block {
         let mut values = vec![0.0; self.pattern.columns.len()];
         let mut forces = vec![Vec3::zeros(); self.model.part.points.len()];
         let tangent = Some((&self.pattern, &mut values[..]));
-        let _ = internal_forces(&self.model, &self.strained(strain), &mut forces, tangent, |_, _| ());
+        let _ = internal_forces(&self.model, &self.strained(strain), &mut forces, tangent, |_, _, _| ());
         values
     }
 

@@ -148,7 +148,7 @@ impl Systems {
         let still = vec![Vec3::zeros(); model.part.points.len()];
         let tangent = Some((pattern, &mut values[..]));
         // Of an element that is inverted at rest the run will tell.
-        let _ = internal_forces(model, &still, &mut still.clone(), tangent, |_, _| ());
+        let _ = internal_forces(model, &still, &mut still.clone(), tangent, |_, _, _| ());
         let mut matrix = Matrix::from_csr(petsc, dofs.count, &pattern.offsets, &pattern.columns, &values)?;
         matrix.set_symmetric(self.is_symmetric)?;
         let kind = if self.is_symmetric { Factorization::Ldlt } else { Factorization::Lu };

@@ -1,7 +1,7 @@
 //! When forces are in balance.
 //!
 //! Each body, each contact and each tool is judged by its own forces: a soft body beside a preloaded one has a scale of its
-//! own. A residual counts against the largest force that acts there now, or has acted there before, the latter in part, for
+//! own. Where bodies, or the materials of a body, share nodes, what the elements of each bear there acts on it: nothing else may. A residual counts against the largest force that acts there now, or has acted there before, the latter in part, for
 //! what has been eased need not be as exact as if it still bore all. Gaps, and slips of what sticks, count as the force
 //! that the automatic penalty makes of them, so that no penalty that is given makes them large or small.
 //!
@@ -15,11 +15,14 @@
 
 use super::super::Rounded;
 use super::Newton;
+use crate::Vec3;
 use crate::contact::{Pair, Side, Slave, Status};
 use crate::model::{Model, Section};
 use crate::parallel::{max, sum};
+use crate::partition::Part;
 use crate::system::DofMap;
 use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeMap;
 
 /// The forces of one group, all ranks together after [`Balance::judge`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +51,8 @@ pub struct Balance {
     pub seen: Vec<f64>,
     /// Forces that count while there are none.
     floors: Vec<f64>,
+    /// Forces of the elements of a section on nodes of this rank that count to another one, by node and section.
+    shared: BTreeMap<(u32, u32), Vec3>,
     /// Group of each local unknown.
     group_of: Vec<u32>,
     limits: Vec<f64>,
@@ -75,7 +80,8 @@ impl Balance {
         let groups = vec![Group::default(); floors.len()];
         let eased_share = model.controls.eased_share;
         let (limits, loaded) = (vec![0.0; floors.len()], vec![false; floors.len()]);
-        let mut balance = Self { groups, seen, limits, loaded, floors, group_of: Vec::new(), eased_share };
+        let (shared, group_of) = (BTreeMap::new(), Vec::new());
+        let mut balance = Self { groups, seen, limits, loaded, floors, shared, group_of, eased_share };
         balance.number(model, dofs);
         balance
     }
@@ -108,6 +114,7 @@ impl Balance {
     /// Begins another iterate.
     pub fn clear(&mut self) {
         self.groups.fill(Group::default());
+        self.shared.values_mut().for_each(|force| *force = Vec3::zeros());
     }
 
     /// A force on a node of a section, N.
@@ -127,9 +134,30 @@ impl Balance {
         self.groups[section].contact = self.groups[section].contact.max(force);
     }
 
-    /// The force of an element on a node of a section, N.
-    pub fn element(&mut self, section: usize, force: f64) {
-        self.groups[section].element = self.groups[section].element.max(force);
+    /// The forces of an element of a section on its nodes, N.
+    pub fn element(&mut self, part: &Part, section: u32, nodes: &[u32], forces: &[[f64; 3]]) {
+        let largest = forces.iter().flatten().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let own = &mut self.groups[section as usize].element;
+        *own = own.max(largest);
+        for (&n, force) in nodes.iter().zip(forces) {
+            if (n as usize) < part.owned && part.section[n as usize] != section {
+                *self.shared.entry((n, section)).or_default() += Vec3::from(*force);
+            }
+        }
+    }
+
+    /// After all elements, with their forces on the owned nodes: what of these acts on each section, N.
+    pub fn internal(&mut self, part: &Part, forces: &[Vec3]) {
+        for (n, force) in forces.iter().enumerate().take(part.owned) {
+            self.force(part.section[n] as usize, force.amax());
+        }
+        let shared = std::mem::take(&mut self.shared);
+        for (&(n, section), force) in &shared {
+            let others: Vec3 = shared.range((n, 0)..=(n, u32::MAX)).map(|(_, force)| force).sum();
+            self.force(section as usize, force.amax());
+            self.force(part.section[n as usize] as usize, (forces[n as usize] - others).amax());
+        }
+        self.shared = shared;
     }
 
     fn residual(&mut self, group: usize, residual: f64) {

@@ -239,8 +239,9 @@ impl<'a> Newton<'a> {
         let mut forces = vec![Vec3::zeros(); self.system.model.part.points.len()];
         self.found.balance.clear();
         let balance = &mut self.found.balance;
-        let of_element = |section: u32, force: f64| balance.element(section as usize, force);
         let model = &*self.system.model;
+        let of_element =
+            |section: u32, nodes: &[u32], own: &[[f64; 3]]| balance.element(&model.part, section, nodes, own);
         // Enhanced strain goes on from the last tangent: one that is not used must not be it.
         let with_tangent = will_go_on && model.sections.iter().all(|section| !section.element.is_enhanced());
         let tangent = with_tangent.then(|| {
@@ -251,8 +252,8 @@ impl<'a> Newton<'a> {
         self.holds_elements = with_tangent && sound;
         self.found.internal.fill(Vec3::zeros());
         let part = &model.part;
+        self.found.balance.internal(part, &forces);
         for (n, force) in forces.iter().enumerate().take(part.owned) {
-            self.found.balance.force(part.section[n] as usize, force.amax());
             self.found.internal[part.body[n] as usize] += force;
         }
         let ahead = (self.strategy.predicting && self.strategy.moves).then(|| self.prescribed_increments());
@@ -370,7 +371,7 @@ impl Newton<'_> {
             values.fill(0.0);
             let mut forces = vec![Vec3::zeros(); found.u.len()];
             let tangent = Some((&*system.pattern, &mut values[..]));
-            let done = assembly::internal_forces(system.model, &found.u, &mut forces, tangent, |_, _| {});
+            let done = assembly::internal_forces(system.model, &found.u, &mut forces, tangent, |_, _, _| {});
             is_known = !any(system.comm, done.is_err());
         }
         if is_known {
