@@ -58,17 +58,28 @@ fn of_master(
             patch.bend_through(middles.map(|n| numbers[n as usize]));
         }
     }
-    if contact.discretization == Discretization::TwoPass {
-        patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
-    }
     let points: BTreeMap<u64, Vec3> =
         of_corners.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
+    if contact.discretization == Discretization::TwoPass {
+        let flat = |patch: &&mut MovingPatch| !patch.is_quadratic && is_flat(patch, &points);
+        patches.iter_mut().filter(flat).for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
+    }
     let avoided = if contact.is_self() {
         self_contact::avoided(&patches, &scene.controls, |n| points[&n])
     } else {
         BTreeMap::new()
     };
     Ok((patches, avoided))
+}
+
+/// Whether a patch, of which these are the nodes, does not bulge in the initial mesh.
+fn is_flat(patch: &MovingPatch, points: &BTreeMap<u64, Vec3>) -> bool {
+    /// Over its size: coordinates of mesh files are as exact as that.
+    const FLAT: f64 = 1e-6;
+    let places: Vec<Vec3> = patch.nodes.iter().map(|n| points[n]).collect();
+    let shape = patch.shape(&places);
+    let (low, high) = shape.bounds();
+    shape.bulge() <= FLAT * (high - low).norm()
 }
 
 /// How far the faces of slaves bulge where their points count, on rank 0: of each pass the coefficients of each facet, see
