@@ -5,7 +5,8 @@ mod common;
 use common::{Bench, Run, assert_close, assert_small, root};
 use std::fmt::Write;
 
-/// A bar of 4 x 2 x 2 unit cubes, its elements in the groups `near` and `far` by x, and `lower` by z; ends and top.
+/// A bar of 4 x 2 x 2 unit cubes, its elements in the groups `near` and `far` by x, `middle` between both ends, and `lower` by z;
+/// ends and top.
 fn deck() -> String {
     let node = |i: usize, j: usize, k: usize| 1 + i + 5 * (j + 3 * k);
     let mut deck = "*NODE\n".to_string();
@@ -22,8 +23,11 @@ fn deck() -> String {
             let _ = writeln!(deck, "{}, {}", number(i, j, k), nodes.join(", "));
         }
     }
-    let lower: Vec<String> = cubes().filter(|(.., k)| *k == 0).map(|(i, j, k)| number(i, j, k).to_string()).collect();
-    let _ = writeln!(deck, "*ELSET, ELSET=lower\n{}", lower.join(","));
+    let group = |name: &str, is_in: &dyn Fn(&(usize, usize, usize)) -> bool| {
+        let numbers: Vec<String> = cubes().filter(is_in).map(|(i, j, k)| number(i, j, k).to_string()).collect();
+        format!("*ELSET, ELSET={name}\n{}\n", numbers.join(","))
+    };
+    deck += &(group("lower", &|(.., k)| *k == 0) + &group("middle", &|(i, ..)| (1..3).contains(i)));
     for (name, axis, at) in [("left", 0, 0), ("right", 0, 4), ("floor", 2, 0), ("top", 2, 2)] {
         let face = |(i, j, k): (usize, usize, usize)| [i, j, k][axis] == if at > 0 { at - 1 } else { 0 };
         let side = [["S6", "S4"], ["S3", "S5"], ["S1", "S2"]][axis][usize::from(at > 0)];
@@ -78,6 +82,20 @@ fn halves_in_a_row_and_side_by_side() {
             2.0 * (stress(250.0, 1.1) + stress(10.0, 1.1)),
             1e-9,
         );
+    }
+}
+
+/// A material in the middle that neither a support nor a load nor a contact touches: it bears what its neighbours pass on.
+#[test]
+fn what_nothing_touches_counts_by_its_neighbours() {
+    let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
+    let hard = root(1.0, 1.2, |hard| stress(250.0, hard) - stress(10.0, 2.2 - hard));
+    for (base, middle) in [("soft", "hard"), ("hard", "soft")] {
+        let body = format!("material = \"{base}\"\nmaterials = {{ middle = \"{middle}\" }}");
+        for ranks in [1, 2] {
+            let force = bench(&body, &cards, PULL).solve(ranks, &[]).history().last("bar.right.fx");
+            assert_close(middle, force, 4.0 * stress(250.0, hard), 1e-9);
+        }
     }
 }
 
@@ -168,8 +186,16 @@ fn each_material_has_its_own_element_and_history() {
 fn wrong_groups_are_named() {
     let cards = card("soft", "hooke", 10.0, 0.0) + &card("hard", "hooke", 250.0, 0.0);
     for (body, what, help) in [
-        ("materials = { fr = \"hard\" }", "body `bar` has no group `fr` of elements", "known: far, lower, near"),
-        ("materials = { top = \"hard\" }", "body `bar` has no group `top` of elements", "known: far, lower, near"),
+        (
+            "materials = { fr = \"hard\" }",
+            "body `bar` has no group `fr` of elements",
+            "known: far, lower, middle, near",
+        ),
+        (
+            "materials = { top = \"hard\" }",
+            "body `bar` has no group `top` of elements",
+            "known: far, lower, middle, near",
+        ),
         ("materials = { far = \"hrd\" }", "", "hard"),
         (
             "materials = { far = \"hard\", lower = \"soft\" }",

@@ -296,3 +296,37 @@ fn nodes_without_a_counterpart_are_named() {
         assert!(!check(right).stdout.contains("warning"));
     }
 }
+
+/// A shaft in a hub of another mesh, larger by a thousandth: both sides bulge between their nodes by a quarter of that, and nodes
+/// alternate where a side does not do so whole.
+#[test]
+fn a_press_fit_is_even_in_two_passes() {
+    // Lamé, plane strain: a shaft from 0.5 to 1 and a hub from 1 to 2 of one material, with the interference δ, press by
+    // E' δ (b² - a²)(c² - b²) / (2 b³ (c² - a²)).
+    let exact: f64 = 1000.0 / (1.0 - 0.09) * 1e-3 * 0.75 * 3.0 / (2.0 * 3.75);
+    for [shaft, hub] in [[6, 12], [6, 9], [11, 7]] {
+        let ring = |name: &str, [inner, outer]: [f64; 2], across: usize, around: usize| {
+            format!(
+                "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
+                 body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
+                 elements = [{across}, {around}, 1] }}\n"
+            )
+        };
+        let rings = [ring("shaft", [0.5, 1.001], 5, shaft), ring("hub", [1.0, 2.0], 8, hub)].concat();
+        let run = Bench::new(&format!(
+            r#"
+{rings}
+material.m = {{ model = "hooke", young = 1000.0, poisson = 0.3 }}
+contact.c = {{ slave = "hub.rmin", master = "shaft.rmax", discretization = "two-pass" }}
+[[step]]
+increments = 2
+"#
+        ))
+        .solve(1, &[]);
+        for grid in ["contact.c", "contact.c.master"] {
+            for pressure in run.scalars(run.written(), grid, "pressure").into_iter().filter(|p| *p > 0.0) {
+                assert_small(&format!("{shaft}:{hub}, {grid}"), pressure / exact - 1.0, 7e-2);
+            }
+        }
+    }
+}

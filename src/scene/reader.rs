@@ -273,9 +273,9 @@ impl<'a> Table<'a> {
         self.get(key).as_ref().map(read).transpose()
     }
 
-    /// Reads every element of a list if it is there; it must not be empty then.
+    /// Reads every element of a list if it is there.
     pub fn each<T>(&self, key: &str, read: impl Fn(&Item<'a>) -> Result<T>) -> Result<Vec<T>> {
-        let list = self.optional(key, Item::filled_list)?.unwrap_or_default();
+        let list = self.optional(key, Item::list)?.unwrap_or_default();
         Faults::all(list.iter().map(read))
     }
 

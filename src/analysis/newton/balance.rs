@@ -1,7 +1,8 @@
 //! When forces are in balance.
 //!
 //! Each body, each contact and each tool is judged by its own forces: a soft body beside a preloaded one has a scale of its
-//! own. Where bodies, or the materials of a body, share nodes, what the elements of each bear there acts on it: nothing else may. A residual counts against the largest force that acts there now, or has acted there before, the latter in part, for
+//! own. Where bodies, or the materials of a body, share nodes, what the elements of each bear there acts on it: nothing else
+//! may. A residual counts against the largest force that acts there now, or has acted there before, the latter in part, for
 //! what has been eased need not be as exact as if it still bore all. Gaps, and slips of what sticks, count as the force
 //! that the automatic penalty makes of them, so that no penalty that is given makes them large or small.
 //!
