@@ -624,6 +624,71 @@ move = [{{ target = "pad.ymax", by = [2.4, 0.0, 0.0] }}]
     }
 }
 
+/// A platen in two pieces, with the sides that lie on each other, and one with a pin in it, are as a whole one: nodes go over the
+/// seam, and are not caught by its sides, which all of them have come from in front of.
+#[test]
+fn seams_of_tools_hold_nothing() {
+    let scene = |tools: &str, friction: f64, ways: [f64; 2], names: &[&str]| {
+        let each = |of: &dyn Fn(&str) -> String| names.iter().map(|name| of(name)).collect::<Vec<_>>();
+        let contacts =
+            each(&|n| format!("contact.{n} = {{ slave = \"b.zmax\", master = \"{n}\", friction = {friction:?} }}\n"));
+        let [down, along] = ways;
+        let moves = |by: [f64; 3]| each(&|n| format!("{{ target = \"{n}\", by = {by:?} }}")).join(", ");
+        let run = Bench::new(&format!(
+            r#"
+body.b.material = "m"
+body.b.block = {{ box = {{ origin = [-2.0, -2.0, -1.0], size = [4.0, 4.0, 1.0] }}, elements = [10, 10, 2] }}
+material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+{tools}
+{}
+[output]
+every = 100
+history = ["b.zmin"]
+[[step]]
+increments = 4
+fix = [{{ set = "b.zmin" }}]
+move = [{}]
+[[step]]
+increments = 12
+fix = [{{ set = "b.zmin" }}]
+move = [{}]
+"#,
+            contacts.concat(),
+            moves([0.0, 0.0, -down]),
+            moves([along, 0.0, 0.0])
+        ))
+        .solve(1, &[]);
+        ["fx", "fz"].map(|c| run.history().last(&format!("b.zmin.{c}")))
+    };
+    let bar = |name: &str, from: f64, to: f64| {
+        format!(
+            "tool.{name}.profile = {{ points = [[{from:?}, 0.0], [{to:?}, 0.0], [{to:?}, 2.0], [{from:?}, 2.0]], closed = true, \
+             extrude = {{ y = [0.0, 0.0, 1.0] }} }}\n"
+        )
+    };
+    let ring = |name: &str, from: f64, to: f64| {
+        format!(
+            "tool.{name}.profile = {{ points = [[{from:?}, 0.0], [{to:?}, 0.0], [{to:?}, 2.0], [{from:?}, 2.0]], closed = {}, \
+             revolve = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }} }}\n",
+            from > 0.0
+        )
+    };
+    let whole = bar("left", -4.0, 4.0);
+    for (friction, ways, seam) in [(0.0, [0.02, 0.9], 0.05), (0.3, [0.05, 0.35], 0.2)] {
+        let [fx, fz] = scene(&whole, friction, ways, &["left"]);
+        assert_small("Coulomb", fx.abs() / fz.abs() - friction, 1e-6);
+        for (tools, names) in [
+            (bar("left", -4.0, seam) + &bar("right", seam, 4.0), ["left", "right"]),
+            (ring("pin", 0.0, 1.1) + &ring("die", 1.1, 6.0), ["pin", "die"]),
+        ] {
+            let found = scene(&tools, friction, ways, &names);
+            for (a, b) in found.iter().zip([fx, fz]) {
+                assert_small(&format!("{names:?}, {friction}: {found:?}"), (a - b) / fz, 1e-5);
+            }
+        }
+    }
+}
+
 /// A pad that is drawn over the joint of two tables bears what it does on one: nodes that leave the first, sunk into it, are lower
 /// than the second, and go on over it. They end two facets from the joint, where normals are those of one table again.
 #[test]

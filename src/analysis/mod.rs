@@ -12,8 +12,8 @@
 //! - `shared_nodes`: nodes that bear several contacts with friction, or a driven tool where they cannot give way
 //! - [`preflight`]: what is checked before the first increment
 //! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
-//!   `between` between the nodes of slaves, `strays` at what no contact names, `strangers` at bodies that nothing connects,
-//!   `unpaid` at energy that nothing gave
+//!   `between` between the nodes of slaves, `seams` between masters that lie on each other, `strays` at what no contact
+//!   names, `strangers` at bodies that nothing connects, `unpaid` at energy that nothing gave
 //! - `results`: the history and the fields of what has converged; `grids` what has them, `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
@@ -56,6 +56,7 @@ mod restart;
 mod results;
 mod run;
 mod runaway;
+mod seams;
 mod shared_nodes;
 mod simulation;
 mod state;

@@ -7,6 +7,7 @@ use super::Simulation;
 use super::between::{Between, between, too_deep};
 use super::conditions::Conditions;
 use super::intruders::{Suspect, intruders};
+use super::seams::in_seam;
 use super::step::{Attempt, Converged};
 use super::strays::{beyond, stray, strays};
 use crate::Vec3;
@@ -175,7 +176,7 @@ impl Simulation<'_> {
             self.recall_unfelt(idle, &mut converged.between);
         }
         told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)));
-        told = told.or_else(|| self.undetermined(conditions));
+        told = told.or_else(|| self.undetermined(conditions)).or_else(|| in_seam(&self.model, &converged.u));
         let told = told.map(|told| (told, told.2.size()));
         let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
         if let Some((word, _)) = word {
@@ -248,6 +249,11 @@ impl Simulation<'_> {
             Finding::Pushed(force) => {
                 format!("is pushed along its way over {master} by friction, with {force:.3e} N")
             }
+            Finding::InSeam(force) => format!(
+                "is held by a side of {master} that lies on another master, with {force:.3e} N: it is in the seam between both, \
+                 where no surface can be; smaller increments may lead it over, and so do one tool of both, or masters without \
+                 the sides that lie on each other"
+            ),
             Finding::Between(_) => return self.word_between(p, between),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)

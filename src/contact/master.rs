@@ -7,7 +7,7 @@
 use super::element::frame;
 use super::method::Tangent;
 use super::pose::way_past;
-use super::{Beside, BodySurface, Outlook, Pair, Pose, Slave, Tool};
+use super::{Beside, BodySurface, Outlook, Pair, Pose, Slave, Status, Tool};
 use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
@@ -372,10 +372,13 @@ impl<'a> Ground<'a> {
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last
-    /// converged increment, or that it is still on: see [`Way`].
+    /// converged increment, or that it is still on: see [`Way`]; of what comes from another master beside this one, the side that goes on from that.
     pub fn entrance(&self, pair: &Pair, s: usize, x: &Vec3, found: &Projection) -> Option<Projection> {
         let (slave, sides) = (&pair.slaves[s], pair.sides());
         let place = slave.committed.place?;
+        if let Some(over) = self.over_joint(pair, slave, x) {
+            return Some(over);
+        }
         let normal = slave.accepted.projection.map(|p| p.normal);
         match self {
             Self::Tool(tool) => tool.entrance(x, found, (&place, normal), sides),
@@ -389,6 +392,16 @@ impl<'a> Ground<'a> {
             }
             Self::Surface(..) => None,
         }
+    }
+
+    /// The side of the master onto which a slave node at `x` goes from another one beside it, with much the same normal, as over a
+    /// joint: however near the side faces of the joint are, it has not come through them.
+    fn over_joint(&self, pair: &Pair, slave: &Slave, x: &Vec3) -> Option<Projection> {
+        let came = slave.borne.is_some() && slave.committed.status == Status::Gap;
+        let most = pair.controls.hand_over * pair.facet_size;
+        let feet = if came { self.perpendiculars(pair, x, (most, pair.sides().aside)) } else { Vec::new() };
+        let same = feet.into_iter().filter(|at| slave.goes_over(at, pair.facet_size, &pair.controls));
+        same.min_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()).then(a.patch.cmp(&b.patch)))
     }
 
     /// Of the sides of the master that a slave node at `x` touches, `found` there, the one that looks at it the most, if that is

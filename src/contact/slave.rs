@@ -354,10 +354,7 @@ impl Slave {
         if at.gap >= 0.0 || self.committed.warm.is_some() || at.gap >= -shallow() {
             return false;
         }
-        let goes_over = |borne: Vec3| {
-            -at.gap <= controls.hand_over * facet_size && borne.dot(&at.normal) >= 1.0 - controls.kink_turn
-        };
-        if self.borne.is_some_and(goes_over) {
+        if self.goes_over(at, facet_size, controls) {
             return false;
         }
         let Some(start) = start() else { return false };
@@ -368,6 +365,12 @@ impl Slave {
         // Steps of a facet: within one, start and end tell enough.
         let steps = (way.norm() / facet_size).min(MOST) as usize;
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
+    }
+
+    /// Whether it comes to the master, found `at` it, from another one beside it with much the same normal, as over a joint.
+    pub fn goes_over(&self, at: &Projection, facet_size: f64, controls: &Controls) -> bool {
+        let same = |borne: Vec3| borne.dot(&at.normal) >= 1.0 - controls.kink_turn;
+        -at.gap <= controls.hand_over * facet_size && self.borne.is_some_and(same)
     }
 
     /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.

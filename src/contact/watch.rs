@@ -84,6 +84,8 @@ pub enum Finding {
     Undetermined(f64),
     /// Friction of so much force pushes it along its way over a tool.
     Pushed(f64),
+    /// A side of the master that another master covers holds it, with so much force.
+    InSeam(f64),
 }
 
 impl Finding {
@@ -97,7 +99,8 @@ impl Finding {
             | Self::Between(size)
             | Self::Unfelt(size)
             | Self::Undetermined(size)
-            | Self::Pushed(size) => *size,
+            | Self::Pushed(size)
+            | Self::InSeam(size) => *size,
         }
     }
 }

@@ -1,0 +1,53 @@
+//! Nodes in the seam of two masters that lie on each other, as the pieces of a die: what a side has there is covered by the other
+//! piece, and the surface of a slave cannot be between them. A node that has lost its way over the seam may be held by such sides,
+//! whose forces nothing else tells of: gaps are closed, and all is in balance.
+
+use crate::Vec3;
+use crate::contact::watch::Finding;
+use crate::contact::{Pair, Slave, Status};
+use crate::model::Model;
+use crate::mortar::Corners;
+use crate::partition::PartFacet;
+
+/// Cosine of the angle between normals of sides that lie on each other, at most.
+const OPPOSED: f64 = -0.99;
+/// The same of a contact's normal and the slave's outward one where the slave's surface looks at what it touches: a thin sheet
+/// between two tools has them as near to each other as pieces of one are.
+const FACING: f64 = -0.5;
+
+/// A slave node, by its pair and its place in it, that is held by a side of the master which lies on another master of it, to
+/// `hand_over` of the slave's facets, with nodes displaced by `u`; with its force.
+pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Finding)> {
+    let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| pair.may_be_between());
+    if pairs().nth(1).is_none() {
+        return None;
+    }
+    let mut touching =
+        pairs().flat_map(|(p, pair)| pair.slaves.iter().enumerate().map(move |(s, slave)| (p, s, slave)));
+    touching.find_map(|(p, s, slave)| {
+        let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
+        let covers = |(q, other): (usize, &Pair)| {
+            let ground = model.masters.of(other.master);
+            let found = other.index_of(slave.node).filter(|_| q != p && other.master != model.pairs[p].master);
+            let opposite = found.and_then(|k| ground.project(other, k, &at.point, (None, false)));
+            opposite.is_some_and(|opposite| {
+                opposite.gap.abs() <= other.controls.hand_over * other.facet_size
+                    && opposite.normal.dot(&at.normal) <= OPPOSED
+            })
+        };
+        let is_held = pairs().any(covers) && outward(model, &model.pairs[p], slave, u).dot(&at.normal) > FACING;
+        is_held.then(|| (p, s, Finding::InSeam(slave.trial.force.norm())))
+    })
+}
+
+/// The unit normal of the slave at a node, with nodes displaced by `u`.
+fn outward(model: &Model, pair: &Pair, slave: &Slave, u: &[Vec3]) -> Vec3 {
+    let part = &model.part;
+    let of_facet = |facet: &PartFacet| {
+        let corners = Corners::new(&facet.nodes[..facet.count as usize]);
+        let is_around = (0..corners.count).any(|k| part.tie[corners.x[k] as usize] == slave.node);
+        is_around.then(|| corners.map(|n| part.points[n as usize] + u[n as usize]).area_vector())
+    };
+    let sum: Vec3 = part.pieces(&part.sets[pair.side.set].facets).iter().filter_map(of_facet).sum();
+    sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
+}
