@@ -16,6 +16,8 @@ const THIN: f64 = 0.1;
 const COARSE: f64 = 0.5;
 /// Nodes from the edge of a contact to its middle from which it is resolved.
 const RESOLVED: usize = 4;
+/// Nodal pressures of a contact that is resolved are off those around them by some hundredths.
+const UNEVEN: f64 = 0.2;
 
 /// What is kept of a run.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +92,13 @@ fn doubts_of_contact(contact: &OfContact) -> Vec<String> {
     if nodes < RESOLVED {
         let some = if nodes == 1 { "node" } else { "nodes" };
         doubts.push(format!("{nodes} {some} from its edge to its middle: the pressure is not resolved"));
+    }
+    if nodes >= RESOLVED && contact.pressure.relative > UNEVEN {
+        let off = 100.0 * contact.pressure.relative;
+        doubts.push(format!(
+            "nodal pressures are {off:.0} % off those around them, and may alternate: the highest one says little, forces and \
+             stresses more"
+        ));
     }
     if contact.pressure.peaks_at_edge {
         doubts.push("the highest pressure is at its edge, and grows with a finer mesh where that is sharp".into());

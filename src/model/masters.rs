@@ -9,7 +9,7 @@ use crate::mesh::{Facet, Mesh};
 use crate::mortar::Corners;
 use crate::partition::{GlobalFacet, GlobalMesh};
 use crate::scene::{self, Description, Discretization, Located, Scene};
-use crate::surface::{MovingPatch, Smoothing};
+use crate::surface::{MovingPatch, Patch, Smoothing};
 use std::collections::BTreeMap;
 
 /// Patches, and what nodes avoid by their numbers.
@@ -49,9 +49,9 @@ fn of_master(
     let (surface, nodes) = surface(mesh, facets, &master.value);
     let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
     let smoothing = if is_quadratic(mesh, facets) { Smoothing::Facet } else { given.smoothing };
-    let planes = mirrors(scene, planes, &master.value, &surface);
+    let mirrored = mirrors(scene, planes, &master.value, &surface);
     let mut patches =
-        MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &planes, &scene.controls)?;
+        MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &mirrored, &scene.controls)?;
     for (patch, facet) in patches.iter_mut().zip(facets) {
         patch.component = mesh.component[facet.nodes[0] as usize];
         if let Some(middles) = mesh.middles.of(facet.nodes()) {
@@ -60,9 +60,9 @@ fn of_master(
     }
     let points: BTreeMap<u64, Vec3> =
         of_corners.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
-    if contact.discretization == Discretization::TwoPass {
-        let flat = |patch: &&mut MovingPatch| !patch.is_quadratic && is_flat(patch, &points);
-        patches.iter_mut().filter(flat).for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
+    let bulges_twice = contact.discretization == Discretization::TwoPass && smoothing == Smoothing::Nagata;
+    if bulges_twice && !fit(scene, names, (contact, given), planes, mesh)? {
+        patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
     }
     let avoided = if contact.is_self() {
         self_contact::avoided(&patches, &scene.controls, |n| points[&n])
@@ -72,14 +72,48 @@ fn of_master(
     Ok((patches, avoided))
 }
 
-/// Whether a patch, of which these are the nodes, does not bulge in the initial mesh.
-fn is_flat(patch: &MovingPatch, points: &BTreeMap<u64, Vec3>) -> bool {
-    /// Over its size: coordinates of mesh files are as exact as that.
+/// Whether one side of a contact is hollow in the initial mesh and the other is round, as a bore and its shaft: they may touch all
+/// over, and by little more than a share of what they bulge by.
+fn fit(
+    scene: &Scene,
+    names: &[Located<String>],
+    (contact, given): (&scene::Contact, scene::MasterSurface),
+    planes: &[SymmetryPlane],
+    mesh: &GlobalMesh,
+) -> Result<bool> {
+    /// Over the size of a facet: coordinates of mesh files are as exact as that.
     const FLAT: f64 = 1e-6;
-    let places: Vec<Vec3> = patch.nodes.iter().map(|n| points[n]).collect();
-    let shape = patch.shape(&places);
-    let (low, high) = shape.bounds();
-    shape.bulge() <= FLAT * (high - low).norm()
+    let mut sides = [0.0; 2];
+    for (side, name) in sides.iter_mut().zip([&contact.slave, &contact.master]) {
+        let Some(set) = set_of(names, mesh, &name.value).filter(|set| !is_quadratic(mesh, &set.facets)) else {
+            return Ok(false);
+        };
+        let (surface, _) = surface(mesh, &set.facets, &name.value);
+        let planes = mirrors(scene, planes, &name.value, &surface);
+        let shapes = initial_shapes(scene, &surface, given.feature_angle, &planes)?;
+        let size = |shape: &Patch| (shape.nodes[1] - shape.nodes[0]).norm();
+        let bulge: f64 = shapes.iter().flat_map(heights).sum();
+        let flat = FLAT * shapes.iter().map(size).sum::<f64>();
+        *side = if bulge.abs() > flat { bulge } else { 0.0 };
+    }
+    Ok(sides[0] * sides[1] < 0.0)
+}
+
+/// The smooth faces of a surface as they are meshed.
+fn initial_shapes(scene: &Scene, surface: &Mesh, feature_angle: f64, planes: &[(Vec3, Vec3)]) -> Result<Vec<Patch>> {
+    let places: Vec<u64> = (0..surface.points.len() as u64).collect();
+    let patches = MovingPatch::all(surface, &places, Smoothing::Nagata, feature_angle, planes, &scene.controls)?;
+    let shape = |patch: &MovingPatch| {
+        let places: Vec<Vec3> = patch.nodes.iter().map(|&n| Vec3::from(surface.points[n as usize])).collect();
+        patch.shape(&places)
+    };
+    Ok(patches.iter().map(shape).collect())
+}
+
+/// How far the edges of a face bulge out of the body, by their coefficients.
+fn heights(shape: &Patch) -> [f64; 4] {
+    let outward = Corners::new(&shape.nodes[..shape.count as usize]).area_vector().normalize();
+    shape.coefficients.map(|c| -c.dot(&outward))
 }
 
 /// How far the faces of slaves bulge where their points count, on rank 0: of each pass the coefficients of each facet, see
@@ -119,15 +153,7 @@ fn bulges_of(
     let (surface, _) = surface(mesh, &set.facets, &slave.value);
     let angle = contact.slave_feature_angle();
     let planes = mirrors(scene, planes, &slave.value, &surface);
-    let places: Vec<u64> = (0..surface.points.len() as u64).collect();
-    let patches = MovingPatch::all(&surface, &places, Smoothing::Nagata, angle, &planes, &scene.controls)?;
-    let of_patch = |patch: &MovingPatch| {
-        let places: Vec<Vec3> = patch.nodes.iter().map(|&n| Vec3::from(surface.points[n as usize])).collect();
-        let shape = patch.shape(&places);
-        let outward = Corners::new(&shape.nodes[..shape.count as usize]).area_vector().normalize();
-        shape.coefficients.map(|c| -c.dot(&outward))
-    };
-    Ok(patches.iter().flat_map(of_patch).collect())
+    Ok(initial_shapes(scene, &surface, angle, &planes)?.iter().flat_map(heights).collect())
 }
 
 /// Some of these facets are sides of quadratic elements.
