@@ -45,7 +45,7 @@ fn assemble(criterion: &mut Criterion) {
     group.bench_function("internal forces", |b| {
         b.iter(|| {
             forces.fill(Vec3::zeros());
-            let _ = black_box(assembly::internal_forces(&model, &u, &mut forces, None, |_, _| ()));
+            let _ = black_box(assembly::internal_forces(&model, &u, &mut forces, None, |_, _, _| ()));
         });
     });
     group.bench_function("internal forces and tangent", |b| {
@@ -53,7 +53,7 @@ fn assemble(criterion: &mut Criterion) {
             forces.fill(Vec3::zeros());
             values.fill(0.0);
             let tangent = Some((&pattern, &mut values[..]));
-            let _ = black_box(assembly::internal_forces(&model, &u, &mut forces, tangent, |_, _| ()));
+            let _ = black_box(assembly::internal_forces(&model, &u, &mut forces, tangent, |_, _, _| ()));
         });
     });
     group.bench_function("tangent", |b| {

@@ -19,7 +19,7 @@ const FACING: f64 = -0.5;
 /// `hand_over` of the slave's facets, with nodes displaced by `u`; with its force.
 pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Finding)> {
     let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| pair.may_be_between());
-    if pairs().nth(1).is_none() {
+    if pairs().count() < 2 {
         return None;
     }
     let mut touching =
