@@ -18,7 +18,9 @@ from shared import arguments
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/validation/extremes.md"
 # Of the lines that tell what has ended.
-CASE = re.compile(r"^\d+/\d+ (?P<test>\w+/\w+): .*?: (?P<outcome>right|warned|refused|[A-Z]{4,}): (?P<text>.*) \([\d.]+ s\)$")
+CASE = re.compile(
+    r"^\d+/\d+ (?P<test>\w+/\w+): .*?: (?P<outcome>right|warned|refused|[A-Z]{4,}): (?P<text>.*) \([\d.]+ s\)$"
+)
 ERROR = re.compile(r"off by ([\d.]+e-?\d+)")
 
 
