@@ -5,9 +5,9 @@
 use crate::Vec3;
 use crate::contact::watch::Finding;
 use crate::contact::{Pair, Slave, Status};
-use crate::model::Model;
-use crate::mortar::Corners;
-use crate::partition::PartFacet;
+use crate::model::{Model, outward_of};
+use crate::surface::Projection;
+use std::cell::LazyCell;
 
 /// Cosine of the angle between normals of sides that lie on each other, at most.
 const OPPOSED: f64 = -0.99;
@@ -22,32 +22,24 @@ pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Findin
     if pairs().count() < 2 {
         return None;
     }
-    let mut touching =
-        pairs().flat_map(|(p, pair)| pair.slaves.iter().enumerate().map(move |(s, slave)| (p, s, slave)));
-    touching.find_map(|(p, s, slave)| {
-        let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
-        let covers = |(q, other): (usize, &Pair)| {
-            let ground = model.masters.of(other.master);
-            let found = other.index_of(slave.node).filter(|_| q != p && other.master != model.pairs[p].master);
-            let opposite = found.and_then(|k| ground.project(other, k, &at.point, (None, false)));
-            opposite.is_some_and(|opposite| {
-                opposite.gap.abs() <= other.controls.hand_over * other.facet_size
-                    && opposite.normal.dot(&at.normal) <= OPPOSED
-            })
+    pairs().find_map(|(p, pair)| {
+        let place = |n: u32| model.part.points[n as usize] + u[n as usize];
+        let outward = LazyCell::new(|| outward_of(&model.part, pair.side.set, place));
+        let is_held = |slave: &Slave, at: &Projection| {
+            let covers = |(q, other): (usize, &Pair)| {
+                let ground = model.masters.of(other.master);
+                let found = other.index_of(slave.node).filter(|_| q != p && other.master != pair.master);
+                let opposite = found.and_then(|k| ground.project(other, k, &at.point, (None, false)));
+                opposite.is_some_and(|opposite| {
+                    opposite.gap.abs() <= other.controls.hand_over * other.facet_size
+                        && opposite.normal.dot(&at.normal) <= OPPOSED
+                })
+            };
+            pairs().any(covers) && outward[slave.node as usize].dot(&at.normal) > FACING
         };
-        let is_held = pairs().any(covers) && outward(model, &model.pairs[p], slave, u).dot(&at.normal) > FACING;
-        is_held.then(|| (p, s, Finding::InSeam(slave.trial.force.norm())))
+        pair.slaves.iter().enumerate().find_map(|(s, slave)| {
+            let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
+            is_held(slave, &at).then(|| (p, s, Finding::InSeam(slave.trial.force.norm())))
+        })
     })
-}
-
-/// The unit normal of the slave at a node, with nodes displaced by `u`.
-fn outward(model: &Model, pair: &Pair, slave: &Slave, u: &[Vec3]) -> Vec3 {
-    let part = &model.part;
-    let of_facet = |facet: &PartFacet| {
-        let corners = Corners::new(&facet.nodes[..facet.count as usize]);
-        let is_around = (0..corners.count).any(|k| part.tie[corners.x[k] as usize] == slave.node);
-        is_around.then(|| corners.map(|n| part.points[n as usize] + u[n as usize]).area_vector())
-    };
-    let sum: Vec3 = part.pieces(&part.sets[pair.side.set].facets).iter().filter_map(of_facet).sum();
-    sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default()
 }

@@ -372,7 +372,8 @@ impl<'a> Ground<'a> {
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last
-    /// converged increment, or that it is still on: see [`Way`]; of what comes from another master beside this one, the side that goes on from that.
+    /// converged increment, or that it is still on: see [`Way`]; of what comes from another master beside this one, the side that
+    /// goes on from that.
     pub fn entrance(&self, pair: &Pair, s: usize, x: &Vec3, found: &Projection) -> Option<Projection> {
         let (slave, sides) = (&pair.slaves[s], pair.sides());
         let place = slave.committed.place?;

@@ -3,10 +3,9 @@
 
 use crate::Vec3;
 use crate::contact::{Pair, Status};
-use crate::model::Model;
 use crate::model::elements::nodal_areas;
 use crate::model::tractions::tractions;
-use crate::mortar::Corners;
+use crate::model::{Model, outward_of};
 use crate::parallel::{any, max, sum};
 use crate::partition::PartFacet;
 use mpi::topology::SimpleCommunicator;
@@ -52,6 +51,17 @@ impl Nodes<'_> {
         part.halo.update(self.comm, 1, field);
     }
 
+    /// The same of vectors. Collective.
+    fn share_vectors(&self, field: &mut [Vec3]) {
+        let part = &self.model.part;
+        for n in 0..part.owned {
+            field[n] = field[part.tie[n] as usize];
+        }
+        let mut flat: Vec<f64> = field.iter().flat_map(|v| [v.x, v.y, v.z]).collect();
+        part.halo.update(self.comm, 3, &mut flat);
+        field.iter_mut().zip(flat.as_chunks::<3>().0).for_each(|(v, values)| *v = Vec3::from(*values));
+    }
+
     /// Nodes from the edge: 0 for those that do not touch, 1 next to them, and so on; [`MOST`] beyond. Collective.
     fn depths(&self, pair: &Pair) -> Vec<f64> {
         let mut depths = vec![0.0; self.model.part.points.len()];
@@ -72,29 +82,6 @@ impl Nodes<'_> {
             self.share(&mut depths);
         }
         depths
-    }
-
-    /// Unit normals of the slave in the initial mesh, three values a node. Collective.
-    fn outward(&self) -> Vec<f64> {
-        let part = &self.model.part;
-        let mut outward = vec![0.0; 3 * part.points.len()];
-        for facet in self.facets {
-            let corners = Corners::new(&facet.nodes[..facet.count as usize]);
-            let area = corners.map(|n| part.points[n as usize]).area_vector();
-            for &n in &facet.nodes[..facet.count as usize] {
-                let n = part.tie[n as usize] as usize;
-                (0..3).for_each(|d| outward[3 * n + d] += area[d]);
-            }
-        }
-        for normal in outward.as_chunks_mut::<3>().0 {
-            *normal = Vec3::from(*normal).try_normalize(0.0).unwrap_or_default().into();
-        }
-        for n in 0..part.owned {
-            let tie = part.tie[n] as usize;
-            outward.copy_within(3 * tie..3 * tie + 3, 3 * n);
-        }
-        part.halo.update(self.comm, 3, &mut outward);
-        outward
     }
 
     /// Areas of the nodes, and the means of a field over the facets around them, weighted by shape functions.
@@ -127,34 +114,29 @@ impl Nodes<'_> {
 /// indents it.
 fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     let part = &nodes.model.part;
-    let mut normals = vec![0.0; 3 * part.points.len()];
+    let mut normals = vec![Vec3::zeros(); part.points.len()];
     let (mut gaps, mut indents) = (vec![0.0; part.points.len()], vec![0.0; part.points.len()]);
     for slave in &pair.slaves {
         if let Some(p) = &slave.accepted.projection {
             let n = slave.node as usize;
-            normals[3 * n..][..3].copy_from_slice(p.normal.as_slice());
+            normals[n] = p.normal;
             gaps[n] = p.gap.max(0.0);
             indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.automatic;
         }
     }
-    for n in 0..part.owned {
-        let tie = part.tie[n] as usize;
-        normals.copy_within(3 * tie..3 * tie + 3, 3 * n);
-    }
-    part.halo.update(nodes.comm, 3, &mut normals);
+    let mut outward = outward_of(part, pair.side.set, |n| part.points[n as usize]);
+    nodes.share_vectors(&mut normals);
+    nodes.share_vectors(&mut outward);
     nodes.share(&mut gaps);
     nodes.share(&mut indents);
-    let normal = |n: usize| Vec3::from_column_slice(&normals[3 * n..3 * n + 3]);
-    let outwards = nodes.outward();
-    let outward = |n: usize| Vec3::from_column_slice(&outwards[3 * n..3 * n + 3]);
     let of_facet = |facet: &PartFacet| {
         let count = facet.count as usize;
         let at = |k: usize| facet.nodes[k % count] as usize;
-        let turns = |normal: &dyn Fn(usize) -> Vec3, place: &dyn Fn(usize) -> Vec3| -> f64 {
-            let along = |k: usize| (normal(at(k + 1)) - normal(at(k))).dot(&(place(at(k + 1)) - place(at(k))));
+        let turns = |normals: &[Vec3], place: &dyn Fn(usize) -> Vec3| -> f64 {
+            let along = |k: usize| (normals[at(k + 1)] - normals[at(k)]).dot(&(place(at(k + 1)) - place(at(k))));
             (0..count).map(along).sum()
         };
-        let bulges = turns(&normal, &|n| part.points[n] + u[n]);
+        let bulges = turns(&normals, &|n| part.points[n] + u[n]);
         let own = -turns(&outward, &|n| part.points[n]);
         let bulges = bulges - own.clamp(bulges.min(0.0), bulges.max(0.0));
         let force: f64 = nodal_areas(nodes.model, &facet.nodes[..facet.count as usize], u)
@@ -162,7 +144,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             .zip(&facet.nodes)
             .map(|(a, n)| a * field[*n as usize])
             .sum();
-        if (0..count).any(|k| normal(at(k)) == Vec3::zeros()) {
+        if (0..count).any(|k| normals[at(k)] == Vec3::zeros()) {
             return [0.0; 2];
         }
         let gap = (0..count).map(|k| gaps[at(k)]).sum::<f64>() / count as f64;

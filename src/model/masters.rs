@@ -58,12 +58,12 @@ fn of_master(
             patch.bend_through(middles.map(|n| numbers[n as usize]));
         }
     }
-    let points: BTreeMap<u64, Vec3> =
-        of_corners.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
     let bulges_twice = contact.discretization == Discretization::TwoPass && smoothing == Smoothing::Nagata;
     if bulges_twice && !fit(scene, names, (contact, given), planes, mesh)? {
         patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);
     }
+    let points: BTreeMap<u64, Vec3> =
+        of_corners.into_iter().zip(surface.points.iter().map(|x| Vec3::from(*x))).collect();
     let avoided = if contact.is_self() {
         self_contact::avoided(&patches, &scene.controls, |n| points[&n])
     } else {

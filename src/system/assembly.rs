@@ -10,8 +10,8 @@ use crate::model::elements::{Outcome, Scratch, carrying, facet_pressure};
 pub type Tangent<'a> = (&'a Pattern, &'a mut [f64]);
 
 /// Adds the internal forces of all elements to `forces` (all local nodes; those of owned nodes are complete), and tells of
-/// each element its section, its nodes and its forces on them. In the same pass it adds their tangents to the matrix values of this
-/// rank's rows, if these are given: [`add_tangent`], but for enhanced strain, which is not kept.
+/// each element its section, its nodes and its forces on them. In the same pass it adds their tangents to the matrix values of
+/// this rank's rows, if these are given: [`add_tangent`], but for enhanced strain, which is not kept.
 ///
 /// # Errors
 /// The first inverted element; the forces, and the values, are then of no use.

@@ -226,10 +226,12 @@ impl Whole {
     fn find(&self, kind: Kind, place: Option<&str>, field: &str) -> Option<Vec<u32>> {
         let name = plain(field);
         let Some(place) = place.map(str::to_uppercase) else {
-            // What is a number is that of a node or element, whatever sets are called.
-            let numbered = name.parse::<u64>().ok().and_then(|_| self.one(kind, &name));
             let set = || self.sets[kind as usize].get(&name).cloned();
-            return numbered.or_else(set).or_else(|| self.one(kind, &name));
+            // What is a number is that of a node or element, whatever sets are called.
+            return match name.parse::<u64>() {
+                Ok(_) => self.one(kind, &name).or_else(set),
+                Err(_) => set().or_else(|| self.one(kind, &name)),
+            };
         };
         let inside = self.scopes.iter().filter(|scope| scope.part == place || scope.name == place);
         let found = inside.map(|scope| self.find(kind, None, &format!("{}.{name}", scope.name)));
