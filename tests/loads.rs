@@ -452,3 +452,23 @@ fn dashpots_relax_by_backward_euler() {
     assert_eq!(gone_on.code, 0, "{}", gone_on.stderr);
     assert_small("gone on", gone_on.history().difference(&history), 1e-9);
 }
+
+/// A block that spins about an axis above it is pressed on the plane below it by that alone, M ω² r if it were rigid.
+#[test]
+fn what_spins_is_pressed_by_that() {
+    let run = Bench::new(
+        r#"
+body.b = { material = "m", block = { box = { size = [4.0, 3.0, 5.0] }, elements = [3, 2, 3] } }
+material.m = { model = "neo-hookean", young = 1e5, poisson = 0.0, density = 0.02 }
+tool.p.plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+contact.c = { slave = "b.zmin", master = "p" }
+[[step]]
+increments = 1
+fix = [{ set = "b.xmin", directions = "x" }, { set = "b.ymin", directions = "y" }]
+spin = [{ body = "b", point = [0, 0, 10], axis = [1, 0, 0], speed = 1.0 }]
+"#,
+    )
+    .solve(1, &[]);
+    // 1.2 at 7.5 from the axis.
+    assert_close("force", run.history().last("p.fz"), 9.0, 1e-4);
+}

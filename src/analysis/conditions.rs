@@ -122,6 +122,13 @@ pub struct Spinning {
     pub masses: BTreeMap<u32, f64>,
 }
 
+impl Spinning {
+    /// The part of a vector across the axis, I - e eᵀ; around the axis of rings nothing acts.
+    pub fn across(&self, is_ring: bool) -> Mat3 {
+        if is_ring { Mat3::from_diagonal(&Vec3::x()) } else { Mat3::identity() - self.axis * self.axis.transpose() }
+    }
+}
+
 /// The conditions of a step on this rank.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {

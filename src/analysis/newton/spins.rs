@@ -6,20 +6,14 @@
 //! ```
 
 use super::{Newton, System};
-use crate::analysis::conditions::Spinning;
-use crate::{Mat3, Vec3};
-
-/// P; around the axis of rings nothing acts.
-fn across(spin: &Spinning, is_ring: bool) -> Mat3 {
-    if is_ring { Mat3::from_diagonal(&Vec3::x()) } else { Mat3::identity() - spin.axis * spin.axis.transpose() }
-}
+use crate::Vec3;
 
 impl Newton<'_> {
     /// Takes the loads off the forces of the owned nodes.
     pub(super) fn add_spins(&mut self, forces: &mut [Vec3]) {
         let System { model, conditions, .. } = &self.system;
         for spin in &conditions.spins {
-            let (square, across) = (spin.square.at(self.s), across(spin, model.is_axisymmetric()));
+            let (square, across) = (spin.square.at(self.s), spin.across(model.is_axisymmetric()));
             for (&n, mass) in &spin.masses {
                 let n = n as usize;
                 let load = across * (model.part.points[n] + self.found.u[n] - spin.point) * (mass * square);
@@ -32,7 +26,7 @@ impl Newton<'_> {
     pub(super) fn add_spin_tangent(&mut self) {
         let System { model, dofs, pattern, conditions, .. } = &self.system;
         for spin in &conditions.spins {
-            let (square, across) = (spin.square.at(self.s), across(spin, model.is_axisymmetric()));
+            let (square, across) = (spin.square.at(self.s), spin.across(model.is_axisymmetric()));
             for (&n, mass) in &spin.masses {
                 for (i, j) in (0..9).map(|k| (k / 3, k % 3)).filter(|&at| across[at] != 0.0) {
                     for (row, share) in dofs.shares(n, i) {

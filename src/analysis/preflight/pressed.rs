@@ -124,6 +124,16 @@ fn supports(
             (0..3).for_each(|d| sum[d] += load[d]);
         }
     }
+    for spin in &conditions.spins {
+        let across = spin.across(model.is_axisymmetric());
+        for (&n, mass) in &spin.masses {
+            let b = united[model.part.component[n as usize] as usize];
+            let load = across * (model.part.points[n as usize] - spin.point) * *mass;
+            for (sum, s) in loads[width * b..].chunks_exact_mut(3).zip(times) {
+                (0..3).for_each(|d| sum[d] += load[d] * spin.square.at(*s));
+            }
+        }
+    }
     max(comm, &mut set);
     sum(comm, &mut loads);
     let body = |k: usize| model.bodies[model.part.components[k].body as usize].name.as_str();
