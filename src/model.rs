@@ -161,7 +161,8 @@ impl Model {
         model.stiffen_joints(scene);
         model.pair_up(comm, scene, &avoided, &bulges)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
-        model.warnings.extend(model.wrong_way_round(comm, scene)?.iter().map(ToString::to_string));
+        let guidance::Guidance { wrong, crossed } = model.guidance(comm, scene)?;
+        model.warnings.extend(wrong.iter().map(ToString::to_string).chain(crossed));
         Ok(model)
     }
 
@@ -206,12 +207,12 @@ impl Model {
         Ok(())
     }
 
-    /// Contacts whose slave should rather be the master. Collective.
+    /// What there is to say of the meshes of contacts. Collective.
     ///
     /// # Errors
     /// A slave that is far too coarse, on all ranks.
-    pub fn wrong_way_round(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<Vec<guidance::WrongWayRound>> {
-        guidance::wrong_way_round(comm, scene, &self.part, (&self.set_index, |set| self.is_planar(set)))
+    pub fn guidance(&self, comm: &SimpleCommunicator, scene: &Scene) -> Result<guidance::Guidance> {
+        guidance::guidance(comm, scene, &self.part, (&self.set_index, |set| self.is_planar(set)))
     }
 
     /// The set that the scene calls so.

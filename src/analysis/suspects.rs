@@ -115,7 +115,7 @@ pub fn remedies(
         return Vec::new();
     }
     // A slave that is far too coarse was refused.
-    let wrong = model.wrong_way_round(comm, scene).unwrap_or_default();
+    let wrong = model.guidance(comm, scene).unwrap_or_default().wrong;
     let concerns = |set: &str| body.is_none_or(|body| set.split('.').next() == Some(body));
     let concerned = scene.contacts.iter().filter(|c| concerns(&c.slave.value) || concerns(&c.master.value));
     concerned
@@ -141,9 +141,14 @@ fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cau
     if let Some(reason) = reason {
         remedies.push(format!("exchange slave and master of contact `{name}`: {reason}"));
     }
-    if let Some(softer) = guidance::far_softer(scene, contact).filter(|_| two_passes) {
-        remedies
-            .push(format!("contact `{name}` has two passes: take one, with the far softer `{softer}` as the slave"));
+    if two_passes {
+        remedies.push(match guidance::far_softer(scene, contact) {
+            Some(softer) => format!("contact `{name}` has two passes: take one, with the far softer `{softer}` as the slave"),
+            None => format!(
+                "contact `{name}` has two passes, whose conditions may contradict each other: take `discretization = \"segment\"`, or \
+                 between flat faces `smoothing = \"facet\"`"
+            ),
+        });
     }
     if matches!(contact.method, Enforcement::Lagrange | Enforcement::Uzawa) && cause != Cause::Rounds {
         let (method, best) = (contact.method.key(), Enforcement::AugmentedLagrangian.key());

@@ -1,18 +1,25 @@
-//! Whether slave and master are the right way round, where only the slave's nodes are kept out of the master.
+//! Whether slave and master are the right way round, where only the slave's nodes are kept out of the master, and what else
+//! their meshes make of a contact.
 //!
 //! Nodes of the master may sink into the slave between the slave's nodes. So the slave should have the finer mesh, the
 //! stiffer body should be the master, and a flat or hollow surface should be the master of one that bulges (section 4.2.2
 //! of Neto, Oliveira and Menezes). These may contradict each other: a clearly stiffer master is right whatever its mesh, and
-//! bulges count where stiffness and meshes are alike.
+//! bulges count where stiffness and meshes are alike. From segment to segment no node sinks in; but a facet of the slave that is
+//! pressed in a part of it alone, by a finer master that bulges, has the mean of all that it sees of that, and its forces lean.
+//!
+//! Two passes pass an even pressure on by forces at the nodes of both sides. Where the facets of one are the longer ones along
+//! one direction, and the shorter ones along another, as rectangles across each other or triangles whose diagonals cross, some of
+//! these forces would have to pull, and nodes let go in the middle of the contact.
 
 use super::Discretization;
-use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::parallel::sum;
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::partition::{Part, PartFacet};
 use crate::scene::{self, Scene};
+use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
+use nalgebra::{DMatrix, SymmetricEigen};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -36,6 +43,8 @@ struct Side {
     facet_size: f64,
     /// Mean of (x - mean x)·n over that of |x - mean x|: positive for a surface that bulges, negative for a hollow one.
     bulge: f64,
+    /// The mean of e eᵀ over the edges e of those facets.
+    edges: Mat3,
 }
 
 /// A contact whose slave should rather be the master.
@@ -44,16 +53,21 @@ pub struct WrongWayRound {
     pub contact: String,
     slave: String,
     master: String,
+    by_segments: bool,
     pub reason: String,
 }
 
 impl fmt::Display for WrongWayRound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contact, slave, master, reason } = self;
+        let Self { contact, slave, master, by_segments, reason } = self;
+        let (why, or) = match by_segments {
+            true => (", whose facets take the mean of what presses them", "refine the slave"),
+            false => (", whose nodes alone are kept out of the other", "use discretization = \"two-pass\""),
+        };
         write!(
             f,
-            "contact `{contact}`: `{slave}` should rather be the master, and `{master}` the slave, whose nodes alone are \
-             kept out of the other: {reason}; exchange them, or use discretization = \"two-pass\""
+            "contact `{contact}`: `{slave}` should rather be the master, and `{master}` the slave{why}: {reason}; exchange them, or \
+             {or}"
         )
     }
 }
@@ -79,6 +93,32 @@ fn reason(slave: &Side, master: &Side) -> Option<String> {
     }
 }
 
+/// The same from segment to segment.
+fn reason_of_segments(slave: &Side, master: &Side) -> Option<String> {
+    let is_part = slave.facet_size > CLEARLY * master.facet_size && slave.bulge < FLAT && master.bulge > ROUND;
+    is_part.then(|| {
+        format!(
+            "`{}`, which does not bulge, has the coarser mesh (facets of {:.4e} against {:.4e} of `{}`, which does)",
+            slave.name, slave.facet_size, master.facet_size, master.name
+        )
+    })
+}
+
+/// How many times the facets of one side are longer than those of the other along a direction, and shorter along another, the
+/// lesser of both; at most 1 where they are longer or shorter throughout.
+fn crossing(one: &Mat3, other: &Mat3) -> f64 {
+    /// Of the longest: along the normal of a flat side there is nothing.
+    const THIN: f64 = 0.05;
+    let all = SymmetricEigen::new(one + other);
+    let most = all.eigenvalues.max();
+    let along: Vec<Vec3> =
+        (0..3).filter(|&k| all.eigenvalues[k] > THIN * most).map(|k| all.eigenvectors.column(k).into()).collect();
+    let within = |of: &Mat3| DMatrix::from_fn(along.len(), along.len(), |i, j| along[i].dot(&(of * along[j])));
+    let Some(inverse) = within(other).cholesky().and_then(|lower| lower.l().try_inverse()) else { return 1.0 };
+    let ratios = SymmetricEigen::new(&inverse * within(one) * inverse.transpose()).eigenvalues;
+    ratios.max().min(1.0 / ratios.min()).max(0.0).sqrt()
+}
+
 /// The side of a contact between bodies whose materials are all far softer than those of the other, if one is.
 pub fn far_softer<'a>(scene: &Scene, contact: &'a scene::Contact) -> Option<&'a str> {
     let sides = [&contact.slave.value, &contact.master.value];
@@ -95,70 +135,101 @@ fn is_hopeless(slave: &Side, master: &Side) -> bool {
     slave.facet_size > HOPELESS * master.facet_size && master.young < RIGID * slave.young
 }
 
-/// The contacts of a scene, with one pass between bodies, that are the wrong way round. `sets` has the place of each set in
-/// the part's. Collective.
+/// What there is to say of the meshes of contacts.
+#[derive(Clone, Debug, Default)]
+pub struct Guidance {
+    pub wrong: Vec<WrongWayRound>,
+    /// Of two passes whose facets cross, in words.
+    pub crossed: Vec<String>,
+}
+
+/// What there is to say of the meshes of the contacts of a scene between bodies. `sets` has the place of each set in the part's.
+/// Collective.
 ///
 /// # Errors
 /// A slave that is far too coarse, on all ranks.
-pub fn wrong_way_round(
+pub fn guidance(
     comm: &SimpleCommunicator,
     scene: &Scene,
     part: &Part,
     (sets, is_planar): (&BTreeMap<String, usize>, impl Fn(&str) -> bool),
-) -> Result<Vec<WrongWayRound>> {
-    let mut wrong = Vec::new();
+) -> Result<Guidance> {
+    let mut found = Guidance::default();
     let of_section = |(_, material): (usize, &scene::Located<String>)| scene.material(&material.value);
     let moduli: Vec<f64> = scene.sections().map(|s| of_section(s).map_or(0.0, scene::MaterialModel::young)).collect();
-    let one_pass =
-        |c: &&scene::Contact| c.surface.is_some() && c.discretization == Discretization::OnePass && !c.is_self();
-    for contact in scene.contacts.iter().filter(one_pass) {
+    for contact in scene.contacts.iter().filter(|c| c.surface.is_some() && !c.is_self()) {
         let names = [&contact.slave.value, &contact.master.value];
         let facets = names.map(|name| part.pieces(&part.sets[sets[name]].facets));
         let boxes = facets.each_ref().map(|facets| hull(comm, bounds(facets.iter().flat_map(|f| corners(part, f)))));
         let side = |k: usize| {
             let near = boxes[1 - k].map(|(low, high)| grown((low, high), 0.1 * (high - low).norm()));
             let meets = |x: &Vec3| near.is_none_or(|(low, high)| (0..3).all(|d| low[d] <= x[d] && x[d] <= high[d]));
-            let (facet_size, bulge) = measure(comm, part, (&facets[k], is_planar(names[k])), meets);
-            Side { name: names[k].clone(), young: mean(comm, part, &facets[k], &moduli), facet_size, bulge }
+            let (facet_size, bulge, edges) = measure(comm, part, (&facets[k], is_planar(names[k])), meets);
+            Side { name: names[k].clone(), young: mean(comm, part, &facets[k], &moduli), facet_size, bulge, edges }
         };
         let (slave, master) = (side(0), side(1));
-        if is_hopeless(&slave, &master) {
-            let what = format!(
-                "contact `{}`: the facets of `{}`, {:.4e} long, are too coarse for those of its master `{}`, {:.4e} long: nodes of \
-                 the master would go through between the slave's, which alone are kept out",
-                contact.name.value, slave.name, slave.facet_size, master.name, master.facet_size
-            );
-            let help = "exchange slave and master, use discretization = \"two-pass\", or refine the slave";
-            return Err(Error::input(&contact.slave.at, what, help));
+        let name = &contact.name.value;
+        let by_segments = contact.discretization == Discretization::Segment;
+        let reason = match contact.discretization {
+            Discretization::OnePass if is_hopeless(&slave, &master) => {
+                let what = format!(
+                    "contact `{name}`: the facets of `{}`, {:.4e} long, are too coarse for those of its master `{}`, {:.4e} long: \
+                     nodes of the master would go through between the slave's, which alone are kept out",
+                    slave.name, slave.facet_size, master.name, master.facet_size
+                );
+                let help = "exchange slave and master, use discretization = \"two-pass\", or refine the slave";
+                return Err(Error::input(&contact.slave.at, what, help));
+            }
+            Discretization::OnePass => reason(&slave, &master),
+            Discretization::Segment => reason_of_segments(&slave, &master),
+            _ => None,
+        };
+        let is_layer = is_planar(names[0]);
+        if contact.discretization == Discretization::TwoPass
+            && !is_layer
+            && crossing(&slave.edges, &master.edges) > CLEARLY
+        {
+            found.crossed.push(format!(
+                "contact `{name}`: the facets of `{}` are longer than those of `{}` along one direction and shorter along another; \
+                 two passes let nodes go there that should press, and force and pressures are off: use discretization = \
+                 \"segment\", or meshes that are finer on the same side throughout",
+                slave.name, master.name
+            ));
         }
-        wrong.extend(reason(&slave, &master).map(|reason| WrongWayRound {
-            contact: contact.name.value.clone(),
+        found.wrong.extend(reason.map(|reason| WrongWayRound {
+            contact: name.clone(),
             slave: slave.name,
             master: master.name,
+            by_segments,
             reason,
         }));
     }
-    Ok(wrong)
+    Ok(found)
 }
 
-/// Facet size and bulge of the facets, on a layer or not, whose centres meet the other side; of all, where none does.
-/// Collective.
+/// Facet size, bulge and edges, as of a [`Side`], of the facets, on a layer or not, whose centres meet the other side; of all,
+/// where none does. Collective.
 fn measure(
     comm: &SimpleCommunicator,
     part: &Part,
     (facets, is_planar): (&[PartFacet], bool),
     meets: impl Fn(&Vec3) -> bool,
-) -> (f64, f64) {
+) -> (f64, f64, Mat3) {
     let mine = || facets.iter().filter(|f| f.mine).map(|f| (f, center_and_area(part, f)));
     let mut some = [mine().filter(|(_, (x, _))| meets(x)).count() as f64];
     sum(comm, &mut some);
     let all = || mine().filter(|(_, (x, _))| some[0] == 0.0 || meets(x));
-    let mut sums = [0.0; 6];
+    let mut sums = [0.0; 15];
     for (facet, (x, area)) in all() {
         sums[0] += 1.0;
         sums[1] += area.norm();
         (0..3).for_each(|d| sums[2 + d] += x[d] * area.norm());
         sums[5] += part.longest_edge(facet, is_planar);
+        let corners: Vec<Vec3> = corners(part, facet).collect();
+        let count = corners.len();
+        for edge in (0..count).map(|k| corners[(k + 1) % count] - corners[k]) {
+            (0..9).for_each(|k| sums[6 + k] += edge[k / 3] * edge[k % 3] / count as f64);
+        }
     }
     sum(comm, &mut sums);
     let middle = Vec3::new(sums[2], sums[3], sums[4]) / sums[1];
@@ -169,7 +240,7 @@ fn measure(
     }
     sum(comm, &mut bulge);
     let size = if is_planar { sums[5] / sums[0] } else { (sums[1] / sums[0]).sqrt() };
-    (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 })
+    (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 }, Mat3::from_row_slice(&sums[6..]) / sums[0])
 }
 
 fn corners<'a>(part: &'a Part, facet: &'a PartFacet) -> impl Iterator<Item = Vec3> + 'a {
@@ -204,11 +275,12 @@ fn young(scene: &Scene, set: &str) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
-    use super::{Side, is_hopeless, reason};
+    use super::{CLEARLY, Side, crossing, is_hopeless, reason, reason_of_segments};
+    use crate::{Mat3, Vec3};
 
     #[test]
     fn stiffness_counts_before_meshes_and_meshes_before_bulges() {
-        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0 };
+        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0, edges: Mat3::identity() };
         let (stiff, coarse) = (Side { young: 121.0, ..even.clone() }, Side { facet_size: 1.21, ..even.clone() });
         let (round, hollow) = (Side { bulge: 0.3, ..even.clone() }, Side { bulge: -0.3, ..even.clone() });
         let stiff_and_fine = Side { facet_size: 0.5, ..stiff.clone() };
@@ -225,10 +297,34 @@ mod tests {
 
     #[test]
     fn a_slave_far_coarser_than_its_master_is_refused_unless_that_is_rigid_beside_it() {
-        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0 };
+        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0, edges: Mat3::identity() };
         let coarse = Side { facet_size: 6.0, ..even.clone() };
         let rigid = Side { young: 2000.0, ..even.clone() };
         assert!(is_hopeless(&coarse, &even) && !is_hopeless(&even, &coarse) && !is_hopeless(&coarse, &rigid));
         assert!(!is_hopeless(&Side { facet_size: 4.0, ..even.clone() }, &even));
+    }
+
+    #[test]
+    fn segments_mind_a_coarse_flat_slave_under_a_finer_bulge() {
+        let even = Side { name: "a.top".into(), young: 100.0, facet_size: 1.0, bulge: 0.0, edges: Mat3::identity() };
+        let (coarse, round) = (Side { facet_size: 1.21, ..even.clone() }, Side { bulge: 0.3, ..even.clone() });
+        assert!(reason_of_segments(&coarse, &round).is_some_and(|told| told.contains("has the coarser mesh")));
+        for (slave, master) in [(&coarse, &even), (&even, &round), (&round, &coarse)] {
+            assert_eq!(reason_of_segments(slave, master), None);
+        }
+    }
+
+    #[test]
+    fn facets_cross_where_they_are_longer_one_way_and_shorter_another() {
+        let turn = nalgebra::Rotation3::from_scaled_axis(Vec3::new(0.3, -0.7, 0.2)).into_inner();
+        let rectangle = |a: f64, b: f64| turn * Mat3::from_diagonal(&Vec3::new(a * a, b * b, 0.0)) * turn.transpose();
+        assert!((crossing(&rectangle(1.0, 2.0), &rectangle(1.5, 1.5)) - 4.0 / 3.0).abs() < 1e-12);
+        assert!(crossing(&rectangle(1.0, 2.0), &rectangle(2.0, 3.0)) < 1.0);
+        assert!((crossing(&rectangle(1.0, 2.0), &rectangle(1.0, 2.0)) - 1.0).abs() < 1e-12);
+        let triangle = |diagonal: f64| {
+            let edges = [Vec3::x(), Vec3::y(), Vec3::new(1.0, diagonal, 0.0)];
+            edges.iter().map(|edge| edge * edge.transpose()).sum::<Mat3>()
+        };
+        assert!(crossing(&triangle(1.0), &triangle(-1.0)) > CLEARLY && crossing(&triangle(1.0), &triangle(1.0)) < 1.1);
     }
 }
