@@ -263,18 +263,20 @@ controls! {
             "A slave node of a second pass that is nearer to a node of the master leaves the contact to that one, up to twice as far away: the same condition twice would leave open how the two share the force.";
         creep: f64 = 1e-6, [1e-12, 1e-3], "friction force, with each longest edge of the slave facets that a node slips in an increment",
             "Of increments in which friction alone holds a body and all of it slips to both sides, as a ring that is crushed between two plates: where it is then only this tells. No node may slip by more than an edge, so that friction is off by no more than this share. Below 1e-9 rounding would tell.";
+        drawn_least: f64 = 0.1, [0.001, 1.0], "friction force",
+            "A node that tools or supports draw over its master slips along that way, and what of its friction is not across it is along it; so much at least, where an iteration finds all of it across, which leaves no way back.";
         friction_steep: f64 = 0.5, [0.0, 0.7], "share of a velocity that is normal to the contacts",
             "Below, friction is what holds a body: that of a wedge of 30 degrees. Dents of a soft body hold it a little without friction, too, but not against an iteration in which all slips; and what has lost its friction is let go, though it still touches.";
     }
     "segments" {
         segment_least: f64 = 0.1, [1e-6, 0.5], "area of the slave faces around a node, weighted by its shape functions",
             "A node of which no more lies over the master is in the gap: its condition would be that of its neighbour, at the end of the master. So contact ends a part of a facet earlier or later there: forces of a block that sinks into another differ by 8e-3 with half of it. Twice as much makes nodes come and go.";
-        segment_facing: f64 = -0.1, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
-            "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area.";
+        segment_facing: f64 = -0.25, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
+            "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area. Faces of a slab that is drawn off a table with friction lean by 6 degrees to the wall at its end: with -0.1 that would hold their nodes off, and no increment be found; from -0.15 to -0.45 all is the same.";
         segment_settled: f64 = 100.0, [1e-3, 1e8], "tolerance of Newton's method",
             "Below, the points of segments between bodies stand still, and the tangent is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this, no more than the tolerance. With 10,000 a dome of facets that is drawn to and fro with a friction of 5 leans by 2e-9 of its force, and an elastic indenter takes 3.4 iterations an increment instead of 4.6.";
         segment_stalled: f64 = 1e-3, [1e-14, 1e-1], "residual over the forces that it counts against",
-            "The same where it is below this, and falls by less than half: points that come and go with the overlaps may carry it to and fro.";
+            "The same where it is below this, and falls by less than half: points that come and go with the overlaps may carry it to and fro. Where it falls, but they have carried it back up so twice, they stay: else matching smooth tetrahedra go from 9e-8 to 1e-4 for ever.";
     }
     "kinks" {
         kink_gap: f64 = 1e-3, [0.0, 0.02], "shortest edge of a patch",
@@ -327,6 +329,12 @@ controls! {
             "Nodes that several tools hold by friction at once, and that bear more of it, are told of at the end: what each tool bears of them is left open. Two rows of ten that meet in a corner share a tenth.";
         watch_unpaid: f64 = 1.5, [0.01, 1e6], "what loads, supports and tools can have given",
             "Elastic energy that an increment gains beyond this is told of where friction may hold what supports do not: no way leads to such a state. Their largest forces at both ends of an increment over its way are more than what they give, but for those that rise and fall within it.";
+        watch_pushed: f64 = 0.5, [0.0, 1.0], "cosine of the angle between the friction on a node and its way",
+            "Beyond, friction pushes a node that slips on a tool along, where it must resist, and the increment is none: 30 degrees either way of across, for a way is the chord of its path.";
+        watch_opposed: f64 = -0.99, [-1.0, -0.5], "cosine of the angle between normals of sides of two masters",
+            "At most, where a node is, they lie on each other, as pieces of one tool do, and a node that one holds is in the seam, which ends the increment: 8 degrees are more than facets of both sides of a curved seam turn against each other.";
+        watch_inward: f64 = -0.5, [-1.0, 0.0], "cosine of the angle between the normal of a contact and that of the slave outwards",
+            "At most, the surface of the slave looks at what holds it, as a sheet does between two tools, which are as near to each other as pieces of one, and the node is in no seam.";
         watch_mirror: f64 = 1e-3, [1e-9, 1.0], "extent of the body across the plane",
             "How far a body may come beyond a plane of symmetry: more than rounding; what a penalty lets through that holds it off is added.";
         watch_lift: f64 = 0.1, [1e-3, 1.0], "longest edge of the slave facets",

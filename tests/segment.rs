@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, assert_close, assert_small, nagata};
+use common::{Bench, assert_close, assert_small, msh, nagata};
 use nalgebra::Vector3;
 use std::path::Path;
 
@@ -361,4 +361,119 @@ fn the_normal_of_nodes_that_are_held_is_that_of_the_surface() {
         steepest = steepest.max(normal.y.abs());
     }
     assert!(steepest > 0.3, "{steepest}");
+}
+
+/// A slab over the end of a rigid table feels that end wherever it lies under its facets, and not the wall below: as one over a
+/// stiff body does, whose faces are cut where the slab's end over them.
+#[test]
+fn the_end_of_a_tool_is_where_it_is() {
+    let table = |reach: f64| {
+        let place = |[u, v, w]: [f64; 3]| {
+            let y = 6.0 * (v - 0.5);
+            [-4.0 + u * (4.0 + reach + 0.4 * y), y, w - 1.0]
+        };
+        msh::together(&[&msh::block([4, 4, 1], false, place)])
+    };
+    let pressed = |master: &str, friction: f64, reach: f64| {
+        let bench = Bench::new(&format!(
+            r#"
+body.slab.material = "soft"
+body.slab.block = {{ box = {{ origin = [-3.0, -2.0, 0.0], size = [4.0, 4.0, 1.0] }}, elements = [7, 6, 1] }}
+material.soft = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+material.stiff = {{ model = "neo-hookean", young = 1e9, poisson = 0.3 }}
+{master}
+contact.c = {{ slave = "slab.zmin", friction = {friction:?}, discretization = "segment", {} }}
+[[step]]
+increments = 2
+fix = [{}]
+move = [{{ target = "slab.zmax", by = [0.0, 0.0, -0.05] }}]
+[[step]]
+increments = 5
+fix = [{1}]
+move = [{{ target = "slab.zmax", by = [0.3, 0.0, 0.0] }}]
+[output]
+history = ["slab.zmax"]
+every = 100
+"#,
+            if master.starts_with("body") { "master = \"table.zmax0\"" } else { "master = \"table\"" },
+            if master.starts_with("body") { "{ set = \"table.zmin0\" }" } else { "" },
+        ));
+        bench.write("table.msh", &table(reach));
+        let run = bench.solve(1, &[]);
+        ["fx", "fy", "fz"].map(|d| run.history().last(&format!("slab.zmax.{d}")))
+    };
+    let body = "body.table = { mesh = \"table.msh\", material = \"stiff\" }";
+    let tool = |group: &str| format!("tool.table = {{ mesh = \"table.msh\", group = \"{group}\" }}");
+    for friction in [0.0, 0.3] {
+        let mut last = 0.0;
+        for reach in [0.4, 0.7] {
+            let [over, open, closed] =
+                [body, &tool("zmax0"), &tool("all")].map(|master| pressed(master, friction, reach));
+            let what = format!("{friction} {reach}: {over:?}, {open:?}, {closed:?}");
+            for d in 0..3 {
+                assert_small(&what, (open[d] - over[d]) / over[2], 3e-4);
+                assert_small(&what, (closed[d] - open[d]) / over[2], 3e-4);
+            }
+            assert!(open[2].abs() > last, "{what}");
+            last = open[2].abs();
+        }
+    }
+}
+
+/// A block at rest on two tables that lie flush stands as on one, wherever their joint is, and slides off an end without a jump.
+#[test]
+fn a_block_stands_over_the_joint_of_two_tools() {
+    let profile = |name: &str, points: &str| format!("tool.{name}.profile.points = [{points}]\n");
+    let scene = |tools: &[(&str, &str)], by: f64, friction: f64| {
+        let each =
+            |of: &dyn Fn(&str, &str) -> String| tools.iter().map(|(name, points)| of(name, points)).collect::<String>();
+        let run = Bench::new(&format!(
+            r#"
+body.b.material = "m"
+body.b.plane_strain = true
+body.b.block = {{ box = {{ origin = [3.1, 0.0, 0.0], size = [4.0, 2.0, 1.0] }}, elements = [8, 4, 1] }}
+material.m = {{ model = "hooke", young = 1e3, poisson = 0.3, density = 1e-3 }}
+{}{}
+[output]
+history = ["b.ymax"]
+[[step]]
+increments = 3
+fix = [{{ set = "b.xmin", directions = "x" }}]
+gravity = [0.0, -1000.0, 0.0]
+[[step]]
+increments = 20
+keep = true
+move = [{{ target = "b.xmin", by = [{by:?}, 0.0, 0.0], directions = "x" }}]
+"#,
+            each(&|name, points| profile(name, points)),
+            each(&|name, _| format!(
+                "contact.{name} = {{ slave = \"b.ymin\", master = \"{name}\", friction = {friction:?}, discretization = \"segment\" }}\n"
+            )),
+        ))
+        .solve(1, &[]);
+        assert!(!run.stderr.contains("jump") && run.summary()["cutbacks"] == 0, "{}", run.stderr);
+        let history = run.history();
+        let sum = |c: &str| tools.iter().map(|(name, _)| history.last(&format!("{name}.{c}"))).sum::<f64>();
+        (history.column("b.ymax.uy").to_vec(), [sum("fx"), sum("fy")])
+    };
+    let flat = [("flat", "[15.0, 0.0], [-5.0, 0.0]")];
+    let two = [
+        ("left", "[5.0, -2.0], [5.0, 0.0], [-5.0, 0.0], [-5.0, -2.0]"),
+        ("right", "[15.0, -2.0], [15.0, 0.0], [5.0, 0.0], [5.0, -2.0]"),
+    ];
+    // What sticks to both is shared, and bears along in another way while it is pressed.
+    for (friction, tolerance) in [(0.0, 1e-9), (0.4, 1e-4)] {
+        let ((one, force), (over, forces)) = (scene(&flat, 0.9, friction), scene(&two, 0.9, friction));
+        for (a, b) in one.iter().zip(&over) {
+            assert_small(&format!("{friction}: {b} for {a}"), (a - b) / one[2], tolerance);
+        }
+        for (a, b) in force.iter().zip(forces) {
+            assert_small(&format!("{friction}: {forces:?} for {force:?}"), (a - b) / 8.0, tolerance);
+        }
+    }
+    // Off the end: down by little in each increment, and with all of its weight on the tool.
+    let (end, [along, up]) = scene(&two[..1], -3.1 + 2.9, 0.0);
+    assert!(end.len() == 23);
+    assert_small("along", along, 1e-9);
+    assert_close("weight", up, 8.0, 1e-9);
 }

@@ -689,6 +689,70 @@ move = [{}]
     }
 }
 
+/// A faceted cap that is cut in two is as a whole one, in however long increments: nodes that an iteration takes past the end of
+/// one half, and so far into the other that they would be behind it, came from its front.
+#[test]
+fn a_cap_in_two_is_a_whole_one() {
+    let seam = 0.17;
+    let cap = |n: usize, from: f64, to: f64| {
+        msh::block([n, 16, 1], false, |[u, v, w]| {
+            let (x, y) = (from + (to - from) * u, 3.2 * (v - 0.5));
+            [seam + x, 0.12 + y, 0.25 * (x * x + y * y) + w]
+        })
+    };
+    let run = |parts: &[(&str, &str)], increments: usize, friction: f64| {
+        let each = |of: &dyn Fn(&str) -> String| parts.iter().map(|part| of(part.0)).collect::<Vec<_>>();
+        let tools = each(&|n| {
+            format!(
+                "tool.{n} = {{ mesh = \"{n}.msh\", group = \"zmin\", smoothing = \"facet\" }}\n\
+                 contact.{n} = {{ slave = \"b.zmax\", master = \"{n}\", friction = {friction:?} }}\n"
+            )
+        });
+        let moves = |by: &str| each(&|n| format!("{{ target = \"{n}\", by = {by} }}")).join(", ");
+        let bench = Bench::new(&format!(
+            r#"
+body.b.material = "m"
+body.b.block = {{ box = {{ origin = [-2.0, -2.0, -1.0], size = [4.0, 4.0, 1.0] }}, elements = [10, 10, 2] }}
+material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
+{}
+[output]
+every = 100
+history = ["b.zmin"]
+[[step]]
+increments = 4
+fix = [{{ set = "b.zmin" }}]
+move = [{}]
+[[step]]
+increments = {increments}
+fix = [{{ set = "b.zmin" }}]
+move = [{}]
+"#,
+            tools.concat(),
+            moves("[0.0, 0.0, -0.15]"),
+            moves("[-0.5, 0.0, 0.0]")
+        ));
+        for (name, mesh) in parts {
+            bench.write(&format!("{name}.msh"), mesh);
+        }
+        let run = bench.solve(1, &[]);
+        assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+        ["fx", "fz"].map(|c| run.history().last(&format!("b.zmin.{c}")))
+    };
+    let (left, right, whole) = (cap(8, -1.6, 0.0), cap(8, 0.0, 1.6), cap(16, -1.6, 1.6));
+    let halves = [("left", &left[..]), ("right", &right[..])];
+    // With friction the path counts, and rounding decides what a node on the seam is on.
+    for (friction, tolerance) in [(0.0, 1e-9), (0.3, 1e-4)] {
+        for increments in [3, 7, 28] {
+            let [found, expected] =
+                [&halves[..], &[("whole", &whole[..])]].map(|parts| run(parts, increments, friction));
+            for (a, b) in found.iter().zip(expected) {
+                let what = format!("{friction}, {increments} increments: {found:?} for {expected:?}");
+                assert_small(&what, (a - b) / expected[1], tolerance);
+            }
+        }
+    }
+}
+
 /// A pad that is drawn over the joint of two tables bears what it does on one: nodes that leave the first, sunk into it, are lower
 /// than the second, and go on over it. They end two facets from the joint, where normals are those of one table again.
 #[test]

@@ -9,12 +9,6 @@ use crate::model::{Model, outward_of};
 use crate::surface::Projection;
 use std::cell::LazyCell;
 
-/// Cosine of the angle between normals of sides that lie on each other, at most.
-const OPPOSED: f64 = -0.99;
-/// The same of a contact's normal and the slave's outward one where the slave's surface looks at what it touches: a thin sheet
-/// between two tools has them as near to each other as pieces of one are.
-const FACING: f64 = -0.5;
-
 /// A slave node, by its pair and its place in it, that is held by a side of the master which lies on another master of it, to
 /// `hand_over` of the slave's facets, with nodes displaced by `u`; with its force.
 pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Finding)> {
@@ -32,10 +26,10 @@ pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Findin
                 let opposite = found.and_then(|k| ground.project(other, k, &at.point, (None, false)));
                 opposite.is_some_and(|opposite| {
                     opposite.gap.abs() <= other.controls.hand_over * other.facet_size
-                        && opposite.normal.dot(&at.normal) <= OPPOSED
+                        && opposite.normal.dot(&at.normal) <= other.controls.watch_opposed
                 })
             };
-            pairs().any(covers) && outward[slave.node as usize].dot(&at.normal) > FACING
+            pairs().any(covers) && outward[slave.node as usize].dot(&at.normal) > pair.controls.watch_inward
         };
         pair.slaves.iter().enumerate().find_map(|(s, slave)| {
             let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;

@@ -587,8 +587,7 @@ fn judge_pair(
 /// Friction that pushes a node along its way over a tool, which is seen by places alone: what slips from node to node or from
 /// point to point has other ways, and a penalty holds what it has before it slips.
 fn pushed(ground: &Ground, pair: &Pair, s: usize, [from, to]: [&Vec3; 2], residual: f64) -> Option<Finding> {
-    // Cosine between both, and a way that is no rounding, over a facet.
-    const ALONG: f64 = 0.5;
+    /// A way that is no rounding, over a facet.
     const WAY: f64 = 1e-6;
     let Ground::Tool(tool) = ground else { return None };
     let multiplies = matches!(pair.rules.method, Enforcement::AugmentedLagrangian | Enforcement::Lagrange);
@@ -598,7 +597,7 @@ fn pushed(ground: &Ground, pair: &Pair, s: usize, [from, to]: [&Vec3; 2], residu
     let (way, force) = (along(tool.trial.rotation * tool.way(from, to)), along(-at.force));
     let is_pushed = way.norm() > WAY * pair.facet_size
         && force.norm() > residual
-        && way.dot(&force) > ALONG * way.norm() * force.norm();
+        && way.dot(&force) > pair.controls.watch_pushed * way.norm() * force.norm();
     is_pushed.then(|| Finding::Pushed(force.norm()))
 }
 

@@ -110,6 +110,8 @@ pub struct Law {
     /// By what share friction grows with the length of the slip, 1/length: where all slips, it holds the mean place of what
     /// slips to and fro.
     pub creep: f64,
+    /// The least friction of a drawn node along its way, of all of it: where all was across it.
+    pub drawn_least: f64,
 }
 
 impl Law {
@@ -138,6 +140,7 @@ pub const LAW: Law = Law {
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
     barrier: 0.0,
     creep: 0.0,
+    drawn_least: 0.1,
 };
 
 /// By how much the constraint of a multiplier gives way: where several nodes or masters make the same condition, only this
@@ -355,10 +358,7 @@ struct Lead {
 }
 
 impl Lead {
-    /// The least friction along the way, of all of it: where all was across it.
-    const LEAST: f64 = 0.1;
-
-    fn new(led: &Vec3, base: &Vec3, friction: f64, lambda_n: f64) -> Option<Self> {
+    fn new(led: &Vec3, base: &Vec3, [friction, least]: [f64; 2], lambda_n: f64) -> Option<Self> {
         let length = led.norm();
         let way = led.try_normalize(f64::MIN_POSITIVE)?;
         let bound = -friction * lambda_n;
@@ -366,9 +366,9 @@ impl Lead {
         let across = base - way * along;
         let rest = (bound.powi(2) - across.norm_squared()).max(0.0).sqrt();
         // By the direction of the way the rest changes as the part along it does.
-        let (rest, by_force, by_base, by_along) = match rest > Self::LEAST * bound {
+        let (rest, by_force, by_base, by_along) = match rest > least * bound {
             true => (rest, -friction * bound / rest, -across / rest, along / rest),
-            false => (Self::LEAST * bound, -friction * Self::LEAST, Vec3::zeros(), 0.0),
+            false => (least * bound, -friction * least, Vec3::zeros(), 0.0),
         };
         let penalty = (rest - along) / length;
         let by_way = (across * ((by_along - 1.0) / length) - way * penalty) / length;
@@ -399,7 +399,7 @@ fn frictional(
     let drawn = led != Vec3::zeros();
     let lead = match set {
         Some(Status::Stick) => None,
-        _ => Lead::new(&led, &(tangential * (multiplier + held)), friction, lambda_n),
+        _ => Lead::new(&led, &(tangential * (multiplier + held)), [friction, law.drawn_least], lambda_n),
     };
     let lead = lead.filter(|lead| lead.penalty > law.tangential);
     let penalty = lead.as_ref().map_or(law.tangential, |lead| lead.penalty);

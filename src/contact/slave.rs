@@ -189,6 +189,7 @@ impl Slave {
             compliance,
             barrier: 0.0,
             creep: 0.0,
+            drawn_least: 0.0,
         };
         let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
@@ -252,6 +253,7 @@ impl Slave {
         let augmentation = augmentation * self.softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.barrier = 0.0;
+        self.law.drawn_least = controls.drawn_least;
         self.law.creep = if manner.creeps { controls.creep / facet_size } else { 0.0 };
         self.law.clings = manner.clings && status != Status::Gap;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
@@ -339,8 +341,9 @@ impl Slave {
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
     /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
     /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
-    /// touched another master, with much the same normal, goes from there on to this one; and one no deeper than
-    /// `shallow`, of which nobody tells, goes onto it past its end, as what is pressed into a hole that is a little too narrow.
+    /// touched another master, with much the same normal, goes from there on to this one, however deep an iteration has it, if
+    /// it was hardly behind it; and one no deeper than `shallow`, of which nobody tells, goes onto it past its end, as what is
+    /// pressed into a hole that is a little too narrow.
     pub fn is_beside(
         &self,
         start: impl FnOnce() -> Option<Vec3>,
@@ -354,11 +357,9 @@ impl Slave {
         if at.gap >= 0.0 || self.committed.warm.is_some() || at.gap >= -shallow() {
             return false;
         }
-        if self.goes_over(at, facet_size, controls) {
-            return false;
-        }
         let Some(start) = start() else { return false };
-        if (start - at.point).dot(&at.normal) >= -BEHIND * facet_size {
+        let was = (at.point - start).dot(&at.normal);
+        if was <= BEHIND * facet_size || self.goes_over(at, was.min(-at.gap), facet_size, controls) {
             return false;
         }
         let way = position - start;
@@ -367,10 +368,11 @@ impl Slave {
         (0..steps).all(|k| gap(&(start + way * (k as f64 / steps as f64))).is_none_or(|gap| gap < 0.0))
     }
 
-    /// Whether it comes to the master, found `at` it, from another one beside it with much the same normal, as over a joint.
-    pub fn goes_over(&self, at: &Projection, facet_size: f64, controls: &Controls) -> bool {
+    /// Whether it comes to the master, found `at` it and so `deep`, from another one beside it with much the same normal, as
+    /// over a joint.
+    pub fn goes_over(&self, at: &Projection, deep: f64, facet_size: f64, controls: &Controls) -> bool {
         let same = |borne: Vec3| borne.dot(&at.normal) >= 1.0 - controls.kink_turn;
-        -at.gap <= controls.hand_over * facet_size && self.borne.is_some_and(same)
+        deep <= controls.hand_over * facet_size && self.borne.is_some_and(same)
     }
 
     /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.

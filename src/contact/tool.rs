@@ -63,6 +63,12 @@ impl Tool {
         self.surface.project(&self.trial.inward(point), reach, (warm, keeps)).map(|p| self.in_space(&p))
     }
 
+    /// Whether a point in space that the tool has `at` is past an end of it by more than `aside`.
+    pub fn is_past_end(&self, point: &Vec3, at: &Projection, aside: f64) -> bool {
+        let own = Projection { point: self.trial.inward(&at.point), ..*at };
+        self.surface.near().is_past_end(&self.trial.inward(point), &own, aside)
+    }
+
     /// Where a point in space that the tool has `at` is exactly between pieces of it: see [`crate::surface::PieceSet::evenly`]. Not
     /// on one that a torque turns.
     pub fn evenly(&self, point: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {

@@ -50,6 +50,16 @@ impl Shape {
         }
     }
 
+    /// Whether the point of contact `at` of `x` is past an end by more than `aside`, where a piece is extended; shapes without
+    /// pieces are not.
+    pub fn is_past_end(&self, x: &Vec3, at: &Projection, aside: f64) -> bool {
+        match self {
+            Self::Patches(patches) => patches.is_past_end(x, at, aside),
+            Self::Faces(faces) => faces.is_past_end(x, at, aside),
+            Self::Analytic(_) => false,
+        }
+    }
+
     /// Perpendiculars from `x` to all its pieces, no longer than `most`; they may miss a piece by a distance of `aside`. None
     /// of shapes without edges.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {

@@ -60,8 +60,12 @@ impl Newton<'_> {
         let then = |n: u32| part.points[n as usize] + committed[n as usize];
         let stalled = controls.segment_stalled;
         let settled = stalled.min(controls.segment_settled * self.strategy.tolerance);
-        let stand_still = match self.course.trace[self.course.since..] {
-            [.., before, last] => last < settled || last < stalled && last > 0.5 * before,
+        let trace = &self.course.trace[self.course.since..];
+        let stalls = |pair: &[f64]| pair[1] < stalled && pair[1] > 0.5 * pair[0];
+        // Where they carry it back up as often as they are found anew, the second time they stay.
+        let returns = trace.windows(2).filter(|pair| stalls(pair)).count() > 1;
+        let stand_still = match *trace {
+            [.., before, last] => last < settled || last < stalled && (returns || stalls(&[before, last])),
             [last] => last < settled,
             [] => false,
         };

@@ -20,7 +20,8 @@
 //! - On a body they are those of the overlap of slave and master faces in the mean plane of the slave face ([`crate::mortar`]),
 //!   exact for flat faces that are parallelograms or triangles. The faces only say where the points are; they are projected
 //!   onto the master's smooth surface then.
-//! - On a tool they are Gauss points of the slave faces.
+//! - On a tool they are Gauss points of the slave faces; of a face over its end, of what of that is over it: of triangles from
+//!   its middle to its corners and the middles of its edges, cut where their edges pass the end.
 //!
 //! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a tool, where the
 //! tangent is exact. On a body points and weights are found anew at each iterate, and stand still in the tangent. What they
@@ -87,6 +88,8 @@ pub struct Face {
     area: f64,
     /// Its unit normal there.
     outward: Vec3,
+    /// Its corners there.
+    places: Corners<Vec3>,
     /// What parts of the area count by at the corners: 1, or the radius.
     measure: [f64; 4],
     spots: Vec<Spot>,
@@ -109,14 +112,14 @@ impl Face {
         let corners = Corners::new(&facet.nodes[..facet.count as usize]);
         let places = corners.map(|n| part.points[n as usize]);
         let measure = places.x.map(|x| if is_ring { x.x } else { 1.0 });
-        let mut spots = spots(&places);
-        spots.iter_mut().for_each(|spot| spot.weight *= mean(&spot.shapes, &measure));
+        let spots = spots(&places, &measure);
         let mut whole = [0.0; 4];
         for spot in &spots {
             whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
         }
         let (area, outward) = (places.area_vector().norm(), places.area_vector().normalize());
-        Self { corners, nodes: corners.x.map(|n| part.tie[n as usize]), area, outward, measure, spots, whole, bulge }
+        let nodes = corners.x.map(|n| part.tie[n as usize]);
+        Self { corners, nodes, area, outward, places, measure, spots, whole, bulge }
     }
 
     /// Whether it shares an edge at a node with another one, over which both go on as one surface within an angle whose cosine is
@@ -141,6 +144,53 @@ impl Face {
         let (e, z) = (b1 + b2, b2 + b3);
         let (f, y) = (1.0 - e, 1.0 - z);
         (h0 * y + h2 * z) * e * f + (h3 * f + h1 * e) * z * y
+    }
+
+    /// Gauss points of the part of it that `sees` the master, by shape functions, unless that is `all` of it, corners too; `line` as
+    /// of [`on_line`].
+    fn part(&self, all: bool, line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Option<Vec<Spot>> {
+        /// Halvings of an edge that passes the end, to rounding of places.
+        const HALVINGS: usize = 32;
+        let sees = |xi: &Vec2| sees(&spot(&self.places, &self.measure, xi, 0.0).shapes);
+        let corners = match self.corners.count {
+            3 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][..],
+            _ => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        };
+        let corners: Vec<(Vec2, bool)> = corners.iter().map(|&xi| (xi.into(), sees(&xi.into()))).collect();
+        if all && corners.iter().all(|(_, sees)| *sees) {
+            return None;
+        }
+        let with = |xi: Vec2| (xi, sees(&xi));
+        let count = corners.len();
+        let middle = with(corners.iter().map(|(xi, _)| xi).sum::<Vec2>() / count as f64);
+        let around = |k: usize| [corners[k], with((corners[k].0 + corners[(k + 1) % count].0) * 0.5)];
+        let rim: Vec<(Vec2, bool)> = (0..count).flat_map(around).collect();
+        let end = |mut seen: Vec2, mut unseen: Vec2| {
+            for _ in 0..HALVINGS {
+                let half = (seen + unseen) * 0.5;
+                *if sees(&half) { &mut seen } else { &mut unseen } = half;
+            }
+            seen
+        };
+        let mut spots = Vec::new();
+        for k in 0..rim.len() {
+            let triangle = [middle, rim[k], rim[(k + 1) % rim.len()]];
+            let mut part = Vec::new();
+            for ((a, sees_a), (b, sees_b)) in (0..3).map(|k| (triangle[k], triangle[(k + 1) % 3])) {
+                part.extend(sees_a.then_some(a));
+                part.extend(match (sees_a, sees_b) {
+                    (true, false) => Some(end(a, b)),
+                    (false, true) => Some(end(b, a)),
+                    _ => None,
+                });
+            }
+            for [b, c] in part.array_windows().skip(1) {
+                on_triangle(line, &[part[0], *b, *c], |xi, weight| {
+                    spots.push(spot(&self.places, &self.measure, &xi, weight));
+                });
+            }
+        }
+        Some(spots)
     }
 
     /// The sum of some values at the corners that move as a node.
@@ -216,23 +266,28 @@ fn mean(shapes: &[f64; 4], values: &[f64; 4]) -> f64 {
     shapes.iter().zip(values).map(|(shape, value)| shape * value).sum()
 }
 
+/// A point of a face at parameters, on quadrilaterals from 0 to 1 along two edges, on triangles the shape functions of the second
+/// and third corner, with what a `weight` in these is of the face.
+fn spot(x: &Corners<Vec3>, measure: &[f64; 4], xi: &Vec2, weight: f64) -> Spot {
+    let (shapes, density) = if x.count == 3 {
+        ([1.0 - xi.x - xi.y, xi.x, xi.y, 0.0], 2.0 * x.area_vector().norm())
+    } else {
+        let [shapes, by_s, by_t] = bilinear(xi);
+        let sum = |w: &[f64; 4]| x.x.iter().zip(w).map(|(x, w)| x * *w).sum::<Vec3>();
+        (shapes, sum(&by_s).cross(&sum(&by_t)).norm())
+    };
+    Spot { shapes, weight: weight * density * mean(&shapes, measure) }
+}
+
 /// Gauss points of a face.
-fn spots(x: &Corners<Vec3>) -> Vec<Spot> {
+fn spots(x: &Corners<Vec3>, measure: &[f64; 4]) -> Vec<Spot> {
     let line = on_line(POINTS);
     let mut spots = Vec::new();
+    let mut add = |xi: Vec2, weight: f64| spots.push(spot(x, measure, &xi, weight));
     if x.count == 3 {
-        let twice = 2.0 * x.area_vector().norm();
-        on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], |xi, weight| {
-            spots.push(Spot { shapes: [1.0 - xi.x - xi.y, xi.x, xi.y, 0.0], weight: weight * twice });
-        });
-        return spots;
-    }
-    for [s, along] in &line {
-        for [t, across] in &line {
-            let [shapes, by_s, by_t] = bilinear(&Vec2::new(*s, *t));
-            let sum = |w: &[f64; 4]| x.x.iter().zip(w).map(|(x, w)| x * *w).sum::<Vec3>();
-            spots.push(Spot { shapes, weight: along * across * sum(&by_s).cross(&sum(&by_t)).norm() });
-        }
+        on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], add);
+    } else {
+        line.iter().for_each(|[s, a]| line.iter().for_each(|[t, b]| add(Vec2::new(*s, *t), a * b)));
     }
     spots
 }

@@ -78,11 +78,6 @@ impl Segments {
         let of_face = |(f, face): (usize, &Face)| {
             let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
-            let starts = match (ground, still) {
-                (Ground::Tool(_), _) => face.spots.iter().map(|spot| (*spot, None)).collect(),
-                (Ground::Surface(..), Some(still)) => still.0[f].iter().map(Point::again).collect(),
-                (Ground::Surface(surface, _), None) => covered(pair, face, &x, surface, [&lines[0], &lines[1]]),
-            };
             let point = |(spot, start): Start| {
                 let flat = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
                 let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
@@ -93,7 +88,22 @@ impl Segments {
                 let start = ground.place_of(&origin).unwrap_or(at.point);
                 Some(Point { nodes: face.nodes, shapes: spot.shapes, weight: spot.weight, at, origin, start })
             };
-            starts.into_iter().filter_map(point).collect()
+            let whole = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
+            match (ground, still) {
+                (_, Some(still)) => still.0[f].iter().map(Point::again).filter_map(point).collect(),
+                (Ground::Surface(surface, _), None) => {
+                    let starts = covered(pair, face, &x, surface, [&lines[0], &lines[1]]);
+                    starts.into_iter().filter_map(point).collect()
+                }
+                (Ground::Tool(_), None) => {
+                    let points = whole(&face.spots);
+                    // Farther off, what the faces look at does not press them.
+                    let is_near = points.iter().any(|point| point.at.gap < pair.facet_size);
+                    let sees = |shapes: &[f64; 4]| ground.project_point(pair, &x.at(shapes), &outward, None).is_some();
+                    let part = is_near.then(|| face.part(points.len() == face.spots.len(), &lines[1], sees)).flatten();
+                    part.map_or(points, |spots| whole(&spots))
+                }
+            }
         };
         Self(pair.faces.iter().flat_map(|faces| &faces.faces).enumerate().map(of_face).collect())
     }
