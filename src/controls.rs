@@ -271,8 +271,8 @@ controls! {
     "segments" {
         segment_least: f64 = 0.1, [1e-6, 0.5], "area of the slave faces around a node, weighted by its shape functions",
             "A node of which no more lies over the master is in the gap: its condition would be that of its neighbour, at the end of the master. So contact ends a part of a facet earlier or later there: forces of a block that sinks into another differ by 8e-3 with half of it. Twice as much makes nodes come and go.";
-        segment_facing: f64 = -0.25, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
-            "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area. Faces of a slab that is drawn off a table with friction lean by 6 degrees to the wall at its end: with -0.1 that would hold their nodes off, and no increment be found; from -0.15 to -0.45 all is the same.";
+        segment_facing: f64 = -0.1, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
+            "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area.";
         segment_settled: f64 = 100.0, [1e-3, 1e8], "tolerance of Newton's method",
             "Below, the points of segments between bodies stand still, and the tangent is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this, no more than the tolerance. With 10,000 a dome of facets that is drawn to and fro with a friction of 5 leans by 2e-9 of its force, and an elastic indenter takes 3.4 iterations an increment instead of 4.6.";
         segment_stalled: f64 = 1e-3, [1e-14, 1e-1], "residual over the forces that it counts against",

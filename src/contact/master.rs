@@ -7,6 +7,7 @@
 use super::element::frame;
 use super::method::Tangent;
 use super::pose::way_past;
+use super::segment::ends;
 use super::{Beside, BodySurface, Outlook, Pair, Pose, Slave, Status, Tool};
 use crate::controls::Controls;
 use crate::parallel::max;
@@ -459,7 +460,7 @@ impl<'a> Ground<'a> {
     }
 
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
-    /// starts at `warm`. Past the end of a tool, what is beside the point is not opposite to it: see [`ahead`].
+    /// starts at `warm`. Past the end of a tool, the wall beside the point is not opposite to it.
     pub fn project_point(
         &self,
         pair: &Pair,
@@ -469,7 +470,7 @@ impl<'a> Ground<'a> {
     ) -> Option<Projection> {
         let found = match self {
             Self::Tool(tool) => {
-                tool.project(x, pair.reach, (None, false)).and_then(|at| ahead(tool, pair, x, at, outward))
+                tool.project(x, pair.reach, (None, false)).and_then(|at| ends::ahead(tool, pair, x, at, outward))
             }
             Self::Surface(surface, _) => {
                 let outward = pair.is_within_body().then_some(outward);
@@ -488,7 +489,7 @@ impl<'a> Ground<'a> {
                 let place = tool.committed.inward(before);
                 let normal = tool.trial.rotation.tr_mul(&now.normal);
                 // A wall beside it is not what it slides on.
-                let same = |p: &Projection| p.normal.dot(&normal) >= STRAIGHT;
+                let same = |p: &Projection| p.normal.dot(&normal) >= ends::STRAIGHT;
                 let then = tool.surface.project(&place, pair.reach, (start, false)).filter(same);
                 SlipOrigin::Fixed(tool.trial.outward(&then.map_or(place, |p| p.point)))
             }
@@ -721,47 +722,4 @@ pub enum Past {
     Poses(Vec<Pose>),
     /// Where the nodes were that this rank sees.
     Places(Vec<Vec3>),
-}
-
-/// Cosine of the angle between a direction and a normal up to which nothing else is nearer ahead.
-const STRAIGHT: f64 = 0.5;
-
-/// Where a point of a slave face at `x`, which looks along `outward`, has the tool ahead, `found` to be the closest to it. What looks
-/// back askew counts where that direction, to either side, meets it, as the faces of a body count that overlap with the slave's. A
-/// wall at the end of a tool is not met so, and a point a little below its top has that ahead.
-fn ahead(tool: &Tool, pair: &Pair, x: &Vec3, found: Projection, outward: &Vec3) -> Option<Projection> {
-    const STEPS: usize = 8;
-    /// Over a facet.
-    const MET: f64 = 1e-6;
-    let slope = |at: &Projection| -outward.dot(&at.normal);
-    let aside = pair.sides().aside;
-    let is_past = tool.is_past_end(x, &found, aside);
-    if slope(&found) >= STRAIGHT && !is_past {
-        return Some(found);
-    }
-    let meets = || {
-        let (mut at, mut way) = (found, 0.0f64);
-        for _ in 0..STEPS {
-            if slope(&at) < -pair.controls.segment_facing {
-                return false;
-            }
-            way += at.gap / slope(&at);
-            let next = Some(way).filter(|way| way.abs() < pair.reach);
-            let Some(next) = next.and_then(|way| tool.project(&(x + outward * way), pair.reach, (None, false))) else {
-                return false;
-            };
-            if next.gap.abs() < MET * pair.facet_size {
-                return next.normal.dot(&found.normal) > STRAIGHT;
-            }
-            at = next;
-        }
-        false
-    };
-    let others = || {
-        let feet = tool.perpendiculars(x, pair.reach, aside).into_iter();
-        feet.filter(|at| slope(at) >= STRAIGHT).min_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()))
-    };
-    // From inside, a wall is nearer than what the point came through.
-    let inside = if found.gap < 0.0 { others() } else { None };
-    inside.or_else(|| (!is_past && meets()).then_some(found)).or_else(others)
 }

@@ -54,8 +54,10 @@
 //! So do more Gauss points than 3 by 3 on a tool leave it.
 //!
 //! - here: the faces around the slave nodes of a rank
+//! - [`ends`]: where tools end
 //! - [`points`]: integration points, and what a slave node meets
 
+pub mod ends;
 pub mod points;
 
 pub use points::{Point, Segments, Share};
@@ -146,9 +148,9 @@ impl Face {
         (h0 * y + h2 * z) * e * f + (h3 * f + h1 * e) * z * y
     }
 
-    /// Gauss points of the part of it that `sees` the master, by shape functions, unless that is `all` of it, corners too; `line` as
-    /// of [`on_line`].
-    fn part(&self, all: bool, line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Option<Vec<Spot>> {
+    /// Gauss points of the part of it that `sees` the master, by shape functions, unless that is all of it or nothing: of its own Gauss
+    /// points, of which a share is `seen`, and its corners. `line` is as of [`on_line`].
+    fn part(&self, seen: f64, line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Option<Vec<Spot>> {
         /// Halvings of an edge that passes the end, to rounding of places.
         const HALVINGS: usize = 32;
         let sees = |xi: &Vec2| sees(&spot(&self.places, &self.measure, xi, 0.0).shapes);
@@ -157,7 +159,7 @@ impl Face {
             _ => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         };
         let corners: Vec<(Vec2, bool)> = corners.iter().map(|&xi| (xi.into(), sees(&xi.into()))).collect();
-        if all && corners.iter().all(|(_, sees)| *sees) {
+        if [0.0, 1.0].contains(&seen) && corners.iter().all(|(_, sees)| *sees == (seen == 1.0)) {
             return None;
         }
         let with = |xi: Vec2| (xi, sees(&xi));

@@ -1,13 +1,15 @@
 //! Integration points of slave faces on the master, and what a slave node meets through them.
 
-use super::{Face, Spot, mean};
+use super::{Face, Spot, ends, mean};
 use crate::Vec3;
 use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
-use crate::contact::{BodySurface, Pair};
+use crate::contact::{BodySurface, Pair, Status};
 use crate::mortar::rule::on_line;
 use crate::mortar::{Corners, MeanPlane, overlap};
 use crate::surface::{Patch, Projection};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 
 /// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
 /// nothing is, or where these are multiplied by a radius.
@@ -75,6 +77,8 @@ impl Segments {
     ) -> Self {
         let lines = POINTS.map(on_line);
         let then = then.filter(|_| pair.rules.friction > 0.0);
+        // What is closest to the corners of faces on a tool, by the nodes that move them.
+        let corners = RefCell::new(BTreeMap::new());
         let of_face = |(f, face): (usize, &Face)| {
             let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
@@ -88,20 +92,29 @@ impl Segments {
                 let start = ground.place_of(&origin).unwrap_or(at.point);
                 Some(Point { nodes: face.nodes, shapes: spot.shapes, weight: spot.weight, at, origin, start })
             };
-            let whole = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
+            let at = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
             match (ground, still) {
                 (_, Some(still)) => still.0[f].iter().map(Point::again).filter_map(point).collect(),
                 (Ground::Surface(surface, _), None) => {
                     let starts = covered(pair, face, &x, surface, [&lines[0], &lines[1]]);
                     starts.into_iter().filter_map(point).collect()
                 }
-                (Ground::Tool(_), None) => {
-                    let points = whole(&face.spots);
-                    // Farther off, what the faces look at does not press them.
-                    let is_near = points.iter().any(|point| point.at.gap < pair.facet_size);
+                (Ground::Tool(tool), None) => {
+                    let points = at(&face.spots);
+                    let sees_corner = |a: usize| {
+                        let mut corners = corners.borrow_mut();
+                        let project = || tool.project(&x.x[a], pair.reach, (None, false));
+                        let found = corners.entry(face.nodes[a]).or_insert_with(project).as_ref();
+                        found.is_some_and(|found| ends::is_opposite(tool, pair, &x.x[a], found, &outward))
+                    };
+                    // Farther off, what a face looks at does not press it.
+                    let is_far = !points.is_empty() && points.iter().all(|point| point.at.gap > pair.facet_size);
+                    if is_far || points.len() == face.spots.len() && (0..x.count).all(sees_corner) {
+                        return points;
+                    }
                     let sees = |shapes: &[f64; 4]| ground.project_point(pair, &x.at(shapes), &outward, None).is_some();
-                    let part = is_near.then(|| face.part(points.len() == face.spots.len(), &lines[1], sees)).flatten();
-                    part.map_or(points, |spots| whole(&spots))
+                    let seen = points.len() as f64 / face.spots.len() as f64;
+                    face.part(seen, &lines[1], sees).map_or(points, |spots| at(&spots))
                 }
             }
         };
@@ -162,7 +175,9 @@ impl Segments {
         let mut shares = self.shares(pair, s, fan);
         let covered: f64 = shares.iter().map(|share| share.weight).sum();
         shares.iter_mut().for_each(|share| share.weight /= covered);
-        (covered >= pair.controls.segment_least * whole).then_some(shares)
+        // One that touches stays until half of that is left: what comes and goes with the node itself would never rest.
+        let stays = if pair.slaves[s].trial.status == Status::Gap { 1.0 } else { 0.5 };
+        (covered >= stays * pair.controls.segment_least * whole).then_some(shares)
     }
 }
 
