@@ -41,6 +41,7 @@ fn contact(c: &mut Criterion) {
         compliance: Compliance::default(),
         barrier: 0.0,
         creep: 0.0,
+        drawn_least: 0.1,
     };
     let augmented = Multiplier::Augmented(Vec3::new(1.0, 2.0, -8.0));
     let x = Vec3::new(0.21, -0.13, -0.03);
