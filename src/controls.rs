@@ -270,7 +270,7 @@ controls! {
     }
     "segments" {
         segment_least: f64 = 0.1, [1e-6, 0.5], "area of the slave faces around a node, weighted by its shape functions",
-            "A node of which no more lies over the master is in the gap: its condition would be that of its neighbour, at the end of the master. So contact ends a part of a facet earlier or later there: forces of a block that sinks into another differ by 8e-3 with half of it. Twice as much makes nodes come and go.";
+            "A node of which no more lies over the master is in the gap: its condition would be that of its neighbour, at the end of the master. So contact ends a part of a facet earlier or later there: forces of a block that sinks into another differ by 8e-3 with half of it. Twice as much makes nodes come and go. One that touches stays until half of it is left.";
         segment_facing: f64 = -0.1, [-0.99, -1e-3], "cosine of the angle between the normals of a slave face and a master face",
             "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area.";
         segment_settled: f64 = 100.0, [1e-3, 1e8], "tolerance of Newton's method",

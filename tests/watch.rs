@@ -624,18 +624,14 @@ move = [{{ target = "pad.ymax", by = [2.4, 0.0, 0.0] }}]
     }
 }
 
-/// A platen in two pieces, with the sides that lie on each other, and one with a pin in it, are as a whole one: nodes go over the
-/// seam, and are not caught by its sides, which all of them have come from in front of.
-#[test]
-fn seams_of_tools_hold_nothing() {
-    let scene = |tools: &str, friction: f64, ways: [f64; 2], names: &[&str]| {
-        let each = |of: &dyn Fn(&str) -> String| names.iter().map(|name| of(name)).collect::<Vec<_>>();
-        let contacts =
-            each(&|n| format!("contact.{n} = {{ slave = \"b.zmax\", master = \"{n}\", friction = {friction:?} }}\n"));
-        let [down, along] = ways;
-        let moves = |by: [f64; 3]| each(&|n| format!("{{ target = \"{n}\", by = {by:?} }}")).join(", ");
-        let run = Bench::new(&format!(
-            r#"
+/// A slab under tools, each of them with a contact, that are pressed down onto it and then drawn along.
+fn slab_under(tools: &str, names: &[&str], friction: f64, [down, along]: [f64; 2], increments: usize) -> Bench {
+    let each = |of: &dyn Fn(&str) -> String| names.iter().map(|name| of(name)).collect::<Vec<_>>();
+    let contacts =
+        each(&|n| format!("contact.{n} = {{ slave = \"b.zmax\", master = \"{n}\", friction = {friction:?} }}\n"));
+    let moves = |by: [f64; 3]| each(&|n| format!("{{ target = \"{n}\", by = {by:?} }}")).join(", ");
+    Bench::new(&format!(
+        r#"
 body.b.material = "m"
 body.b.block = {{ box = {{ origin = [-2.0, -2.0, -1.0], size = [4.0, 4.0, 1.0] }}, elements = [10, 10, 2] }}
 material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
@@ -649,15 +645,22 @@ increments = 4
 fix = [{{ set = "b.zmin" }}]
 move = [{}]
 [[step]]
-increments = 12
+increments = {increments}
 fix = [{{ set = "b.zmin" }}]
 move = [{}]
 "#,
-            contacts.concat(),
-            moves([0.0, 0.0, -down]),
-            moves([along, 0.0, 0.0])
-        ))
-        .solve(1, &[]);
+        contacts.concat(),
+        moves([0.0, 0.0, -down]),
+        moves([along, 0.0, 0.0])
+    ))
+}
+
+/// A platen in two pieces, with the sides that lie on each other, and one with a pin in it, are as a whole one: nodes go over the
+/// seam, and are not caught by its sides, which all of them have come from in front of.
+#[test]
+fn seams_of_tools_hold_nothing() {
+    let scene = |tools: &str, friction: f64, ways: [f64; 2], names: &[&str]| {
+        let run = slab_under(tools, names, friction, ways, 12).solve(1, &[]);
         ["fx", "fz"].map(|c| run.history().last(&format!("b.zmin.{c}")))
     };
     let bar = |name: &str, from: f64, to: f64| {
@@ -701,36 +704,10 @@ fn a_cap_in_two_is_a_whole_one() {
         })
     };
     let run = |parts: &[(&str, &str)], increments: usize, friction: f64| {
-        let each = |of: &dyn Fn(&str) -> String| parts.iter().map(|part| of(part.0)).collect::<Vec<_>>();
-        let tools = each(&|n| {
-            format!(
-                "tool.{n} = {{ mesh = \"{n}.msh\", group = \"zmin\", smoothing = \"facet\" }}\n\
-                 contact.{n} = {{ slave = \"b.zmax\", master = \"{n}\", friction = {friction:?} }}\n"
-            )
-        });
-        let moves = |by: &str| each(&|n| format!("{{ target = \"{n}\", by = {by} }}")).join(", ");
-        let bench = Bench::new(&format!(
-            r#"
-body.b.material = "m"
-body.b.block = {{ box = {{ origin = [-2.0, -2.0, -1.0], size = [4.0, 4.0, 1.0] }}, elements = [10, 10, 2] }}
-material.m = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
-{}
-[output]
-every = 100
-history = ["b.zmin"]
-[[step]]
-increments = 4
-fix = [{{ set = "b.zmin" }}]
-move = [{}]
-[[step]]
-increments = {increments}
-fix = [{{ set = "b.zmin" }}]
-move = [{}]
-"#,
-            tools.concat(),
-            moves("[0.0, 0.0, -0.15]"),
-            moves("[-0.5, 0.0, 0.0]")
-        ));
+        let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+        let tool = |n: &&str| format!("tool.{n} = {{ mesh = \"{n}.msh\", group = \"zmin\", smoothing = \"facet\" }}\n");
+        let tools: String = names.iter().map(tool).collect();
+        let bench = slab_under(&tools, &names, friction, [0.15, -0.5], increments);
         for (name, mesh) in parts {
             bench.write(&format!("{name}.msh"), mesh);
         }

@@ -468,16 +468,16 @@ impl<'a> Ground<'a> {
         outward: &Vec3,
         warm: Option<(u32, [f64; 2])>,
     ) -> Option<Projection> {
-        let found = match self {
+        match self {
             Self::Tool(tool) => {
                 tool.project(x, pair.reach, (None, false)).and_then(|at| ends::ahead(tool, pair, x, at, outward))
             }
             Self::Surface(surface, _) => {
-                let outward = pair.is_within_body().then_some(outward);
-                on_faces(surface.shapes(), pair, warm, &Outlook { outward, ..Outlook::everywhere(x) })
+                let within = pair.is_within_body().then_some(outward);
+                on_faces(surface.shapes(), pair, warm, &Outlook { outward: within, ..Outlook::everywhere(x) })
+                    .filter(|found| ends::looks_back(found, outward))
             }
-        };
-        found.filter(|p| outward.dot(&p.normal) < 0.0)
+        }
     }
 
     /// Where the slip of a point of a slave face counts from, which was at `before` at the last converged increment and meets the

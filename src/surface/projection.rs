@@ -52,6 +52,13 @@ pub struct Foot {
     pub distance: f64,
 }
 
+impl Foot {
+    /// Whether it lies on the limit of the domain beyond an edge.
+    pub fn is_on(&self, edge: usize) -> bool {
+        self.limits >> edge & 1 == 1
+    }
+}
+
 const ITERATIONS: usize = 60;
 /// A Newton step this small leaves an error of its square.
 const LAST_NEWTON_STEP: f64 = 1e-8;
@@ -375,7 +382,7 @@ pub fn angle_normal<P: Polygon + ?Sized>(piece: &P, foot: &Foot) -> Vec3 {
             let corners = piece.corners(&[0.0; 4]);
             let count = piece.count();
             // The corner between edges k-1 and k.
-            let k = (0..count).find(|k| foot.limits >> k & 1 == 1 && foot.limits >> ((k + count - 1) % count) & 1 == 1);
+            let k = (0..count).find(|&k| foot.is_on(k) && foot.is_on((k + count - 1) % count));
             let k = k.unwrap_or(0);
             let to = |j: usize| {
                 let [e, z] = [corners[j][0] - corners[k][0], corners[j][1] - corners[k][1]];

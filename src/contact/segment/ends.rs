@@ -12,10 +12,9 @@ use crate::surface::Projection;
 /// Cosine of the angle between a direction and a normal up to which they are straight on each other.
 pub const STRAIGHT: f64 = 0.5;
 
-/// Whether a point at `x` of a slave face, which looks along `outward`, has what is closest to it, `found`, straight ahead, and
-/// on no end.
-pub fn is_opposite(tool: &Tool, pair: &Pair, x: &Vec3, found: &Projection, outward: &Vec3) -> bool {
-    is_straight(found, outward) && !tool.is_past_end(x, found, pair.sides().aside)
+/// Whether a point of the master is on a side that looks at a slave face.
+pub fn looks_back(at: &Projection, outward: &Vec3) -> bool {
+    outward.dot(&at.normal) < 0.0
 }
 
 fn is_straight(at: &Projection, outward: &Vec3) -> bool {
@@ -23,12 +22,13 @@ fn is_straight(at: &Projection, outward: &Vec3) -> bool {
 }
 
 /// Where a point of a slave face at `x`, which looks along `outward`, has the tool ahead, `found` to be the closest to it: nothing
-/// past an end, nor beside a wall; but a point that has come in past the wall's edge has the other side of that ahead.
+/// past an end, beside a wall, or that looks away; but a point that has come in past the wall's edge has the other side of that
+/// ahead.
 pub fn ahead(tool: &Tool, pair: &Pair, x: &Vec3, found: Projection, outward: &Vec3) -> Option<Projection> {
     let aside = pair.sides().aside;
     let is_past = tool.is_past_end(x, &found, aside);
     if !is_past && (is_straight(&found, outward) || !is_wall(tool, pair, &found, outward)) {
-        return Some(found);
+        return Some(found).filter(|found| looks_back(found, outward));
     }
     let feet = tool.perpendiculars(x, pair.reach, aside).into_iter();
     feet.filter(|at| is_straight(at, outward)).min_by(|a, b| a.gap.abs().total_cmp(&b.gap.abs()))

@@ -23,8 +23,8 @@
 //! - On a tool they are Gauss points of the slave faces; of a face over its end, of what of that is over it: of triangles from
 //!   its middle to its corners and the middles of its edges, cut where their edges pass the end.
 //!
-//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a tool, where the
-//! tangent is exact. On a body points and weights are found anew at each iterate, and stand still in the tangent. What they
+//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a whole face over a tool,
+//! where the tangent is exact. On a body, and over an end, points and weights are found anew at each iterate, and stand still in the tangent. What they
 //! have in common is integrated whatever the overlap, so that only the error of the rule is left out; yet that makes
 //! convergence linear, by a factor of some hundredths. So they are kept from where little is left of the residual.
 //!
@@ -35,8 +35,8 @@
 //!
 //! Slip of a point counts from where the same point of the slave was on the master at the last converged increment, as both
 //! were then: no point has a history. Points that nothing of the master is opposite to do not count; a fan of which less than
-//! `segment_least` of the [controls](crate::controls) of what belongs to a node is left does not either, and a node without any is in
-//! the gap.
+//! `segment_least` of the [controls](crate::controls) of what belongs to a node is left does not either, of a node that touches less
+//! than half of that, and a node without any is in the gap.
 //!
 //! Where the master is smooth, the slave is, too: its flat faces would stand out of a hollow round one, and be pressed back with
 //! nothing to press, and lack what a bulging one has. The gap of a point is that of the Nagata patch over its face, of which
@@ -148,20 +148,17 @@ impl Face {
         (h0 * y + h2 * z) * e * f + (h3 * f + h1 * e) * z * y
     }
 
-    /// Gauss points of the part of it that `sees` the master, by shape functions, unless that is all of it or nothing: of its own Gauss
-    /// points, of which a share is `seen`, and its corners. `line` is as of [`on_line`].
-    fn part(&self, seen: f64, line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Option<Vec<Spot>> {
+    /// Gauss points of the part of it that `sees` the master, by shape functions, of which `corners` do; `line` as of [`on_line`].
+    fn part(&self, corners: &[bool], line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Vec<Spot> {
         /// Halvings of an edge that passes the end, to rounding of places.
         const HALVINGS: usize = 32;
         let sees = |xi: &Vec2| sees(&spot(&self.places, &self.measure, xi, 0.0).shapes);
-        let corners = match self.corners.count {
+        let places = match self.corners.count {
             3 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][..],
             _ => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         };
-        let corners: Vec<(Vec2, bool)> = corners.iter().map(|&xi| (xi.into(), sees(&xi.into()))).collect();
-        if [0.0, 1.0].contains(&seen) && corners.iter().all(|(_, sees)| *sees == (seen == 1.0)) {
-            return None;
-        }
+        let corners: Vec<(Vec2, bool)> =
+            places.iter().zip(corners).map(|(xi, sees)| (Vec2::from(*xi), *sees)).collect();
         let with = |xi: Vec2| (xi, sees(&xi));
         let count = corners.len();
         let middle = with(corners.iter().map(|(xi, _)| xi).sum::<Vec2>() / count as f64);
@@ -192,7 +189,7 @@ impl Face {
                 });
             }
         }
-        Some(spots)
+        spots
     }
 
     /// The sum of some values at the corners that move as a node.

@@ -77,7 +77,7 @@ impl Segments {
     ) -> Self {
         let lines = POINTS.map(on_line);
         let then = then.filter(|_| pair.rules.friction > 0.0);
-        // What is closest to the corners of faces on a tool, by the nodes that move them.
+        // Where corners of faces on a tool are, and what is closest to them, by the nodes that move them.
         let corners = RefCell::new(BTreeMap::new());
         let of_face = |(f, face): (usize, &Face)| {
             let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
@@ -101,20 +101,23 @@ impl Segments {
                 }
                 (Ground::Tool(tool), None) => {
                     let points = at(&face.spots);
+                    // Farther off, what a face looks at does not press it.
+                    if !points.is_empty() && points.iter().all(|point| point.at.gap > pair.facet_size) {
+                        return points;
+                    }
                     let sees_corner = |a: usize| {
                         let mut corners = corners.borrow_mut();
-                        let project = || tool.project(&x.x[a], pair.reach, (None, false));
-                        let found = corners.entry(face.nodes[a]).or_insert_with(project).as_ref();
-                        found.is_some_and(|found| ends::is_opposite(tool, pair, &x.x[a], found, &outward))
+                        let project = || (x.x[a], tool.project(&x.x[a], pair.reach, (None, false)));
+                        let (x, found) = corners.entry(face.nodes[a]).or_insert_with(project);
+                        found.and_then(|found| ends::ahead(tool, pair, x, found, &outward)).is_some()
                     };
-                    // Farther off, what a face looks at does not press it.
-                    let is_far = !points.is_empty() && points.iter().all(|point| point.at.gap > pair.facet_size);
-                    if is_far || points.len() == face.spots.len() && (0..x.count).all(sees_corner) {
+                    let corners: Vec<bool> = (0..x.count).map(sees_corner).collect();
+                    let seen = corners.iter().filter(|sees| **sees).count() + points.len();
+                    if [0, x.count + face.spots.len()].contains(&seen) {
                         return points;
                     }
                     let sees = |shapes: &[f64; 4]| ground.project_point(pair, &x.at(shapes), &outward, None).is_some();
-                    let seen = points.len() as f64 / face.spots.len() as f64;
-                    face.part(seen, &lines[1], sees).map_or(points, |spots| at(&spots))
+                    at(&face.part(&corners, &lines[1], sees))
                 }
             }
         };

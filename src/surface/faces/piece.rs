@@ -184,7 +184,7 @@ impl FacePiece {
 
     /// Whether a foot of descent is a point of the face, and not one of the border that only rims know.
     fn is_own(&self, foot: &Foot) -> bool {
-        let on_border = (0..4).any(|k| self.outer[k] && foot.limits >> k & 1 == 1);
+        let on_border = (0..4).any(|k| self.outer[k] && foot.is_on(k));
         !on_border && self.holds(foot.xi)
     }
 
@@ -328,7 +328,7 @@ impl Piece for FacePiece {
                 rim.edge == Edge::Boundary || corner.is_some_and(|corner| corner.is_end),
                 corner.is_some(),
             ),
-            None => (((0..4).any(|k| core.limits >> k & 1 == 1 && self.edges[k] == Edge::Smooth)), false, false),
+            None => ((0..4).any(|k| core.is_on(k) && self.edges[k] == Edge::Smooth), false, false),
         };
         if is_soft {
             let extension = self.edges.map(|edge| if edge == Edge::Sharp { 0.0 } else { self.extension });

@@ -350,7 +350,7 @@ impl<P: Piece> PieceSet<P> {
         beyond.is_some_and(|k| {
             let (piece, edges) = (&self.pieces[k], self.pieces[k].edges());
             let core = piece.core(self.extent(k), x, Some(at.xi), f64::INFINITY);
-            let ends = (0..4).any(|edge| core.limits >> edge & 1 == 1 && edges[edge] == Edge::Boundary);
+            let ends = (0..4).any(|k| core.is_on(k) && edges[k] == Edge::Boundary);
             ends && (core.local.point - at.point).norm() > aside
         })
     }

@@ -333,7 +333,7 @@ pub fn angle<P: Piece>(piece: &P, xi: [f64; 2]) -> f64 {
 /// of it that needs. `None` beyond an end of the surface.
 pub fn settle<P: Piece + ?Sized>(piece: &P, x: &Vec3, core: Foot) -> Option<(Foot, f64)> {
     let edges = piece.edges();
-    let on = |foot: &Foot, kind: &dyn Fn(Edge) -> bool| (0..4).any(|k| foot.limits >> k & 1 == 1 && kind(edges[k]));
+    let on = |foot: &Foot, kind: &dyn Fn(Edge) -> bool| (0..4).any(|k| foot.is_on(k) && kind(edges[k]));
     let extension = |kind: &dyn Fn(Edge) -> bool| edges.map(|edge| if kind(edge) { EXTENSION } else { 0.0 });
     let (soft, end) = (|edge| edge != Edge::Sharp, |edge| edge == Edge::Boundary);
     let is_soft = on(&core, &soft);
@@ -345,7 +345,7 @@ pub fn settle<P: Piece + ?Sized>(piece: &P, x: &Vec3, core: Foot) -> Option<(Foo
     }
     let foot = if on(&core, &end) { descend(piece, x, &extension(&end), core.xi) } else { core };
     let count = piece.count();
-    let at_corner = |k: usize| foot.limits >> k & 1 == 1 && foot.limits >> ((k + count - 1) % count) & 1 == 1;
+    let at_corner = |k: usize| foot.is_on(k) && foot.is_on((k + count - 1) % count);
     if on(&foot, &end) || (0..count).any(|k| at_corner(k) && piece.ends_at(k)) {
         return None;
     }
