@@ -648,3 +648,53 @@ fn a_strip_that_is_pulled_off_is_let_go() {
     assert!(pulled <= most * (1.0 + 1e-6) && pulled > 0.9 * most, "{pulled} of {most}: {}", run.stderr);
     assert!(run.stderr.contains("% of the friction that it can"), "{}", run.stderr);
 }
+
+/// A block that is pressed and pushed over a floor, rests, and is pressed harder and less: what nodes that are held along the floor
+/// bear of the friction stays, as far as it is within the cone; in a step of its own as within one.
+#[test]
+fn friction_stays_where_nodes_that_are_held_rest() {
+    for (held, method) in [
+        ("b.xmin", "augmented-lagrangian"),
+        ("b.xmin", "lagrange"),
+        ("b", "augmented-lagrangian"),
+        ("b", "penalty"),
+        ("b", "uzawa"),
+        ("b.ymax", "augmented-lagrangian"),
+    ] {
+        for discretization in ["one-pass", "segment"] {
+            if discretization == "segment" && method == "uzawa" {
+                continue;
+            }
+            let press = |force: f64| format!("force = [{{ target = \"b.ymax\", total = [0.0, {force:?}, 0.0] }}]\n");
+            let bench = Bench::new(&format!(
+                "[body.b]\nmaterial = \"m\"\nplane_strain = true\nblock = {{ box = {{ size = [4.0, 2.0, 1.0] }}, elements = [4, 2, 1] }}\n\
+                 [material.m]\nmodel = \"hooke\"\nyoung = 1000.0\npoisson = 0.0\n\
+                 [tool.floor]\nplane = {{ point = [0, 0, 0], normal = [0, 1, 0] }}\n\
+                 [contact.c]\nslave = \"b.ymin\"\nmaster = \"floor\"\nfriction = 0.3\nmethod = \"{method}\"\n\
+                 discretization = \"{discretization}\"\n\
+                 [[step]]\nname = \"press\"\nincrements = 2\nfix = [{{ set = \"{held}\", directions = \"x\" }}]\n{}\
+                 [[step]]\nname = \"push\"\nincrements = 5\nkeep = true\nmove = [{{ target = \"{held}\", by = [0.5, 0, 0], directions = \"x\" }}]\n\
+                 [[step]]\nname = \"rest\"\nincrements = 2\nkeep = true\n\
+                 [[step]]\nname = \"harder\"\nincrements = 2\nkeep = true\n{}\
+                 [[step]]\nname = \"less\"\nincrements = 4\nkeep = true\n{}\
+                 [output]\nhistory = [\"b\"]\n",
+                press(-40.0),
+                press(-60.0),
+                press(-20.0),
+            ));
+            let history = bench.solve(1, &[]).history();
+            let last = |step: &str| {
+                let row = history.steps.iter().rposition(|name| name == step).unwrap();
+                history.column("floor.fx")[row]
+            };
+            let tolerance = if method == "penalty" { 2e-2 } else { 1e-6 };
+            let what = format!("{held}, {method}, {discretization}");
+            assert_close(&format!("pushed: {what}"), last("push"), -12.0, tolerance);
+            assert_close(&format!("at rest: {what}"), last("rest"), last("push"), 1e-7);
+            // What sticks is sheared as the block gets lower.
+            assert_close(&format!("pressed harder: {what}"), last("harder"), -12.0, tolerance.max(5e-3));
+            // Half of the force can be borne.
+            assert_close(&format!("pressed less: {what}"), last("less"), -6.0, tolerance);
+        }
+    }
+}

@@ -17,8 +17,9 @@
 //!
 //! - Where the node stands still relative to the master (a plane of symmetry, plane strain), it meets the master's
 //!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
-//!   the normal force being N = λ̂_n / c, friction bounded by μ N. The multiplier has no component in the held directions;
-//!   the force has that of N n.
+//!   the normal force being N = λ̂_n / c, friction bounded by μ N. The force has the component of N n in the held directions, and
+//!   the friction κ that the node bears already in directions of the tangent plane that are not left to it, as after it was drawn
+//!   that way: κ is part of λ̂_t, and λ - κ stands for λ in λ̂_n. The multiplier has no component in the held directions.
 //! - Where it is drawn along the master, by g_d of its slip, it cannot stick, and ε_t is at least so large that λ̂_t is along the
 //!   way with what is left on the cone beside the part of λ_t across: else F = λ would hold with friction that pushes the
 //!   node on, as that of the way there on the way back, as long as ε_t |g_t| is less than the friction.
@@ -162,11 +163,13 @@ pub struct Guide {
     pub held: [bool; 3],
     /// The node is drawn along the master.
     pub drawn: [bool; 3],
+    /// The friction that it bears as the increment begins, if some of it is along directions in which it is held, N.
+    pub borne: Vec3,
 }
 
 impl Default for Guide {
     fn default() -> Self {
-        Self { axes: Mat3::identity(), held: [false; 3], drawn: [false; 3] }
+        Self { axes: Mat3::identity(), held: [false; 3], drawn: [false; 3], borne: Vec3::zeros() }
     }
 }
 
@@ -229,6 +232,8 @@ pub struct Response {
     pub inverse: Mat3,
     /// The derivative of F by a held λ_t.
     pub by_held: Mat3,
+    /// What is left of the friction in directions in which the node is held.
+    pub kept: Vec3,
     /// -(λ - F) in the free directions, with F augmented. Without friction in the first component ε_n g in contact and
     /// -λ_n in the gap.
     pub constraint: Vec3,
@@ -276,6 +281,11 @@ impl Section {
 }
 
 impl Section {
+    /// The derivative by the normal of the part of a vector that is tangential.
+    fn by_normal(&self, v: &Vec3) -> Mat3 {
+        -self.normal * (self.turn * v).transpose() - self.turn * self.normal.dot(v)
+    }
+
     /// What the held directions feel of the force λ̂_n on the section, which changes with the normal by `slope`: the
     /// component of N n in them, and its derivative by the normal.
     fn across(&self, normal: &Vec3, lambda_n: f64, slope: &Vec3) -> (Vec3, Mat3) {
@@ -302,7 +312,8 @@ pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Kinematics>, gu
             let share = law.normal / law.penalty;
             let shifted = place.map(|p| Kinematics { gap: p.gap + gap, ..*p });
             let held = tangential * share;
-            let response = augmented(law, &(force * (1.0 - share)), &held, shifted.as_ref(), guide, None);
+            let of_sigma = Parts { multiplier: &(force * (1.0 - share)), held: &held, kept: 1.0 - share };
+            let response = augmented(law, of_sigma, shifted.as_ref(), guide, None);
             let violation = apart(law, gap, &tangential, place, &response);
             return Response { violation, ..condensed(law, &force, share, guide, response) };
         }
@@ -315,12 +326,12 @@ fn yielding(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, 
     let Compliance { slack, rest } = law.compliance;
     if slack == 0.0 {
         // To the sign of a zero.
-        return augmented(law, lambda, &Vec3::zeros(), place, guide, set);
+        return augmented(law, Parts::of(lambda), place, guide, set);
     }
     let share = 1.0 / (1.0 + slack);
     let mean = (lambda + rest * slack) * share;
     let softer = Law { normal: law.normal * share, tangential: law.tangential * share, ..law };
-    let mut response = augmented(softer, &mean, &Vec3::zeros(), place, guide, set);
+    let mut response = augmented(softer, Parts::of(&mean), place, guide, set);
     response.force_by.multiplier *= share;
     let own = Mat3::from_diagonal(&components(law));
     response.constraint += own * (mean - lambda);
@@ -329,21 +340,39 @@ fn yielding(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, 
     response
 }
 
-/// The response with the augmented force. `multiplier` is λ, to which the tangential part of `held` is added. A status that
-/// is given overrides the one that they have.
-fn augmented(
-    law: Law,
-    multiplier: &Vec3,
-    held: &Vec3,
-    place: Option<&Kinematics>,
-    guide: &Guide,
-    set: Option<Status>,
-) -> Response {
-    match place {
-        None => gap(law, multiplier, Vec3::zeros()),
-        Some(place) if law.friction == 0.0 => frictionless(law, multiplier.x, place, set),
-        Some(place) => frictional(law, [multiplier, held], place, guide, set),
+/// What the augmented force is made from besides gap and path.
+#[derive(Clone, Copy)]
+struct Parts<'a> {
+    /// λ.
+    multiplier: &'a Vec3,
+    /// What has a tangential part that is added to it.
+    held: &'a Vec3,
+    /// The share of κ in λ.
+    kept: f64,
+}
+
+impl<'a> Parts<'a> {
+    /// Of a multiplier alone.
+    fn of(multiplier: &'a Vec3) -> Self {
+        Self { multiplier, held: const { &Vec3::new(0.0, 0.0, 0.0) }, kept: 1.0 }
     }
+}
+
+/// The response with the augmented force. A status that is given overrides the one that this has.
+fn augmented(law: Law, parts: Parts, place: Option<&Kinematics>, guide: &Guide, set: Option<Status>) -> Response {
+    match place {
+        None => gap(law, parts.multiplier, Vec3::zeros()),
+        Some(place) if law.friction == 0.0 => frictionless(law, parts.multiplier.x, place, set),
+        Some(place) => frictional(law, parts, place, guide, set),
+    }
+}
+
+/// κ with its derivative by the normal: the part of the friction that is borne which is neither along the normal nor along what is
+/// left to the node.
+fn kept(section: &Section, normal: &Vec3, borne: &Vec3) -> (Vec3, Mat3) {
+    let kept = borne - normal * normal.dot(borne) - section.tangential * borne;
+    let by_normal = -(normal * borne.transpose() + Mat3::from_diagonal_element(normal.dot(borne)));
+    (kept, by_normal - section.by_normal(borne))
 }
 
 /// The tangential penalty of a node that is drawn: that with which friction, where the node slips along its way alone, has the
@@ -376,27 +405,42 @@ impl Lead {
     }
 }
 
-fn frictional(
-    law: Law,
-    [multiplier, held]: [&Vec3; 2],
-    place: &Kinematics,
-    guide: &Guide,
-    set: Option<Status>,
-) -> Response {
+fn frictional(law: Law, parts: Parts, place: &Kinematics, guide: &Guide, set: Option<Status>) -> Response {
+    let Parts { multiplier, held, kept: share_of_kept } = parts;
     let section = Section::new(&place.normal, guide);
     let Section { free, normal: n, turn, tangential, lean } = section;
     let path = place.point - place.origin;
     let slip = tangential * path;
-    let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
     let way = slip.norm();
     let friction = law.friction * lean * (1.0 + law.creep * way);
-    let bound = -friction * lambda_n;
     // Beyond the rounding of positions.
     let is_drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
     let along = |d: usize| guide.axes.column(d) * guide.axes.column(d).transpose();
     let leading: Mat3 = (0..3).filter(is_drawn).map(along).sum();
     let led = tangential * leading * slip;
     let drawn = led != Vec3::zeros();
+    // What is drawn has its friction along its way.
+    let (kappa, kappa_by_normal) = match guide.borne == Vec3::zeros() || drawn {
+        true => (Vec3::zeros(), Mat3::zeros()),
+        false => kept(&section, &place.normal, &guide.borne),
+    };
+    let pressed = |left: f64| {
+        let normally = multiplier - kappa * (left * share_of_kept);
+        (normally, law.pressed(normally.dot(&n) + law.normal * place.gap * lean))
+    };
+    // What is left of κ on the cone, of which its part along the section has a part in the force there.
+    let mut left = 1.0;
+    if set != Some(Status::Stick) && kappa.dot(&n) != 0.0 {
+        let size = (tangential * (multiplier + held + path * law.tangential) + kappa).norm();
+        for _ in 0..50 {
+            let next = (-friction * pressed(left).1.0 / size).clamp(0.0, 1.0);
+            if (std::mem::replace(&mut left, next) - next).abs() < 1e-15 {
+                break;
+            }
+        }
+    }
+    let (normally, (lambda_n, share)) = pressed(left);
+    let bound = -friction * lambda_n;
     let lead = match set {
         Some(Status::Stick) => None,
         _ => Lead::new(&led, &(tangential * (multiplier + held)), [friction, law.drawn_least], lambda_n),
@@ -404,7 +448,7 @@ fn frictional(
     let lead = lead.filter(|lead| lead.penalty > law.tangential);
     let penalty = lead.as_ref().map_or(law.tangential, |lead| lead.penalty);
     let combined = multiplier + held + path * penalty;
-    let lambda_t = tangential * combined;
+    let lambda_t = tangential * combined + kappa;
     let size = lambda_t.norm();
     // What rounding of places makes of a node that stands still has no direction to slip along.
     let still = 16.0 * f64::EPSILON * place.point.amax() * law.tangential;
@@ -417,10 +461,10 @@ fn frictional(
         None if (law.rough || law.clings || size <= (bound * (1.0 - 1e-9)).max(still)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
-    let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;
-    // Of the part along the section.
-    let by_normal = |v: &Vec3| -n * (turn * v).transpose() - turn * n.dot(v);
-    let t_by_normal = by_normal(&combined);
+    let turned = turn * normally - kappa_by_normal.transpose() * n * (left * share_of_kept);
+    let n_by_normal = (turned - n * (law.normal * place.gap * lean * lean)) * share;
+    let by_normal = |v: &Vec3| section.by_normal(v);
+    let t_by_normal = by_normal(&combined) + kappa_by_normal;
     let (force, mut by, by_held) = match status {
         Status::Gap => return gap(law, multiplier, slip),
         Status::Stick => {
@@ -463,10 +507,35 @@ fn frictional(
             (force, by, by_base)
         }
     };
-    let constraint_by = Slopes { multiplier: by.multiplier - Mat3::identity(), ..by };
-    let constraint = force - multiplier;
-    let mut response =
-        Response { status, asked: status, force, by_held, constraint, constraint_by, slip, ..Response::default() };
+    // Of the force that the multiplier has no part in, nothing.
+    let own = |by: Slopes| match kappa == Vec3::zeros() {
+        true => by,
+        false => Slopes {
+            gap: free * by.gap,
+            normal: free * by.normal,
+            path: free * by.path,
+            multiplier: free * by.multiplier,
+        },
+    };
+    let own_by = own(by);
+    let constraint_by = Slopes { multiplier: own_by.multiplier - Mat3::identity(), ..own_by };
+    let constraint = if kappa == Vec3::zeros() { force } else { free * force } - multiplier;
+    let kept = if status == Status::Slip { kappa * (bound / size).min(1.0) } else { kappa };
+    let mut response = Response {
+        status,
+        asked: status,
+        force,
+        by_held,
+        kept,
+        constraint,
+        constraint_by,
+        slip,
+        ..Response::default()
+    };
+    // A status that is given does not make more of it.
+    if status == Status::Slip && bound > size && kappa != Vec3::zeros() {
+        response.force += (kappa - free * kappa) * (1.0 - bound / size);
+    }
     if guide.held != [false; 3] {
         let (across, by_normal) = section.across(&place.normal, lambda_n, &n_by_normal);
         let lifted = (place.normal - free * place.normal) * lean;
@@ -547,11 +616,13 @@ fn pure(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, resp
     }
     let section = Section::new(&place.normal, guide);
     let n = section.normal;
-    let (across, normal) = section.across(&place.normal, lambda.dot(&n), &(section.turn * lambda));
+    let kept = response.kept;
+    let lambda_n = lambda - kept;
+    let (across, normal) = section.across(&place.normal, lambda_n.dot(&n), &(section.turn * lambda_n));
     let lifted = (place.normal - section.free * place.normal) * section.lean;
     let multiplier = section.free + lifted * n.transpose();
     Response {
-        force: section.free * lambda + across,
+        force: section.free * lambda + across + kept - section.free * kept,
         force_by: Slopes { normal, multiplier, ..Slopes::default() },
         ..response
     }

@@ -5,7 +5,7 @@ use super::mates::Mate;
 use super::method::Enforcement;
 use super::trial::{Kinks, Trial};
 use super::watch::Sight;
-use super::{Compliance, Law, Multiplier, Response, Status, meeting};
+use super::{Compliance, Guide, Law, Multiplier, Response, Status, meeting};
 use crate::controls::Controls;
 use crate::surface::Projection;
 use crate::{Mat3, Vec3};
@@ -40,6 +40,8 @@ pub struct Slave {
     /// Owned local node.
     pub node: u32,
     pub law: Law,
+    /// It begins past an end of the master, and behind another face of it, which it does not look at.
+    pub aside: bool,
     /// The one node of the master that it meets, in contact from node to node.
     pub mate: Option<Mate>,
     /// Another slave node may make the same constraint, for its surface meets itself.
@@ -197,6 +199,7 @@ impl Slave {
         Self {
             node,
             law,
+            aside: false,
             mate: None,
             repeats: false,
             automatic,
@@ -328,6 +331,19 @@ impl Slave {
             },
             _ => Held::default(),
         }
+    }
+
+    /// The friction of the last increment, if some of it is along directions in which it is held now: not in a plane of symmetry.
+    pub fn borne_across(&self, guide: &Guide) -> Vec3 {
+        // Of the force; what is across in a plane of symmetry is rounding.
+        const ROUNDING: f64 = 1e-9;
+        let touched = self.law.friction > 0.0 && self.accepted.status != Status::Gap;
+        if !touched || guide.held == [false; 3] {
+            return Vec3::zeros();
+        }
+        let friction = self.accepted.traction();
+        let across = friction - guide.free() * friction;
+        if across.norm() > ROUNDING * self.accepted.force.norm() { friction } else { Vec3::zeros() }
     }
 
     /// Takes back the gap of the last increment, which a multiplier has taken over for the next: the force is then again that

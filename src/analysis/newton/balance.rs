@@ -25,7 +25,7 @@ use crate::system::DofMap;
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
-/// The forces of one group, all ranks together after [`Balance::judge`].
+/// The forces of one group, all ranks together once these have been summed up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Group {
     /// Largest force now, of an element on a node, and largest residual.

@@ -209,8 +209,16 @@ fn the_tangent_of_points_is_the_derivative_where_nodes_are_guided() {
     let axes = *nalgebra::Rotation3::from_euler_angles(0.2, -0.3, 0.4).matrix();
     let (none, one, two) = ([false; 3], [true, false, false], [true, true, false]);
     for scene in [Scene::new(Smoothing::Nagata), Scene::ball()] {
-        for (held, drawn) in [(one, none), (none, one), (none, two), (one, [false, true, false])] {
-            let guide = Guide { axes, held, drawn };
+        let some = Vec3::new(3.0, -1.0, 0.7);
+        let still = Vec3::zeros();
+        for (held, drawn, borne) in [
+            (one, none, still),
+            (none, one, still),
+            (none, two, still),
+            (one, [false, true, false], still),
+            (one, none, some),
+        ] {
+            let guide = Guide { axes, held, drawn, borne };
             let multiplier = guide.free() * Vec3::new(1.0, -2.0, -12.0);
             for friction in [50.0, 3.0, 0.3, 0.05] {
                 let scene = Scene { multiplier, friction, guide, ..scene.clone() };
