@@ -851,3 +851,39 @@ fn slaves_that_are_moved_as_a_whole_are_told_of() {
         assert!(!text.contains("are held or moved"), "{text}");
     }
 }
+
+/// What is flush with the wall of a guide, its lowest nodes past the end of it, is not below the guide's top, which is the master, too:
+/// the force is that of the same a rounding before the wall; of a profile within reach of the top, and of a body far from it.
+#[test]
+fn what_is_flush_with_a_wall_is_not_below_its_top() {
+    let slider = |x: f64, low: f64, elements: &str| {
+        format!(
+            "[body.b]\nmaterial = \"m\"\nblock = {{ box = {{ origin = [{x:?}, 0.0, {low:?}], size = [0.5, 1.0, {:?}] }}, elements = {elements} }}\n\
+             [material.m]\nmodel = \"neo-hookean\"\nyoung = 10.0\npoisson = 0.3\n",
+            1.0 - low
+        )
+    };
+    let step = |fixed: &str| {
+        format!(
+            "[[step]]\nincrements = 3\nfix = [{{ set = \"b.zmax\" }}{fixed}]\n\
+             move = [{{ target = \"b.zmin\", by = [0.1, 0.0, 0.0], directions = \"x\" }}]\n"
+        )
+    };
+    let profile = "[tool.g]\nprofile = { points = [[4.0, 0.0], [1.0, 0.0], [1.0, -0.3]], extrude = { origin = [0.0, 3.0, 0.0], \
+                   x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0] } }\n[contact.c]\nslave = \"b.xmax\"\nmaster = \"g\"\n";
+    let guide = "[body.g]\nmaterial = \"m\"\nblock = { box = { origin = [1.0, 0.0, -0.6], size = [3.0, 1.0, 0.6] }, elements = [6, 4, 2], \
+                 faces = { guide = [\"xmin\", \"zmax\"] } }\n[contact.c]\nslave = \"b.xmax\"\nmaster = \"g.guide\"\n";
+    for (master, low, elements, fixed, force) in
+        [(profile, -0.5, "[2, 4, 6]", "", "g.fx"), (guide, -3.0, "[2, 4, 16]", ", { set = \"g.xmax\" }", "c.fx")]
+    {
+        let run = |x: f64| {
+            let run = Bench::new(&(slider(x, low, elements) + master + &step(fixed))).solve(1, &[]);
+            let warnings = run.summary()["warnings"].to_string();
+            assert!(!warnings.contains("inside"), "{warnings}");
+            run.history().last(force)
+        };
+        let before = run(0.5 - 1e-6);
+        assert_close(force, run(0.5), before, 1e-3);
+        assert!(before.abs() > 1e-3, "{before}");
+    }
+}

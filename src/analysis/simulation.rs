@@ -337,7 +337,7 @@ impl<'a> Simulation<'a> {
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;
                 let position = place(node);
-                let projection = ground.project(pair, s, &position, (None, false));
+                let projection = ground.project(pair, s, &position, (None, false)).filter(|_| !pair.slaves[s].aside);
                 let facing = |p| ground.facing(pair, &position, &p, &outward[node as usize]).unwrap_or(p);
                 let projection = projection.map(facing);
                 let projection = match &segments {

@@ -15,6 +15,10 @@ use mpi::topology::SimpleCommunicator;
 
 /// How much farther the search goes when nothing is found.
 const WIDER: f64 = 4.0;
+/// Share of a depth below which the nearest point is another one than that of contact, beyond rounding.
+const NEARER: f64 = 1.0 - 1e-6;
+/// Cosine of the normals of a slave node and of a face, above which the node does not look at the face.
+const LOOKS: f64 = -0.5;
 /// Widenings after which there is nothing: far beyond what numbers can tell.
 const MOST: usize = 100;
 
@@ -38,6 +42,13 @@ impl Standing {
     /// Normal of the master.
     pub fn normal(&self) -> Option<Vec3> {
         self.contact.map(|p| p.normal).or(self.nearest.map(|(normal, _)| normal))
+    }
+
+    /// Whether the node is behind a face of the master that it does not look at, and an end of the master is nearer: it is past that end,
+    /// as what is flush with a wall, below it, is below its top.
+    fn is_past_an_end(&self) -> bool {
+        let nearer = |at: &Projection| self.nearest.is_some_and(|(_, distance)| distance < -at.gap * NEARER);
+        self.contact.is_some_and(|at| at.gap < 0.0 && nearer(&at) && self.outward.dot(&at.normal) > LOOKS)
     }
 
     /// Distance from the master, below zero inside.
@@ -69,6 +80,14 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
             masters.forget(pair.master);
         }
         seen.push(sights);
+    }
+    for (pair, sights) in pairs.iter_mut().zip(&mut seen) {
+        for (slave, sight) in pair.slaves.iter_mut().zip(sights) {
+            slave.aside = sight.is_past_an_end();
+            if slave.aside {
+                sight.contact = None;
+            }
+        }
     }
     // As they were found.
     masters.attend(comm, pairs, place);
