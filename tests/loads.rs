@@ -472,3 +472,33 @@ spin = [{ body = "b", point = [0, 0, 10], axis = [1, 0, 0], speed = 1.0 }]
     // 1.2 at 7.5 from the axis.
     assert_close("force", run.history().last("p.fz"), 9.0, 1e-4);
 }
+
+/// Two bodies of one mesh that share nodes: who is supported there has all of the reaction, and both their parts where both are.
+#[test]
+fn the_body_that_is_supported_has_the_reaction() {
+    let mesh = "*NODE\n1,0,0,0\n2,1,0,0\n3,2,0,0\n4,0,1,0\n5,1,1,0\n6,2,1,0\n7,0,0,1\n8,1,0,1\n9,2,0,1\n10,0,1,1\n11,1,1,1\n12,2,1,1\n\
+                *ELEMENT, TYPE=C3D8, ELSET=left\n1,1,2,5,4,7,8,11,10\n*ELEMENT, TYPE=C3D8, ELSET=right\n2,2,3,6,5,8,9,12,11\n\
+                *SURFACE, NAME=lfoot\n1, S1\n*SURFACE, NAME=ltop\n1, S2\n*SURFACE, NAME=rfoot\n2, S1\n";
+    let scene = |conditions: &str| {
+        let bench = Bench::new(&format!(
+            "body.l = {{ mesh = \"m.inp\", group = \"left\", material = \"m\" }}\nbody.r = {{ mesh = \"m.inp\", group = \"right\", material = \"m\" }}\n\
+             material.m = {{ model = \"hooke\", young = 1e5, poisson = 0.0 }}\n[[step]]\nincrements = 1\n\
+             force = [{{ target = \"l.ltop\", total = [0.0, 0.0, -100.0] }}]\n{conditions}\n\
+             [output]\nhistory = [\"l.lfoot\", \"r.rfoot\"]\n"
+        ));
+        bench.write("m.inp", mesh);
+        let history = bench.solve(1, &[]).history();
+        [history.last("l.lfoot.fz"), history.last("r.rfoot.fz")]
+    };
+    let [left, right] = scene("fix = [{ set = \"l.lfoot\" }]");
+    assert_close("one is fixed", left, 100.0, 1e-9);
+    assert_small("the other", right, 1e-9);
+    let [left, right] = scene(
+        "fix = [{ set = \"l.ltop\", directions = \"xy\" }]\nspring = [{ set = \"l.lfoot\", stiffness = [0.0, 0.0, 1e3] }]",
+    );
+    assert_close("one is on springs", left, 100.0, 1e-9);
+    assert_small("the other", right, 1e-9);
+    let [left, right] = scene("fix = [{ set = \"l.lfoot\" }, { set = \"r.rfoot\" }]");
+    assert_close("both are fixed", left + right, 100.0, 1e-9);
+    assert!(right > 1.0 && left > right, "{left} {right}");
+}

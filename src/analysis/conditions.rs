@@ -147,6 +147,8 @@ pub struct Conditions {
     pub tool_forces: Vec<Ramp<Vec3>>,
     /// Springs and dashpots between owned nodes and the ground.
     pub springs: BTreeMap<u32, Footing>,
+    /// Owned nodes that are in a set which something supports or moves; another node may move as one with them.
+    pub supported: Vec<bool>,
     /// Of the step, a time.
     pub duration: f64,
     /// Tables of motions, from course 1 on.
@@ -194,6 +196,7 @@ impl Conditions {
                 .collect(),
             tool_forces: last.tool_forces.iter().map(Ramp::fading).collect(),
             springs: BTreeMap::new(),
+            supported: vec![false; model.part.owned],
             duration: step.duration,
             courses: Vec::new(),
             axes_of_sets: last.axes_of_sets.iter().map(|(set, axis)| (set.clone(), last.stopped(axis, 1.0))).collect(),
@@ -217,7 +220,22 @@ impl Conditions {
             }
         }
         conditions.prescribe(model, step, u)?;
+        conditions.note_supported(model, step);
         Ok(conditions)
+    }
+
+    /// Takes note of the nodes of the sets that the step, or a plane of symmetry, supports or moves.
+    fn note_supported(&mut self, model: &Model, step: &Step) {
+        let moved = step.moves.iter().map(|motion| &motion.target.value);
+        let footed = step.springs.iter().map(|spring| &spring.set.value);
+        let damped = step.dashpots.iter().map(|dashpot| &dashpot.set.value);
+        let mirrored = model.symmetry.iter().map(|plane| &plane.set.value);
+        let fixed = step.fix.iter().map(|fix| &fix.set.value);
+        for set in fixed.chain(moved).chain(footed).chain(damped).chain(mirrored).filter_map(|set| model.find_set(set))
+        {
+            let owned = set.nodes.iter().filter(|n| (**n as usize) < model.part.owned);
+            owned.for_each(|&n| self.supported[n as usize] = true);
+        }
     }
 
     /// Lets tools that were not driven by force or torque until now begin with the contact forces that hold them and, after

@@ -31,7 +31,7 @@ impl LastIterate {
             dofs.axes.outward(n, &force)
         };
         let residuals: Vec<Vec3> = (0..model.part.owned).map(residual).collect();
-        Self::at(model, newton.found.u.clone(), model.part.evened(&residuals))
+        Self::at(model, newton.found.u.clone(), model.part.evened(&residuals, &newton.system.conditions.supported))
     }
 
     /// One that is in balance, but is not accepted.

@@ -81,15 +81,21 @@ impl Part {
         (0..self.owned).filter(move |&n| self.body[n] as usize == body)
     }
 
-    /// Vectors of the owned nodes, of which those that move as one share the sum.
-    pub fn evened(&self, vectors: &[Vec3]) -> Vec<Vec3> {
-        let (mut sums, mut sharing) = (vec![Vec3::zeros(); self.owned], vec![0.0; self.owned]);
+    /// Vectors of the owned nodes, of which those that move as one share the sum: those that are `supported`, else all.
+    pub fn evened(&self, vectors: &[Vec3], supported: &[bool]) -> Vec<Vec3> {
+        let (mut sums, mut sharing) = (vec![Vec3::zeros(); self.owned], vec![[0.0; 2]; self.owned]);
         let ties = || self.tie[..self.owned].iter().map(|&tie| tie as usize);
-        for (tie, vector) in ties().zip(vectors) {
+        let bears = |n: usize| supported.get(n) == Some(&true);
+        for ((n, tie), vector) in ties().enumerate().zip(vectors) {
             sums[tie] += vector;
-            sharing[tie] += 1.0;
+            sharing[tie][usize::from(bears(n))] += 1.0;
         }
-        ties().map(|tie| sums[tie] / sharing[tie]).collect()
+        let share = |(n, tie): (usize, usize)| match sharing[tie] {
+            [all, 0.0] => sums[tie] / all,
+            [_, some] if bears(n) => sums[tie] / some,
+            _ => Vec3::zeros(),
+        };
+        ties().enumerate().map(share).collect()
     }
 
     /// Longest edge of a facet; of a layer's in its plane.

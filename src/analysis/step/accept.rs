@@ -52,7 +52,8 @@ impl Simulation<'_> {
         self.model.turn_slaves(&self.state.u);
         self.model.follow_sheets(self.comm, &self.state.u);
         // Loads act on all nodes that move as one, what resists them on the one that stands for all.
-        self.state.reactions = self.model.part.evened(&converged.forces.nodes);
+        let supported = &frame.progress.conditions.supported;
+        self.state.reactions = self.model.part.evened(&converged.forces.nodes, supported);
         self.state.damped.clone_from(&converged.forces.dashpots);
         self.state.tool_forces.clone_from(&converged.forces.tools);
         Ok(())

@@ -38,7 +38,7 @@ pub struct Converged {
     pub effort: Effort,
 }
 
-/// Forces of a converged increment, as [`Evaluated`](super::newton::Evaluated) has those of nodes and tools.
+/// Forces of a converged increment, as [`Evaluated`](crate::analysis::newton::Evaluated) has those of nodes and tools.
 pub struct Forces {
     pub nodes: Vec<Vec3>,
     pub loads: Vec<Vec3>,
