@@ -6,7 +6,7 @@
 //! - `facing`: masters whose normals look away from the slave
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
-//! - `repeated`: contacts that are another one by other names or the other way round, also in part
+//! - `repeated`: contacts that are another one by other names or the other way round, also in part, and contacts side by side
 //! - `tied`: slave nodes of ties that a step moves otherwise than their masters
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step
@@ -78,6 +78,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     facing::check(comm, &contacts, model, &sights)?;
     let mut gaps = gaps::check(comm, &contacts, model, &sights)?;
     gaps.extend(model.joined.clone());
+    repeated::seams(comm, model, &sights);
     units::sizes(comm, scene, model, &sights);
     mirrored::check(comm, scene, model, (&steps, &sights));
     stuck::check(comm, scene, model, &steps)?;

@@ -1,12 +1,14 @@
 //! Two contacts of the same faces, by several names, or with exchanged roles. Each makes its own conditions of the same gap, and
 //! forces between them are not determined; with two passes, one contact knows of both sides.
 
+use super::sight::Standing;
+use crate::contact::Pair;
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::parallel::any;
-use crate::scene::{Contact, Scene};
+use crate::parallel::{any, sum};
+use crate::scene::{Contact, Enforcement, Scene};
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The faces of a contact on this rank, by their nodes.
 struct Sides {
@@ -59,6 +61,51 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Result<
         }
     }
     Ok(())
+}
+
+/// Warns of contacts side by side: nodes on the seam of their slaves meet one master twice. Penalties, and what Uzawa's method makes of
+/// them, share the force out. Collective.
+pub fn seams(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standing>]) {
+    // Over the size of a facet, and as a cosine: one point, and one side.
+    const SAME: f64 = 1e-6;
+    const ALIKE: f64 = 0.9;
+    let tie = |n: u32| model.part.tie[n as usize];
+    let places = |p: usize| -> BTreeMap<u32, &Standing> {
+        model.pairs[p].slaves.iter().zip(&sights[p]).map(|(slave, sight)| (tie(slave.node), sight)).collect()
+    };
+    let leaves_open = |pair: &Pair| {
+        let shares = matches!(pair.rules.method, Enforcement::Penalty | Enforcement::Uzawa);
+        !pair.is_self() && !pair.pass.is_second() && (!shares || pair.faces.is_some())
+    };
+    let mut warnings = Vec::new();
+    for (q, second) in model.pairs.iter().enumerate().filter(|(_, pair)| leaves_open(pair)) {
+        for (p, first) in model.pairs[..q].iter().enumerate().filter(|(_, pair)| leaves_open(pair)) {
+            let tools = first.master.tool().zip(second.master.tool());
+            if first.master.tool().is_some() != second.master.tool().is_some() || tools.is_some_and(|(a, b)| a != b) {
+                continue;
+            }
+            let (one, other) = (places(p), places(q));
+            let meets_twice = |(node, a): &(&u32, &&Standing)| {
+                let both = a.contact.zip(other.get(*node).and_then(|b| b.contact));
+                both.is_some_and(|(a, b)| {
+                    a.normal.dot(&b.normal) > ALIKE && (a.point - b.point).norm() <= SAME * second.facet_size
+                })
+            };
+            let mut count = [one.iter().filter(meets_twice).count() as f64];
+            sum(comm, &mut count);
+            if count[0] > 0.0 {
+                warnings.push(format!(
+                    "contacts `{}` and `{}` meet {} with {} nodes that they have in common: what each of them bears there, and its \
+                     pressure, may be up to rounding, their sum is not; name these faces in one contact",
+                    first.name,
+                    second.name,
+                    model.master_name(second),
+                    count[0]
+                ));
+            }
+        }
+    }
+    model.warnings.extend(warnings);
 }
 
 /// Whether two contacts have faces of both sides in common, or such of the slave and the tool. Collective.
