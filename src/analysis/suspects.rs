@@ -12,14 +12,16 @@ use mpi::topology::SimpleCommunicator;
 
 /// Share of the friction that contacts can bear from which they hardly hold what they hold.
 const SPENT: f64 = 0.95;
+/// Over the stiffness of an element: a force below it is rounding.
+const NOTHING: f64 = 1e-9;
 
 /// What the last converged increment tells of contacts that hold something: that they have not begun, or bear all the friction
 /// that they can. Collective.
 pub fn holding(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
-    model.pairs.iter().filter_map(|pair| of_hold(comm, pair)).collect()
+    model.pairs.iter().filter_map(|pair| of_hold(comm, model, pair)).collect()
 }
 
-fn of_hold(comm: &SimpleCommunicator, pair: &Pair) -> Option<String> {
+fn of_hold(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<String> {
     let mut sums = [0.0; 3];
     let touching = pair.slaves.iter().map(|slave| &slave.accepted).filter(|at| at.status != Status::Gap);
     for (at, normal) in touching.filter_map(|at| Some((at, at.projection?.normal))) {
@@ -35,7 +37,8 @@ fn of_hold(comm: &SimpleCommunicator, pair: &Pair) -> Option<String> {
         ));
     }
     let share = 100.0 * along / most;
-    let is_spent = most > 0.0 && along >= SPENT * most;
+    // What bears nothing but rounding holds nothing.
+    let is_spent = most > NOTHING * model.stiffness * model.size && along >= SPENT * most;
     is_spent.then(|| {
         format!(
             "contact `{name}` bears {share:.1} % of the friction that it can, and friction must hold something here: lower what \

@@ -32,6 +32,9 @@ pub struct OfBody {
     pub thin: f64,
 }
 
+/// Displacements below this share of an element deform nothing.
+const STILL: f64 = 1e-9;
+
 impl OfBody {
     /// e / ||u||; zero where nothing deforms.
     pub fn relative(&self) -> f64 {
@@ -98,6 +101,13 @@ impl Energy {
             (body[1], body[2]) = (stored + flown, flown);
         }
         sum(comm, sums.as_flattened_mut());
+        // Of displacements that are rounding, as of what has been let go.
+        for (body, of) in sums.iter_mut().zip(&model.bodies) {
+            let least = 0.5 * of.stiffness * (STILL * model.size).powi(2);
+            if body[1] <= least {
+                (body[0], body[1]) = (0.0, 0.0);
+            }
+        }
         let some = |part: f64, all: f64| if all > 0.0 { part / all } else { 0.0 };
         let bodies = sums.iter().map(|&[error, energy, flown, thin, count]| OfBody {
             error,

@@ -120,7 +120,8 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
         if let Some(p) = &slave.accepted.projection {
             let n = slave.node as usize;
             normals[n] = p.normal;
-            gaps[n] = p.gap.max(0.0);
+            // What touches has none but rounding.
+            gaps[n] = if slave.accepted.status == Status::Gap { p.gap.max(0.0) } else { 0.0 };
             indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.automatic;
         }
     }
