@@ -370,3 +370,30 @@ fn ctrl_c_leaves_a_checkpoint_and_a_word() {
     assert!(run.summary()["interrupted"] == true && run.out.join("checkpoint.h5").exists());
     assert_eq!(shown_times(&run.out).last(), Some(&run.history().last("time")));
 }
+
+/// A folder that is moved as a whole, its mesh with it, goes on where it was; another mesh of that name does not.
+#[test]
+fn a_folder_that_is_moved_goes_on() {
+    let bench = Bench::new("");
+    let [here, there] = ["here", "there"].map(|name| bench.path(name));
+    fs::create_dir(&here).unwrap();
+    let scene = "body.b = { mesh = \"b.inp\", material = \"m\" }\nmaterial.m = { model = \"hooke\", young = 10.0, poisson = 0.3 }\n\
+                 tool.t = { plane = { point = [0, 0, 1], normal = [0, 0, -1] } }\n\
+                 contact.c = { slave = \"b.top\", master = \"t\" }\noutput.checkpoint = { increments = 1 }\n\
+                 [[step]]\nname = \"one\"\nincrements = 1\nfix = [{ set = \"b.bottom\" }]\nmove = [{ target = \"t\", by = [0, 0, -0.01] }]\n\
+                 [[step]]\nname = \"two\"\nincrements = 1\nfix = [{ set = \"b.bottom\" }]\nmove = [{ target = \"t\", by = [0, 0, -0.01] }]\n";
+    fs::write(here.join("scene.toml"), scene).unwrap();
+    fs::write(here.join("b.inp"), common::deck([2, 2, 1])).unwrap();
+    let run = |folder: &std::path::Path, arguments: &[&str]| {
+        let all = [&["run", "scene.toml", "--out", "out"], arguments].concat();
+        common::nagata(folder, 1, &all, folder.join("out"))
+    };
+    assert_eq!(run(&here, &["--steps", "1"]).code, 0);
+    fs::rename(&here, &there).unwrap();
+    let rest = run(&there, &["--restart"]);
+    assert_eq!(rest.code, 0, "{}", rest.stderr);
+    assert_eq!(rest.history().len(), 2);
+    fs::write(there.join("b.inp"), common::deck([2, 2, 2])).unwrap();
+    let other = run(&there, &["--restart"]);
+    assert!(other.code == 2 && other.stderr.contains("the file b.inp has other content"), "{}", other.stderr);
+}

@@ -77,7 +77,7 @@ struct Common {
     past: Vec<(f64, Vec<Vec3>)>,
     /// Of each pair, whether its multipliers are held though the scene says otherwise.
     held: Vec<bool>,
-    /// Of each pair, see [`crate::contact::Pair::eased`].
+    /// Of each pair, see [`crate::contact::Rules::eased`].
     eased: Vec<f64>,
     /// The most states of an element, and whether any has enhanced strain.
     points: (usize, bool),

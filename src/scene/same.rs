@@ -56,12 +56,26 @@ fn difference(path: &str, before: &Node, now: &Node) -> Option<String> {
             other.or_else(|| (new.len() != old.len() && !steps).then(as_many))
         }
         (Value::Leaf(old), Value::Leaf(new)) if old == new || is_same_number(old, new) => None,
+        (Value::Leaf(old), Value::Leaf(new)) if names_file(path) && is_same_file(old, new) => None,
         _ => Some(format!("`{path}` is {}, and was {}", inline(now), inline(before))),
     }
 }
 
 fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
+}
+
+/// Whether a key names a file of a body or a tool.
+fn names_file(path: &str) -> bool {
+    let mut parts = path.split('.');
+    matches!(parts.next(), Some("body" | "tool"))
+        && matches!(path.rsplit('.').next(), Some("mesh" | "nurbs" | "bezier"))
+}
+
+/// The same name in whatever folder: what the files hold is compared by itself.
+fn is_same_file(a: &toml::Value, b: &toml::Value) -> bool {
+    let name = |value: &toml::Value| value.as_str().and_then(|path| Some(Path::new(path).file_name()?.to_owned()));
+    name(a).zip(name(b)).is_some_and(|(a, b)| a == b)
 }
 
 /// 1 is 1.0.
