@@ -45,6 +45,8 @@ use ties::Joint;
 pub struct Body {
     pub name: String,
     pub reduction: Option<Reduction>,
+    /// Some of its elements are parts of ones of second order.
+    pub has_halves: bool,
     /// Largest diagonal entry of its initial stiffness, force per length; over all ranks.
     pub stiffness: f64,
 }
@@ -119,14 +121,16 @@ impl Model {
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
         let bulges: Vec<Vec<f64>> = bulges.into_iter().map(|of_pass| serve(comm, |_| of_pass.clone())).collect();
+        let halves: Vec<bool> = serve(comm, |_| global.iter().flat_map(|global| global.halves.clone()).collect());
         drop(global);
-        let sections = sections::read(comm, scene, &part)?;
-        let body = |body: &scene::Body| Body {
+        let sections = sections::read(comm, scene, &part, &halves)?;
+        let body = |(body, &has_halves): (&scene::Body, &bool)| Body {
             name: body.name.value.clone(),
+            has_halves,
             reduction: body.reduction.as_ref().map(|asked| asked.value),
             stiffness: 0.0,
         };
-        let bodies: Vec<Body> = scene.bodies.iter().map(body).collect();
+        let bodies: Vec<Body> = scene.bodies.iter().zip(&halves).map(body).collect();
         let mut tools = Faults::all(scene.tools.iter().map(|tool| Tool::new(comm, tool, &scene.controls)))?;
         if let Some(all) = hull(comm, bounds(part.points[..part.owned].iter().copied())) {
             tools.iter_mut().for_each(|tool| tool.surface.settle(&all));

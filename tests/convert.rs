@@ -348,7 +348,7 @@ fn what_cannot_be_converted_is_refused() {
         (FRICTION, "ConstraintDisplacement,1,1,6.0", "ConstraintDisplacement,3,3,-1.0", "free in the step before"),
         (FRICTION, "ConstraintDisplacement,1,1,6.0", "*DLOAD\n101, P2, 3.", "not on a boundary"),
         (FRICTION, "DEPConstraintContact,IND", "DEPConstraintContact,OUT", "no surface of elements"),
-        (FRICTION, "TYPE=C3D8,", "TYPE=C3D20R,", "which is not read"),
+        (FRICTION, "TYPE=C3D8,", "TYPE=C3D13,", "which is not read"),
         (CLIP, "CAMREF, 4, 6\n", "CAMREF, 4, 4\n", "turns, or is free to, about y and z"),
         (WHEEL, "902, 2, 300", "902, 7, 300", "expected a degree of freedom 1 to 6, found '7'"),
         (RIGID, "*Cload, op=New", "*Cload\n902, 2, 300", "a force or moment on the rigid body of"),
@@ -360,7 +360,7 @@ fn what_cannot_be_converted_is_refused() {
         (BAR, "*Plastic", "*Plastic, hardening=KINEMATIC", "HARDENING=KINEMATIC"),
         (BAR, "*Plastic", "*Elastic\n10., 0.1\n*Plastic", "already has its *ELASTIC"),
         (BAR, "*Amplitude", "*Amplitude, name=PULL\n0, 0, 1, 1\n*Amplitude", "two amplitudes are named"),
-        (BAR, "type=C3D8R", "type=C3D20", "which is not read"),
+        (BAR, "type=C3D8R", "type=C3D13", "which is not read"),
         (BAR, "amplitude=Pull", "amplitude=Push", "no amplitude 'Push'"),
         (BAR, "*Amplitude, name=Pull", "*Amplitude, name=Pull, definition=SMOOTH STEP", "SMOOTH STEP"),
         (STEPS, "1, 1, 50.", "1, 4, 50.", "a moment on nodes of a body cannot be converted"),
@@ -839,4 +839,107 @@ fn a_turned_instance_of_a_ply_is_refused() {
     converted(&deck(""));
     let (_, said) = refused(&deck("5,0,0,5,0,1,90\n"));
     assert!(said.contains("an instance is turned, in a deck with an orthotropic material"), "{said}");
+}
+
+/// A cube of ten a side on its foot in two steps, with cards before the first.
+fn cube(before: &str, first: &str, next: &str) -> String {
+    format!(
+        "*NODE\n1,0,0,0\n2,10,0,0\n3,10,10,0\n4,0,10,0\n5,0,0,10\n6,10,0,10\n7,10,10,10\n8,0,10,10\n\
+         *ELEMENT, TYPE=C3D8, ELSET=EALL\n1,1,2,3,4,5,6,7,8\n*NSET, NSET=FOOT\n1,2,3,4\n*SURFACE, NAME=TOP, TYPE=ELEMENT\n1, S2\n\
+         *MATERIAL, NAME=M\n*ELASTIC\n1e6, 0.\n*DENSITY\n1e-9\n*SOLID SECTION, ELSET=EALL, MATERIAL=M\n\
+         *AMPLITUDE, NAME=PULSE\n0,0,.5,1,1,0\n*AMPLITUDE, NAME=LATE, TIME=TOTAL TIME\n0,0,1,1,1.5,1,2,2\n{before}\
+         *STEP\n*STATIC\n.25,1.,,.25\n*BOUNDARY\nFOOT,1,3\n{first}*END STEP\n*STEP\n*STATIC\n.25,1.,,.25\n{next}*END STEP\n"
+    )
+}
+
+/// A load that is given again with an amplitude is all that acts: nothing of the one before fades beside it. That the pulse begins with
+/// a jump, which becomes a part of the ramp to its next point, is told.
+#[test]
+fn a_load_with_an_amplitude_takes_the_place_of_the_one_before() {
+    let nodes = |value: &str| (5..9).map(|n| format!("{n}, 3, -{value}\n")).collect::<String>();
+    let cases = [
+        ("*DSLOAD\nTOP, P, 9.\n", "*DSLOAD, AMPLITUDE=PULSE\nTOP, P, 9.\n", [900.0, 900.0, 450.0, 0.0], true),
+        (
+            "*DSLOAD, AMPLITUDE=LATE\nTOP, P, 9.\n",
+            "*DLOAD, OP=NEW\n*DSLOAD, AMPLITUDE=LATE\nTOP, P, 9.\n",
+            [900.0, 900.0, 1350.0, 1800.0],
+            false,
+        ),
+        ("*DLOAD\n1, P2, 9.\n", "*DLOAD, OP=NEW\n1, P2, 4.5\n", [787.5, 675.0, 562.5, 450.0], false),
+        (
+            "*DLOAD\nEALL, GRAV, 9e8, 0, 0, -1\n",
+            "*DLOAD, AMPLITUDE=LATE, OP=NEW\nEALL, GRAV, 9e8, 0, 0, -1\n",
+            [900.0, 900.0, 1350.0, 1800.0],
+            false,
+        ),
+        (
+            &format!("*CLOAD\n{}", nodes("225.")),
+            &format!("*CLOAD, AMPLITUDE=LATE\n{}", nodes("225.")),
+            [900.0, 900.0, 1350.0, 1800.0],
+            false,
+        ),
+    ];
+    for (first, next, forces, jumps) in cases {
+        let (bench, found) = converted(&cube("", first, next));
+        let notes = found.notes.join("\n");
+        assert_eq!(notes.contains("begins with a jump"), jumps, "{notes}");
+        assert!(!notes.contains("takes off"), "{notes}");
+        let history = bench.solve(1, &[]).history();
+        let at = |time: f64| history.column("time").iter().position(|t| (t - time).abs() < 1e-9).unwrap();
+        for (k, force) in forces.into_iter().enumerate() {
+            let found = history.column("EALL.FOOT.fz")[at(1.25 + 0.25 * k as f64)];
+            assert_small(&format!("{first}{next}{k}"), (found - force) / 900.0, 1e-9);
+        }
+    }
+    let both = "*DLOAD\nEALL, GRAV, 9e8, 0, 0, -1\n*DSLOAD\nTOP, P, 9.\n";
+    let (_, found) = converted(&cube("", both, "*DSLOAD, OP=NEW\n"));
+    assert!(found.notes.iter().any(|note| note.contains("takes off what *DLOAD has given, too")), "{:?}", found.notes);
+}
+
+/// The weight of a rigid body that moves freely is refused, the thickness of its shells told of; an included file may stand beside
+/// its deck when the scene stands elsewhere.
+#[test]
+fn what_rigid_bodies_lose_is_told() {
+    let plate = |elements: &str, section: &str| {
+        format!(
+            "*NODE\n11,-5,-5,10\n12,15,-5,10\n13,15,15,10\n14,-5,15,10\n15,-5,-5,12\n16,15,-5,12\n17,15,15,12\n18,-5,15,12\n20,5,5,12\n\
+             21,5,5,12\n{elements}*RIGID BODY, ELSET=PLATE, REF NODE=20, ROT NODE=21\n{section}\
+             *SURFACE INTERACTION, NAME=SI\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n\
+             *CONTACT PAIR, INTERACTION=SI, TYPE=SURFACE TO SURFACE\nTOP, UNDER\n"
+        )
+    };
+    let solid = plate(
+        "*ELEMENT, TYPE=C3D8, ELSET=PLATE\n2,11,12,13,14,15,16,17,18\n*SURFACE, NAME=UNDER, TYPE=ELEMENT\nPLATE, S1\n",
+        "*SOLID SECTION, ELSET=PLATE, MATERIAL=M\n",
+    );
+    let heavy = |set: &str, held: &str| {
+        cube(&solid, &format!("20, 1, 2\n21, 1, 3\n{held}*DLOAD\n{set}, GRAV, 9e8, 0, 0, -1\n"), "")
+    };
+    let (_, said) = refused(&heavy("", ""));
+    assert!(said.contains("gravity or a spin acts on the mass of a rigid body that moves freely"), "{said}");
+    converted(&heavy("EALL", ""));
+    converted(&heavy("", "20, 3, 3, 0.\n"));
+    let shell = plate(
+        "*ELEMENT, TYPE=S4, ELSET=PLATE\n2,11,14,13,12\n*SURFACE, NAME=UNDER, TYPE=ELEMENT\nPLATE, SPOS\n",
+        "*SHELL SECTION, ELSET=PLATE, MATERIAL=M\n2.0\n",
+    );
+    let (_, found) = converted(&cube(&shell, "20, 1, 3\n21, 1, 3\n", ""));
+    assert!(
+        found.notes.iter().any(|note| note.contains("the thickness 2.0 of shells of a rigid body")),
+        "{:?}",
+        found.notes
+    );
+
+    // A group that is made includes the deck, which includes its mesh.
+    let folder = tempfile::tempdir().unwrap();
+    let deck = cube("", "5, 1\n6, 1\n*DLOAD\n1, P2, 9.\n", "");
+    let (mesh, rest) = deck.split_at(deck.find("*NSET").unwrap());
+    let [own, other] = ["own", "other"].map(|name| folder.path().join(name));
+    [&own, &other].into_iter().for_each(|folder| fs::create_dir(folder).unwrap());
+    fs::write(own.join("mesh.inp"), mesh).unwrap();
+    fs::write(own.join("deck.inp"), format!("*INCLUDE, INPUT=mesh.inp\n{rest}")).unwrap();
+    let found = convert(&own.join("deck.inp"), Some(&other.join("scene.toml"))).unwrap();
+    assert!(found.groups.is_some());
+    let run = common::nagata(&other, 1, &["check", "scene.toml"], other.join("out"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
 }

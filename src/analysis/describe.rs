@@ -238,6 +238,11 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
         }
         None => String::new(),
     };
+    let split = match (model.bodies[b].has_halves, reduction) {
+        (false, _) => "",
+        (true, None) => ", eight for each of second order",
+        (true, Some(_)) => ", four for each of second order",
+    };
     let mut text = String::new();
     let sections = model.sections.iter().zip(scene.sections()).filter(|(section, _)| section.body == b);
     let groups = std::iter::once(None).chain(body.materials.iter().map(|(group, _)| Some(&group.value)));
@@ -261,7 +266,7 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
             let _ = write!(element, " and {}", section.element.beside(SolidShape::Wedge6).key());
         }
         let _ = match group {
-            None => writeln!(text, "body `{name}`: {element}{strain}, {kind}{mirrored}{parts}"),
+            None => writeln!(text, "body `{name}`: {element}{strain}, {kind}{mirrored}{split}{parts}"),
             Some(group) => writeln!(text, "  its `{group}`: {element}, {kind}"),
         };
     }

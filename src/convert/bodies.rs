@@ -51,7 +51,7 @@ impl Bodies {
         let parts = connected(whole);
         let mut owners = vec![Owner::Nothing; whole.mesh.points.len()];
         let rigids = rigids(whole, &parts, &mut owners, namer)?;
-        let sections = sections(whole, materials, &owners)?;
+        let sections = sections(whole, materials, &owners, notes)?;
         let mut bodies = Vec::new();
         for solids in parts {
             if matches!(owners[whole.mesh.solids[solids[0] as usize].nodes[0] as usize], Owner::Rigid(_)) {
@@ -191,23 +191,35 @@ fn coupled(whole: &Whole, number: usize) -> Result<(&str, Vec<u32>)> {
     }
     let surface = card.keyword.get("SURFACE").unwrap_or_default();
     let Some(facets) = whole.surface(surface) else { return Err(no_set(&card.at, "surface of elements", surface)) };
-    let nodes = facets.iter().flat_map(|&facet| nodes_of(whole, Slot::Facet(facet)));
+    let nodes = facets.iter().flat_map(|&facet| nodes_of(whole, Slot::Facets { first: facet, count: 1 }));
     Ok((surface, nodes.collect()))
 }
 
-fn nodes_of(whole: &Whole, slot: Slot) -> Vec<u32> {
+/// The nodes of an element.
+pub(super) fn nodes_of(whole: &Whole, slot: Slot) -> Vec<u32> {
     match slot {
-        Slot::Solid(solid) => whole.mesh.solids[solid as usize].nodes().to_vec(),
-        Slot::Facet(facet) => {
-            let corners = whole.mesh.facets[facet as usize].nodes();
-            corners.iter().copied().chain(whole.mesh.middles.around(corners)).collect()
+        Slot::Solids { .. } => {
+            slot.solids().flat_map(|solid| whole.mesh.solids[solid as usize].nodes()).copied().collect()
+        }
+        Slot::Facets { .. } => {
+            let nodes = |facet: u32| {
+                let corners = whole.mesh.facets[facet as usize].nodes();
+                corners.iter().copied().chain(whole.mesh.middles.around(corners))
+            };
+            slot.facets().flat_map(nodes).collect()
         }
         Slot::Loose(ends) => ends.to_vec(),
+        Slot::Halves(nodes) => nodes.to_vec(),
     }
 }
 
 /// For each solid its material and the set of its section.
-fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> Result<Vec<Option<(usize, &'a Card)>>> {
+fn sections<'a>(
+    whole: &'a Whole,
+    materials: &[Material],
+    owners: &[Owner],
+    notes: &mut Notes,
+) -> Result<Vec<Option<(usize, &'a Card)>>> {
     let mut sections: Vec<Option<(usize, &Card)>> = vec![None; whole.mesh.solids.len()];
     let is_rigid = |slot| {
         let nodes = nodes_of(whole, slot);
@@ -225,23 +237,36 @@ fn sections<'a>(whole: &'a Whole, materials: &[Material], owners: &[Owner]) -> R
             "SOLID SECTION" => materials::find(materials, &whole.cards, card)?,
             _ => usize::MAX,
         };
+        let mut thick = false;
         for element in elements {
             let slot = whole.slots[element as usize];
             match slot {
-                _ if is_rigid(slot) => {}
-                Slot::Solid(solid) if name == "SOLID SECTION" => {
-                    let section = &mut sections[solid as usize];
-                    if section.is_some_and(|(other, _)| other != material) {
-                        let id = whole.mesh.solids[solid as usize].id;
-                        return Err(card.error(format!("element {id} already has a section"), ""));
+                _ if is_rigid(slot) => thick |= name == "SHELL SECTION",
+                Slot::Solids { .. } if name == "SOLID SECTION" => {
+                    for solid in slot.solids() {
+                        let section = &mut sections[solid as usize];
+                        if section.is_some_and(|(other, _)| other != material) {
+                            let id = whole.mesh.solids[solid as usize].id;
+                            return Err(card.error(format!("element {id} already has a section"), ""));
+                        }
+                        *section = Some((material, card));
                     }
-                    *section = Some((material, card));
                 }
                 _ => {
                     let what = format!("*{name} of elements {} cannot be converted", whole.kind(element));
-                    return Err(card.error(what, "nagata computes the solids C3D8, C3D4 and C3D10"));
+                    return Err(card.error(what, "nagata computes the solids C3D8, C3D6, C3D4, C3D20, C3D15 and C3D10"));
                 }
             }
+        }
+        let thickness = card.rows.first().map_or("", |row| row.fields::<1>()[0]);
+        if thick && !thickness.is_empty() && thickness.parse() != Ok(0.0) {
+            notes.at(
+                &card.at,
+                format!(
+                    "the thickness {thickness} of shells of a rigid body is passed over: its tool is their middle surface, where \
+                     CalculiX has half of it on each side; move the mesh by that"
+                ),
+            );
         }
     }
     Ok(sections)
@@ -300,7 +325,7 @@ fn tell_of_loose(whole: &Whole, owners: &[Owner], notes: &mut Notes) {
     let mut loose: BTreeMap<&str, usize> = BTreeMap::new();
     for (&slot, element) in whole.slots.iter().zip(0..) {
         let is_rigid = || nodes_of(whole, slot).iter().all(|&node| matches!(owners[node as usize], Owner::Rigid(_)));
-        if !matches!(slot, Slot::Solid(_)) && !whole.kind(element).starts_with("SPRING") && !is_rigid() {
+        if !matches!(slot, Slot::Solids { .. }) && !whole.kind(element).starts_with("SPRING") && !is_rigid() {
             *loose.entry(whole.kind(element)).or_default() += 1;
         }
     }
@@ -346,6 +371,14 @@ impl Body {
         let kinds: BTreeSet<&str> = self.solids.iter().filter(|solid| shape_of(solid) == shape).map(kind).collect();
         let named: Vec<&str> = kinds.iter().copied().collect();
         let (name, types) = (&self.name, named.join(", "));
+        let is_split = |kind: &&str| kind.starts_with("C3D20") || kind.starts_with("C3D15");
+        if kinds.iter().any(is_split) {
+            notes.whole(format!(
+                "body `{name}`: each element {types} becomes eight linear ones between its nodes, which bend as it does where the \
+                 material lets enhanced strain be (see `nagata check`)"
+            ));
+            return "";
+        }
         if shape == SolidShape::Wedge6 {
             notes.whole(format!(
                 "body `{name}`: elements {types} become `wedge6`, or `wedge6-sri` where the material nearly keeps its volume (see \
@@ -366,10 +399,13 @@ impl Body {
             return "";
         }
         if whole.mesh.is_section {
-            if named != [DRAWN] {
+            if !matches!(&named[..], [one] if DRAWN.contains(one)) {
                 notes.whole(format!(
                     "body `{name}`: elements {types} become those that nagata takes for its material (see `nagata check`)"
                 ));
+            }
+            if kinds.iter().any(|kind| kind.starts_with(DRAWN[1])) {
+                notes.whole(format!("body `{name}`: each element {types} becomes four linear ones between its nodes"));
             }
             return "axisymmetric = true\n";
         }

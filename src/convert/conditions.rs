@@ -1,7 +1,7 @@
 //! What acts in the steps of a deck, card by card: *BOUNDARY, *CLOAD, *DLOAD and *DSLOAD.
 
 use super::amplitudes::{self, Amplitude};
-use super::bodies::{Bodies, Owner};
+use super::bodies::{self, Bodies, Owner};
 use super::cards::{Notes, is_new};
 use super::contacts::faces_by_body;
 use super::frames::{Frames, vectors};
@@ -9,10 +9,10 @@ use super::groups::{Groups, nodes_are};
 use super::loads::{Clock, Load, Loads};
 use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
-use crate::error::{Error, Faults, Result};
-use crate::mesh::Slot;
+use crate::error::{Error, Faults, Location, Result};
 use crate::mesh::abaqus::{Card, LOWEST, Row, no_set};
-use std::collections::BTreeMap;
+use crate::mesh::{Made, Slot, Solid, at_side};
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
 /// All that acts, as it is in the step that is being read.
@@ -32,6 +32,12 @@ pub(super) struct Conditions {
     pub gravity: Loads,
     /// Squares of the angular velocity of sections, as vectors of one number, and the axis of all: a point and a direction.
     pub spins: Loads,
+    /// Rigid bodies on whose mass gravity or a spin acts.
+    pub heavy: BTreeSet<usize>,
+    /// Whether *DLOAD, and *DSLOAD, have given loads that act.
+    distributed: [bool; 2],
+    /// The first card of the step whose OP=NEW takes off what the other of the two has given.
+    taken_off: Option<(Location, &'static str)>,
     pub spin_axis: Option<[[f64; 3]; 2]>,
 }
 
@@ -58,19 +64,32 @@ impl Conditions {
     pub fn begin(&mut self, last: &Clock, next: &Clock, amplitudes: &[Amplitude]) {
         self.step += 1;
         self.kinds_given.clear();
+        self.taken_off = None;
         self.supports.begin(last, next, amplitudes);
         let kinds = [&mut self.forces, &mut self.moments, &mut self.pressures, &mut self.gravity, &mut self.spins];
         kinds.into_iter().for_each(|loads| loads.begin(last, next, amplitudes));
     }
 
     /// After the cards of a step: refuses what goes on from the step before and cannot.
-    pub fn check(&self) -> Result<()> {
+    pub fn check(&mut self, made: &[Made]) -> Result<()> {
+        self.supports.complete(made);
         self.supports.check()?;
         self.kinds().into_iter().try_for_each(Loads::check)
     }
 
     fn kinds(&self) -> [&Loads; 5] {
         [&self.forces, &self.moments, &self.pressures, &self.gravity, &self.spins]
+    }
+
+    /// Tells of distributed loads that a card of another kind takes off, and that are not given again in the step.
+    pub fn tell_of_taken_off(&self, notes: &mut Notes) {
+        let Some((at, other)) = &self.taken_off else { return };
+        if !self.kinds_given.contains_key(*other) {
+            let what = format!(
+                "OP=NEW takes off what *{other} has given, too, as in CalculiX; Abaqus leaves that: give it again if it is to act on"
+            );
+            notes.at(at, what);
+        }
     }
 
     /// All loads.
@@ -87,6 +106,14 @@ impl Conditions {
             return Err(card.error(what, "give it with the first card of the step"));
         }
         let amplitude = amplitudes::of(setting.amplitudes, card)?;
+        let other = match card.keyword.name.as_str() {
+            "DLOAD" if is_new && self.distributed[1] => Some("DSLOAD"),
+            "DSLOAD" if is_new && self.distributed[0] => Some("DLOAD"),
+            _ => None,
+        };
+        if let Some(other) = other {
+            self.taken_off.get_or_insert((card.at.clone(), other));
+        }
         let mut lines = |take: &mut dyn FnMut(Line) -> Result<()>| {
             Faults::all(card.rows.iter().map(|row| take(Line { card, row, amplitude, setting }))).map(|_| ())
         };
@@ -109,11 +136,14 @@ impl Conditions {
                 Ok(())
             }
             "DLOAD" | "DSLOAD" => {
+                let kind = usize::from(card.keyword.name == "DSLOAD");
                 if is_new {
                     self.pressures.reset(self.step);
                     self.gravity.reset(self.step);
                     self.spins.reset(self.step);
+                    self.distributed = [false; 2];
                 }
+                self.distributed[kind] |= !card.rows.is_empty();
                 lines(&mut |mut line| self.take_distributed(&mut line))
             }
             _ => Ok(()),
@@ -171,6 +201,10 @@ impl Conditions {
         let [set, dof, value] = row.fields();
         let is_one = line.nodes(set)?.len() == 1;
         let Split { of_bodies, of_rigids } = line.split(set)?;
+        // A force for each node of a set: those that the deck lacks have none.
+        let made = &line.setting.groups.whole.made;
+        let is_own = |node: &u32| made.binary_search_by_key(node, |made| made.node).is_err();
+        let of_bodies: Vec<u32> = of_bodies.iter().copied().filter(is_own).collect();
         let dof: usize = match dof.parse() {
             Ok(dof @ 1..=DOFS) => dof - 1,
             _ => return Err(row.error(format!("expected a degree of freedom 1 to 6, found '{dof}'"), "")),
@@ -233,6 +267,7 @@ impl Conditions {
             if length == 0.0 {
                 return Err(row.error("gravity has no direction", "write its value and a unit vector"));
             }
+            self.heavy.extend(line.rigids_of(set)?);
             let load = line.on_sections("gravity", set, along.map(|part| part / length * value), self.step)?;
             self.gravity.add(load, [true; 3]);
             return Ok(());
@@ -285,6 +320,7 @@ impl Conditions {
             let what = "CENTRIF about several axes, or about one that is written in several ways, cannot be converted";
             return Err(row.error(what, "give all lines the same point and direction"));
         }
+        self.heavy.extend(line.rigids_of(fields[0])?);
         let load = line.on_sections("CENTRIF", fields[0], [square, 0.0, 0.0], self.step)?;
         self.spins.add(load, [true, false, false]);
         Ok(())
@@ -341,24 +377,44 @@ impl Line<'_, '_> {
         let whole = setting.groups.whole;
         let mut faces = Vec::new();
         for element in self.elements(set)? {
-            let Slot::Solid(solid) = whole.slots[element as usize] else {
+            let Slot::Solids { first, count } = whole.slots[element as usize] else {
                 let what = format!("a pressure on an element {} cannot be converted", whole.kind(element));
                 return Err(row.error(what, "give it on the faces of solids"));
             };
-            let solid = &whole.mesh.solids[solid as usize];
-            if side as usize >= solid.shape.face_count() {
-                return Err(row.error(format!("element {} has no face P{}", solid.id, side + 1), ""));
+            let Solid { shape, id, .. } = whole.mesh.solids[first as usize];
+            if side as usize >= shape.face_count() {
+                return Err(row.error(format!("element {id} has no face P{}", side + 1), ""));
             }
-            let facet = solid.face(side as usize);
-            if !matches!(setting.bodies.owners[facet.nodes[0] as usize], Owner::Body(_)) {
-                return Err(row.error("a pressure on a rigid body cannot be converted", "give its force"));
+            for part in at_side(shape, count, side) {
+                let facet = whole.mesh.solids[(first + part) as usize].face(side as usize);
+                if !matches!(setting.bodies.owners[facet.nodes[0] as usize], Owner::Body(_)) {
+                    return Err(row.error("a pressure on a rigid body cannot be converted", "give its force"));
+                }
+                faces.push(setting.groups.face_of_key(&facet.key()).ok_or_else(|| {
+                    let what = format!("face P{} of element {id} is not on a boundary", side + 1);
+                    row.error(what, "it lies inside the body")
+                })?);
             }
-            faces.push(setting.groups.face_of_key(&facet.key()).ok_or_else(|| {
-                let what = format!("face P{} of element {} is not on a boundary", side + 1, solid.id);
-                row.error(what, "it lies inside the body")
-            })?);
         }
         Ok(faces)
+    }
+
+    /// The rigid bodies that have mass, by elements of a set.
+    fn rigids_of(&self, set: &str) -> Result<BTreeSet<usize>> {
+        let (whole, owners) = (self.setting.groups.whole, &self.setting.bodies.owners);
+        let elements = if set.is_empty() { (0..whole.slots.len() as u32).collect() } else { self.elements(set)? };
+        let heavy = elements.into_iter().filter(|&element| !whole.kind(element).starts_with("R3D"));
+        let rigid = |element: u32| {
+            let of = |node: &u32| match owners[*node as usize] {
+                Owner::Rigid(rigid) => Some(rigid),
+                _ => None,
+            };
+            let slot = whole.slots[element as usize];
+            let mut all = bodies::nodes_of(whole, slot).into_iter().map(|node| of(&node));
+            let first = all.next().flatten().filter(|_| slot.solids().len() + slot.facets().len() > 0);
+            first.filter(|first| all.all(|other| other == Some(*first)))
+        };
+        Ok(heavy.filter_map(rigid).collect())
     }
 
     /// What acts on the mass of elements, as a load on sections.
@@ -368,9 +424,7 @@ impl Line<'_, '_> {
         let elements = if set.is_empty() { (0..whole.slots.len() as u32).collect() } else { self.elements(set)? };
         let mut has = vec![false; whole.mesh.solids.len()];
         for element in elements {
-            if let Slot::Solid(solid) = whole.slots[element as usize] {
-                has[solid as usize] = true;
-            }
+            whole.slots[element as usize].solids().for_each(|solid| has[solid as usize] = true);
         }
         let mut load = Load::new(&self.row.at, String::new(), step, self.amplitude);
         for ((body, material, solids), section) in setting.bodies.sections().zip(0..) {

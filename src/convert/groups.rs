@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::mesh::abaqus::{LOWEST, Whole};
 use crate::mesh::faces::{self, FaceKey};
 use crate::mesh::{Facet, Group, Middles, message};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::fmt::Write;
 
 /// A face on the boundary of the solids, by its number in [`Groups::boundary`].
@@ -101,8 +101,10 @@ impl<'a> Groups<'a> {
         if let Some(name) = self.existing(hint, fits) {
             return Ok(name);
         }
-        let sides = wanted.iter().map(|&face| {
-            let (solid, local) = self.boundary[face as usize];
+        // Parts of one side are that side.
+        let mut seen = HashSet::new();
+        let is_new = |side: &(u32, u8)| seen.insert((self.whole.element_of[side.0 as usize], side.1));
+        let sides = wanted.iter().map(|&face| self.boundary[face as usize]).filter(is_new).map(|(solid, local)| {
             let lowest = if self.whole.mesh.is_section { LOWEST } else { 0 };
             self.whole.solid_name(solid).map(|name| format!("{name}, S{}", local + 1 - lowest))
         });
@@ -119,7 +121,8 @@ impl<'a> Groups<'a> {
         if let Some(name) = self.existing(hint, fits) {
             return Ok(name);
         }
-        let names: Option<Vec<String>> = wanted.iter().map(|&solid| self.whole.solid_name(solid)).collect();
+        let elements = wanted.chunk_by(|a, b| self.whole.element_of[*a as usize] == self.whole.element_of[*b as usize]);
+        let names: Option<Vec<String>> = elements.map(|parts| self.whole.solid_name(parts[0])).collect();
         self.make(Members::Solids, wanted, hint, |name, text| {
             let _ = writeln!(text, "*ELSET, ELSET={name}");
             names.ok_or_else(nameless)?.chunks(8).for_each(|line| {

@@ -46,7 +46,7 @@ pub(super) struct Load {
     pub amplitude: Option<usize>,
     /// Without the factor of the amplitude.
     pub values: Field,
-    /// At the begin of the step.
+    /// At the begin of the step; with an amplitude that of what it takes the place of, too.
     start: Field,
     /// Why it cannot go on, if it does.
     refused: Option<Error>,
@@ -133,9 +133,20 @@ impl Loads {
         }
     }
 
-    /// Adds a load along some axes, in the place of what acted there until this step. Returns what is loaded twice in it.
-    pub fn add(&mut self, load: Load, axes: [bool; 3]) -> BTreeSet<u32> {
+    /// Adds a load along some axes, in the place of what acted there until this step: of one without an amplitude, which goes from
+    /// zero to its value, that fades beside it; one with an amplitude is all that acts. Returns what is loaded twice in the step.
+    pub fn add(&mut self, mut load: Load, axes: [bool; 3]) -> BTreeSet<u32> {
         let mut twice = BTreeSet::new();
+        if load.amplitude.is_some() {
+            for old in self.fading.iter_mut().filter(|old| old.step < load.step) {
+                for &key in load.values.keys() {
+                    let Some(start) = old.start.get_mut(&key) else { continue };
+                    for axis in (0..3).filter(|&axis| axes[axis]) {
+                        load.start.entry(key).or_insert([0.0; 3])[axis] += std::mem::take(&mut start[axis]);
+                    }
+                }
+            }
+        }
         for old in &mut self.live {
             let mut faded = Field::new();
             for &key in load.values.keys() {
@@ -150,7 +161,8 @@ impl Loads {
                         value[axis] = 0.0;
                     }
                     if let Some(start) = old.start.get_mut(&key) {
-                        faded.entry(key).or_insert([0.0; 3])[axis] = std::mem::take(&mut start[axis]);
+                        let goes = if load.amplitude.is_some() { &mut load.start } else { &mut faded };
+                        goes.entry(key).or_insert([0.0; 3])[axis] += std::mem::take(&mut start[axis]);
                     }
                 }
             }

@@ -6,7 +6,7 @@ use super::groups::{Face, Groups};
 use super::loads::Load;
 use crate::error::{Error, Result};
 use crate::mesh::abaqus::LOWEST;
-use crate::solid::load::{quad4_nodal_areas, ring_nodal_areas, tri3_nodal_areas, tri6_nodal_areas};
+use crate::solid::load::{quad4_nodal_areas, quad8_nodal_areas, ring_nodal_areas, tri3_nodal_areas, tri6_nodal_areas};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far a force may be from its share by area, of the largest: the digits that programs write.
@@ -53,13 +53,22 @@ fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<F
     let loaded: BTreeSet<u32> = nodes.iter().copied().collect();
     // The deck of a section knows its upright faces alone, and of these the nodes at z = 0.
     let is_known = |node: &u32| !mesh.is_section || mesh.points[*node as usize][2] == 0.0;
-    let within = |face: &Face| {
-        (!mesh.is_section || groups.boundary[*face as usize].1 >= LOWEST)
-            && groups.face_nodes(*face).iter().all(|node| !is_known(node) || loaded.contains(node))
+    // An even load on a quadratic triangle has no force at its corners.
+    let bears = |face: Face| match groups.middles(face) {
+        Some(middles) => middles.iter().all(|node| loaded.contains(node)),
+        None => groups.face_nodes(face).iter().all(|node| !is_known(node) || loaded.contains(node)),
     };
-    let faces: Vec<Face> = (0..groups.boundary.len() as u32).filter(within).collect();
+    let within = |face: &Face| (!mesh.is_section || groups.boundary[*face as usize].1 >= LOWEST) && bears(*face);
+    let mut faces: Vec<Face> = (0..groups.boundary.len() as u32).filter(within).collect();
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-    for &face in &faces {
+    for (parts, nodes) in quadratic(groups, &loaded) {
+        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+        let shares = quad8_nodal_areas(x.as_array()?);
+        nodes.iter().zip(shares).for_each(|(&node, area)| *areas.entry(node).or_default() += area);
+        faces.extend(parts);
+    }
+    faces.sort_unstable();
+    for &face in faces.iter().filter(|face| bears(**face)) {
         let nodes = groups.face_nodes(face);
         let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
         let shares = match x.len() {
@@ -78,5 +87,24 @@ fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<F
         let share = areas.get(node).copied().unwrap_or(0.0) / area;
         (0..3).all(|d| (force[d] - share * total[d]).abs() <= DIGITS * largest)
     };
-    (area > 0.0 && nodes.iter().zip(forces).all(is_share)).then_some((faces, total))
+    let size = total.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+    let is_left_out =
+        |(node, share): (&u32, &f64)| !loaded.contains(node) && (share / area * size).abs() > DIGITS * largest;
+    let even = area > 0.0 && nodes.iter().zip(forces).all(is_share) && !areas.iter().any(is_left_out);
+    even.then_some((faces, total))
+}
+
+/// The four parts of each quadrilateral of second order between these nodes, with its eight nodes.
+fn quadratic<'a>(groups: &'a Groups, loaded: &'a BTreeSet<u32>) -> impl Iterator<Item = ([Face; 4], &'a [u32])> {
+    let sides = groups.whole.made.iter().filter(|made| made.corners == 4);
+    sides.filter(|made| made.around.iter().all(|node| loaded.contains(node))).filter_map(|made| {
+        let (ends, middles) = made.around.split_at(4);
+        let mut parts = [0; 4];
+        for (k, part) in parts.iter_mut().enumerate() {
+            let mut key = [ends[k], middles[k], made.node, middles[(k + 3) % 4]];
+            key.sort_unstable();
+            *part = groups.face_of_key(&key)?;
+        }
+        Some((parts, &made.around[..]))
+    })
 }

@@ -74,8 +74,9 @@ pub(super) fn convert(
         clock = next;
         let first = if number == 0 { &before[..] } else { &[] };
         Faults::all(first.iter().chain(&step.cards).map(|card| conditions.take(card, &mut setting)))?;
-        conditions.check()?;
+        conditions.check(&whole.made)?;
         still.meet(&conditions.supports, frames);
+        conditions.tell_of_taken_off(notes);
         tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
         tell_of_step(step, notes);
         let ends = bends(&conditions, &clock, model.amplitudes);
@@ -367,6 +368,15 @@ impl Writer<'_, '_> {
             if is_free && tools.len() > 1 {
                 let what = "a rigid body that meets several surfaces moves freely";
                 return self.refuse(number, what, "join the surfaces");
+            }
+            if free.contains(&true) && conditions.heavy.contains(&number) {
+                let what =
+                    "gravity or a spin acts on the mass of a rigid body that moves freely, which cannot be converted,";
+                return self.refuse(
+                    number,
+                    what,
+                    "let it act on the other elements, and give the weight as a force on the reference node",
+                );
             }
             for tool in tools {
                 lists.move_tool(&tool.name, way, rotation);

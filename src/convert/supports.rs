@@ -3,7 +3,8 @@
 use super::amplitudes::Amplitude;
 use super::loads::{Clock, carried};
 use crate::error::{Error, Location, Result};
-use std::collections::{HashMap, HashSet};
+use crate::mesh::Made;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::rc::Rc;
 
 /// Degrees of freedom: displacements along x, y and z, rotations about them.
@@ -100,6 +101,36 @@ impl Supports {
             }
         }
         self.ended = Some(ended);
+    }
+
+    /// After the cards of a step: holds nodes that the deck lacks where all around them are held alike.
+    pub fn complete(&mut self, made: &[Made]) {
+        for dof in 0..3 {
+            let mut alike: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+            let what = |node: &u32| self.of(*node, dof).map(|hold| (hold.value, hold.amplitude, hold.start));
+            for made in made.iter().filter(|made| !self.of[dof].contains_key(&made.node)) {
+                let first = &made.around[0];
+                if what(first).is_some() && made.around.iter().all(|node| what(node) == what(first)) {
+                    alike.entry(self.of[dof][first]).or_default().push(made.node);
+                }
+            }
+            for (like, nodes) in alike {
+                let Hold { at, hint, amplitude, value, start, refused, step, .. } = &self.holds[like];
+                self.holds.push(Hold {
+                    at: at.clone(),
+                    hint: format!("{hint}-middles"),
+                    dof,
+                    nodes: nodes.as_slice().into(),
+                    amplitude: *amplitude,
+                    value: *value,
+                    start: *start,
+                    refused: refused.clone(),
+                    step: *step,
+                });
+                let hold = self.holds.len() - 1;
+                self.of[dof].extend(nodes.into_iter().map(|node| (node, hold)));
+            }
+        }
     }
 
     /// After the cards of a step: refuses what goes on and cannot.

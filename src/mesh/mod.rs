@@ -1,7 +1,7 @@
 //! Meshes: points, solids, surface facets and named groups, read on rank 0.
 //!
-//! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, `select` takes the body
-//! or tool out of it and `orient` turns its facets outward, [`check`](check::check) refuses what cannot be computed. [`tie_layer`]
+//! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, hexahedra, wedges and quadrilaterals of
+//! second order as linear ones (`halves`), `select` takes the body or tool out of it and `orient` turns its facets outward, [`check`](check::check) refuses what cannot be computed. [`tie_layer`]
 //! prepares a body of one layer, [`lay_flat`] a sheet.
 
 pub(crate) mod abaqus;
@@ -10,6 +10,7 @@ pub mod check;
 pub mod faces;
 pub mod flat;
 mod gmsh;
+mod halves;
 mod layer;
 mod load;
 pub(crate) mod message;
@@ -21,6 +22,7 @@ mod shape;
 mod sheet;
 mod stl;
 
+pub(crate) use halves::{Made, at_side};
 pub use layer::tie_layer;
 pub use load::load;
 pub use middles::Middles;
@@ -94,6 +96,8 @@ pub struct Mesh {
     pub warnings: Vec<String>,
     /// Its solids are axisymmetric elements, drawn out by one layer along z.
     pub is_section: bool,
+    /// Some of its solids are parts of elements of second order.
+    pub has_halves: bool,
 }
 
 impl Solid {
@@ -111,6 +115,13 @@ impl Solid {
 }
 
 impl Facet {
+    /// With as many corners as are given.
+    pub fn new(corners: &[u32], id: u64) -> Self {
+        let mut nodes = [0; 4];
+        nodes[..corners.len()].copy_from_slice(corners);
+        Self { count: corners.len() as u8, nodes, id }
+    }
+
     /// The nodes that count.
     pub fn nodes(&self) -> &[u32] {
         &self.nodes[..self.count as usize]

@@ -1,12 +1,18 @@
 //! A mesh as its file describes it: all of it, and before anything is selected, oriented or checked.
 
-use super::{Facet, Group, MOST_NODES, Mesh, Solid, SolidShape};
+use super::halves::{Kind, Made, Splitter};
+use super::middles::four;
+use super::{Facet, Group, Mesh, Solid, SolidShape};
 use super::{join, message};
+use crate::Vec3;
 use crate::error::{Error, Result};
+use smallvec::SmallVec;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Shapes that files hold; points and lines matter to groups alone. Those of second order have the nodes in the middles of their
-/// edges behind the corners, as [`SolidShape::Tet10`] has them; on a triangle between 0 and 1, 1 and 2, 2 and 0.
+/// edges behind the corners, as [`SolidShape::Tet10`] has them; on a triangle between 0 and 1, 1 and 2, 2 and 0. Hexahedra, wedges and
+/// quadrilaterals of second order have those of Abaqus, then the middles of [`super::faces`] and of all, if they have these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum CellShape {
     Point,
@@ -19,6 +25,14 @@ pub(super) enum CellShape {
     Line3,
     Triangle6,
     Tet10,
+    Quad8,
+    Quad9,
+    Hex20,
+    Hex27,
+    Wedge15,
+    Wedge18,
+    /// A quadrilateral of second order drawn out by one layer: corners below and above, middles of edges below and above.
+    Layer8,
 }
 
 impl CellShape {
@@ -33,39 +47,81 @@ impl CellShape {
             Self::Line3 => 3,
             Self::Triangle6 => 6,
             Self::Tet10 => 10,
+            Self::Quad8 => 8,
+            Self::Quad9 => 9,
+            Self::Hex20 => 20,
+            Self::Hex27 => 27,
+            Self::Wedge15 => 15,
+            Self::Wedge18 => 18,
+            Self::Layer8 => 16,
+        }
+    }
+
+    /// Points, lines, surfaces or volumes.
+    pub fn dimension(self) -> u8 {
+        match self {
+            Self::Point => 0,
+            Self::Line | Self::Line3 => 1,
+            Self::Triangle | Self::Quad | Self::Triangle6 | Self::Quad8 | Self::Quad9 => 2,
+            _ => 3,
         }
     }
 }
 
 /// An element by the numbers of its file.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Cell {
     pub shape: CellShape,
     pub id: u64,
-    /// The first `shape.node_count()` count.
-    pub nodes: [u64; MOST_NODES],
+    pub nodes: SmallVec<[u64; 8]>,
 }
 
 /// Where a cell went.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slot {
-    Solid(u32),
-    Facet(u32),
+    /// A solid, or the parts of one of second order.
+    Solids { first: u32, count: u32 },
+    /// A facet, or the parts of one of second order.
+    Facets { first: u32, count: u32 },
     /// A point or a line with its ends (the same twice for a point).
     Loose([u32; 2]),
+    /// A line of second order along elements that are split: its ends and its middle.
+    Halves([u32; 3]),
+}
+
+impl Slot {
+    /// The solids that it has become.
+    pub fn solids(self) -> Range<u32> {
+        match self {
+            Self::Solids { first, count } => first..first + count,
+            _ => 0..0,
+        }
+    }
+
+    /// The facets that it has become.
+    pub fn facets(self) -> Range<u32> {
+        match self {
+            Self::Facets { first, count } => first..first + count,
+            _ => 0..0,
+        }
+    }
 }
 
 impl Group {
     /// Adds what became of an element.
     pub(super) fn add(&mut self, slot: Slot) {
         match slot {
-            Slot::Solid(solid) => self.solids.push(solid),
-            Slot::Facet(facet) => self.facets.push(facet),
+            Slot::Solids { .. } => self.solids.extend(slot.solids()),
+            Slot::Facets { .. } => self.facets.extend(slot.facets()),
             Slot::Loose([a, b]) => {
                 self.nodes.extend([a, b]);
                 if a != b {
                     self.lines.push([a.min(b), a.max(b)]);
                 }
+            }
+            Slot::Halves([a, b, middle]) => {
+                self.nodes.extend([a, b, middle]);
+                self.lines.extend([a, b].map(|end| [end.min(middle), end.max(middle)]));
             }
         }
     }
@@ -94,6 +150,10 @@ pub(super) struct FileMesh {
     pub unread: Option<Error>,
     /// The format is for closed surfaces with their outside out: what is not so is told.
     pub is_closed: bool,
+    /// Nodes in the middles of faces and elements of second order that the file lacks.
+    pub made: Vec<Made>,
+    /// Solids that are parts of elements of second order.
+    pub halves: Vec<Range<u32>>,
 }
 
 /// From the numbers of a file to indices.
@@ -168,39 +228,58 @@ impl FileMesh {
     /// nodes and elements went. Fails on a node that is defined twice or missing.
     pub fn append(&mut self, ids: Vec<u64>, points: Vec<[f64; 3]>, cells: &[Cell]) -> Result<(Ids, Vec<Slot>)> {
         let base = self.mesh.points.len();
-        if base + points.len().max(cells.len() * 6) >= u32::MAX as usize {
+        if base + points.len().max(cells.len() * 8) >= u32::MAX as usize {
             return Err(message::whole_file(&self.mesh.source, "the mesh is too large for 32-bit numbers", ""));
         }
-        let nodes = Ids::new(&ids, base as u32).map_err(|twice| {
+        let mut nodes = Ids::new(&ids, base as u32).map_err(|twice| {
             let what = format!("{} defined twice", message::several("node", &twice));
             message::whole_file(&self.mesh.source, what, "give each node a number of its own")
         })?;
         join(&mut self.mesh.points, points);
-        join(&mut self.mesh.point_ids, ids);
         self.attached.resize(self.mesh.points.len(), false);
 
         let mut missing = Vec::new();
+        let mut splitter = Splitter::default();
+        for cell in cells.iter().filter(|cell| cell.shape.halves().is_some()) {
+            let found: Vec<u32> = cell.nodes.iter().filter_map(|&id| nodes.get(id)).collect();
+            if found.len() == cell.nodes.len() {
+                splitter.know(cell.shape, &found, cell.id);
+            }
+        }
         let mut slots = Vec::with_capacity(cells.len());
         for cell in cells {
-            let mut found = [0; MOST_NODES];
-            for (index, &id) in found.iter_mut().zip(&cell.nodes[..cell.shape.node_count()]) {
+            let mut found: SmallVec<[u32; 27]> = SmallVec::new();
+            for &id in &cell.nodes {
                 match nodes.get(id) {
-                    Some(node) => *index = node,
+                    Some(node) => found.push(node),
                     None => missing.push((cell.id, id)),
                 }
             }
             if missing.is_empty() {
-                slots.push(self.place(cell, found));
+                slots.push(self.place(cell, &found, &mut splitter));
             }
         }
-        match missing.first() {
-            None => Ok((nodes, slots)),
-            Some((element, node)) => {
-                let what = format!("element {element} names node {node}, which does not exist");
-                let what = what + &message::and_more(missing.len() - 1);
-                Err(message::whole_file(&self.mesh.source, what, "write the mesh with all its nodes"))
-            }
+        if let Some((element, node)) = missing.first() {
+            let what = format!("element {element} names node {node}, which does not exist");
+            let what = what + &message::and_more(missing.len() - 1);
+            return Err(message::whole_file(&self.mesh.source, what, "write the mesh with all its nodes"));
         }
+        let indices = |cell: &Cell| cell.nodes.iter().filter_map(|&id| nodes.get(id)).collect();
+        splitter.check(&self.mesh.source, cells.iter().map(|cell| (cell.shape, indices(cell), cell.id)))?;
+        let mut ids = ids;
+        if !splitter.made.is_empty() {
+            let above = above(ids.iter().copied().max().unwrap_or_default());
+            let above = above.ok_or_else(|| {
+                message::whole_file(&self.mesh.source, "node numbers leave no room for the middles of faces", "")
+            })?;
+            ids.extend((1..=splitter.made.len() as u64).map(|k| above + k));
+            self.attached.resize(self.mesh.points.len(), true);
+            nodes = Ids::new(&ids, base as u32)
+                .map_err(|_| message::whole_file(&self.mesh.source, "node numbers are too large", ""))?;
+        }
+        join(&mut self.mesh.point_ids, ids);
+        self.made.append(&mut splitter.made);
+        Ok((nodes, slots))
     }
 
     /// The nodes of a facet, those in the middles of its edges, too.
@@ -209,41 +288,79 @@ impl FileMesh {
         nodes.iter().copied().chain(self.mesh.middles.around(nodes))
     }
 
-    fn place(&mut self, cell: &Cell, nodes: [u32; MOST_NODES]) -> Slot {
-        let count = cell.shape.node_count();
-        nodes[..count].iter().for_each(|&node| self.attached[node as usize] = true);
-        match cell.shape {
-            CellShape::Point => Slot::Loose([nodes[0]; 2]),
-            CellShape::Line => Slot::Loose([nodes[0], nodes[1]]),
-            CellShape::Line3 => {
-                self.mesh.middles.add([nodes[0], nodes[1]], nodes[2]);
-                Slot::Loose([nodes[0], nodes[1]])
-            }
-            CellShape::Triangle | CellShape::Quad | CellShape::Triangle6 => {
-                let [a, b, c, mut d, e, f, ..] = nodes;
-                let quadratic = cell.shape == CellShape::Triangle6;
-                if quadratic {
-                    for (ends, middle) in [([a, b], d), ([b, c], e), ([c, a], f)] {
-                        self.mesh.middles.add(ends, middle);
-                    }
-                    d = 0;
+    fn place(&mut self, cell: &Cell, nodes: &[u32], splitter: &mut Splitter) -> Slot {
+        nodes.iter().for_each(|&node| self.attached[node as usize] = true);
+        let mesh = &mut self.mesh;
+        let (solids, facets) = (mesh.solids.len() as u32, mesh.facets.len() as u32);
+        if let Some(kind) = cell.shape.halves() {
+            let parts = splitter.split(cell.shape, nodes, &mut mesh.points);
+            let count = parts.len() as u32;
+            return match kind {
+                Kind::Solids(shape) => {
+                    mesh.solids.extend(parts.iter().map(|part| Solid::new(shape, part, cell.id)));
+                    self.halves.push(solids..solids + count);
+                    Slot::Solids { first: solids, count }
                 }
-                let count = if quadratic { 3 } else { count as u8 };
-                self.mesh.facets.push(Facet { count, nodes: [a, b, c, d], id: cell.id });
-                Slot::Facet(self.mesh.facets.len() as u32 - 1)
-            }
-            CellShape::Tet | CellShape::Hex | CellShape::Wedge | CellShape::Tet10 => {
-                let shape = match cell.shape {
-                    CellShape::Tet => SolidShape::Tet4,
-                    CellShape::Tet10 => SolidShape::Tet10,
-                    CellShape::Wedge => SolidShape::Wedge6,
-                    _ => SolidShape::Hex8,
-                };
-                self.mesh.solids.push(Solid { shape, nodes, id: cell.id });
-                Slot::Solid(self.mesh.solids.len() as u32 - 1)
-            }
+                Kind::Facets => {
+                    mesh.facets.extend(parts.iter().map(|part| Facet::new(part, cell.id)));
+                    Slot::Facets { first: facets, count }
+                }
+            };
         }
+        match cell.shape {
+            CellShape::Point => return Slot::Loose([nodes[0]; 2]),
+            CellShape::Line => return Slot::Loose([nodes[0], nodes[1]]),
+            CellShape::Line3 => {
+                let [a, b, middle] = along(nodes, &mesh.points);
+                if splitter.middle(a, b).is_some() {
+                    return Slot::Halves([a, b, middle]);
+                }
+                mesh.middles.add([a, b], middle);
+                return Slot::Loose([a, b]);
+            }
+            // The end of a wedge.
+            CellShape::Triangle6 if (0..3).all(|k| splitter.middle(nodes[k], nodes[(k + 1) % 3]).is_some()) => {
+                let [a, b, c, ab, bc, ca] = std::array::from_fn(|k| nodes[k]);
+                let parts = four([a, b, c], [ab, bc, ca]);
+                mesh.facets.extend(parts.iter().map(|part| Facet::new(part, cell.id)));
+                return Slot::Facets { first: facets, count: parts.len() as u32 };
+            }
+            CellShape::Triangle6 => {
+                (0..3).for_each(|k| mesh.middles.add([nodes[k], nodes[(k + 1) % 3]], nodes[3 + k]));
+            }
+            _ => {}
+        }
+        let shape = match cell.shape {
+            CellShape::Tet => SolidShape::Tet4,
+            CellShape::Tet10 => SolidShape::Tet10,
+            CellShape::Wedge => SolidShape::Wedge6,
+            CellShape::Hex => SolidShape::Hex8,
+            other => {
+                let corners = if other == CellShape::Quad { 4 } else { 3 };
+                mesh.facets.push(Facet::new(&nodes[..corners], cell.id));
+                return Slot::Facets { first: facets, count: 1 };
+            }
+        };
+        mesh.solids.push(Solid::new(shape, nodes, cell.id));
+        Slot::Solids { first: solids, count: 1 }
     }
+}
+
+/// The ends of a line of three nodes, then its middle: some formats, and versions of programs, have that second, some last.
+fn along(nodes: &[u32], points: &[[f64; 3]]) -> [u32; 3] {
+    let off = |&[a, b, middle]: &[u32; 3]| {
+        let [a, b, middle] = [a, b, middle].map(|node| Vec3::from(points[node as usize]));
+        (0.5 * (a + b) - middle).norm()
+    };
+    let [a, b, c] = std::array::from_fn(|k| nodes[k]);
+    [[a, b, c], [a, c, b], [b, c, a]].into_iter().min_by(|x, y| off(x).total_cmp(&off(y))).unwrap_or([a, b, c])
+}
+
+/// The power of ten beyond a number.
+pub(super) fn above(number: u64) -> Option<u64> {
+    10u64
+        .checked_pow(number.checked_ilog10().map_or(1, |digits| digits + 1))
+        .filter(|above| above.checked_mul(2).is_some())
 }
 
 impl From<Mesh> for FileMesh {
@@ -251,7 +368,7 @@ impl From<Mesh> for FileMesh {
     fn from(mut mesh: Mesh) -> Self {
         let closed = |(name, group)| (name, FileGroup { group, closed: true, unread: None });
         let groups = std::mem::take(&mut mesh.groups).into_iter().map(closed).collect();
-        Self { attached: vec![true; mesh.points.len()], groups, mesh, unread: None, is_closed: false }
+        Self { attached: vec![true; mesh.points.len()], groups, mesh, ..Self::default() }
     }
 }
 

@@ -176,7 +176,7 @@ fn take_tool(file: &FileMesh, chosen: Option<&Group>, wish: &Wish) -> Result<Tak
 impl Taken {
     /// The mesh of what was taken, with nodes in the order of the file.
     fn restrict(mut self, file: FileMesh) -> Mesh {
-        let FileMesh { mut mesh, groups, .. } = file;
+        let FileMesh { mut mesh, groups, halves, .. } = file;
         mesh.solids = Vec::new();
         let mut node_map = vec![u32::MAX; mesh.points.len()];
         let solid_nodes = self.solids.iter().flat_map(Solid::nodes);
@@ -186,6 +186,7 @@ impl Taken {
             source: mesh.source.clone(),
             warnings: mesh.warnings.clone(),
             is_section: mesh.is_section,
+            has_halves: halves.into_iter().flatten().any(|solid| self.solid_map[solid as usize].is_some()),
             ..Mesh::default()
         };
         for (new, index) in node_map.iter_mut().filter(|new| **new == 0).zip(0..) {

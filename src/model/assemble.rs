@@ -51,6 +51,7 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
     {
         let (offset, sections) = (global.points.len() as u32, Sections::new(scene, body, &mesh)?);
         global.last_id.push(last);
+        global.halves.push(mesh.has_halves);
         for (set, name) in global.sets.iter_mut().zip(names) {
             let found = resolve(&body.name.value, &mesh, name);
             faults.note(&found);

@@ -99,8 +99,8 @@ fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
 ///
 /// # Errors
 /// A material that is not there, or elements that are not those of the mesh.
-pub(super) fn read(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<Section>> {
-    let elements = element_kinds(comm, scene, part)?;
+pub(super) fn read(comm: &SimpleCommunicator, scene: &Scene, part: &Part, halves: &[bool]) -> Result<Vec<Section>> {
+    let elements = element_kinds(comm, scene, part, halves)?;
     let mut sections = Vec::new();
     for ((body, name), (element, is_filled)) in scene.sections().zip(elements) {
         let card = scene.material(&name.value);
@@ -120,7 +120,12 @@ fn goes_with(asked: Formulation, shape: SolidShape) -> bool {
 
 /// The element formulation of each section: the user's, checked against the mesh, or the mesh's own; and
 /// whether wedges fill in between hexahedra. Collective.
-fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Result<Vec<(Formulation, bool)>> {
+fn element_kinds(
+    comm: &SimpleCommunicator,
+    scene: &Scene,
+    part: &Part,
+    halves: &[bool],
+) -> Result<Vec<(Formulation, bool)>> {
     const SHAPES: [(SolidShape, &str); 4] = [
         (SolidShape::Hex8, "hexahedra"),
         (SolidShape::Wedge6, "wedges"),
@@ -135,6 +140,7 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
     max(comm, &mut present);
     let mut kinds = Vec::new();
     for ((body, material), has) in scene.sections().zip(present.chunks_exact(SHAPES.len())) {
+        let bends = halves[body] && !scene.bodies[body].is_axisymmetric();
         let body = &scene.bodies[body];
         let has = || SHAPES.iter().zip(has).filter(|(_, has)| **has > 0.0).map(|(shape, _)| shape);
         let asked = body.element.as_ref();
@@ -150,7 +156,7 @@ fn element_kinds(comm: &SimpleCommunicator, scene: &Scene, part: &Part) -> Resul
             return Err(Error::input(&asked.at, what, help));
         }
         let default =
-            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape));
+            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape, bends));
         let is_filled = [SolidShape::Hex8, SolidShape::Wedge6].iter().all(|shape| has().any(|(own, _)| own == shape));
         let first = has().next().map_or(SolidShape::Hex8, |(shape, _)| *shape);
         kinds.push((asked.map_or(default, |e| e.value.beside(first)), is_filled));

@@ -40,6 +40,8 @@ pub struct GlobalMesh {
     pub node_work: Vec<i32>,
     /// The highest number that each body's file gives to a node of it; new nodes of refined meshes follow.
     pub last_id: Vec<u64>,
+    /// By body, whether its mesh [has halves](crate::mesh::Mesh::has_halves).
+    pub halves: Vec<bool>,
     /// Groups of elements that each body has in its mesh file.
     pub parts: Vec<usize>,
     /// What the user should know of the meshes.

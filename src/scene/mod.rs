@@ -35,6 +35,7 @@ pub use amplitude::Amplitude;
 pub use contacts::FEATURE_ANGLE;
 pub use descriptions::{CadFile, Description, NormalSource, Profile, Shape, Sweep, SymmetryPlane, Tool, ToolMesh};
 pub use gravity::Gravity;
+pub use materials::AUXETIC;
 pub use names::{did_you_mean, nearest};
 pub use parse::{load, load_tools, parse};
 pub use probes::{Probe, ProbePlace};

@@ -77,6 +77,42 @@ const fn quad4(s: f64, t: f64) -> FacePoint<4> {
     }
 }
 
+/// Three points each way.
+const QUAD8: [FacePoint<8>; 9] = {
+    const FAR: f64 = 0.774_596_669_241_483_4;
+    const AT: [f64; 3] = [-FAR, 0.0, FAR];
+    const WEIGHTS: [f64; 3] = [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0];
+    let mut points = [const { quad8(0.0, 0.0, 0.0) }; 9];
+    let mut q = 0;
+    while q < 9 {
+        points[q] = quad8(AT[q % 3], AT[q / 3], WEIGHTS[q % 3] * WEIGHTS[q / 3]);
+        q += 1;
+    }
+    points
+};
+
+/// Corners, then the middles of 0-1, 1-2, 2-3, 3-0.
+const fn quad8(s: f64, t: f64, weight: f64) -> FacePoint<8> {
+    const ENDS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let (s2, t2) = (1.0 - s * s, 1.0 - t * t);
+    let (mut values, mut by_s, mut by_t) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+    let mut a = 0;
+    while a < 4 {
+        let [x, y] = ENDS[a];
+        let (u, v) = (1.0 + s * x, 1.0 + t * y);
+        values[a] = 0.25 * u * v * (s * x + t * y - 1.0);
+        by_s[a] = 0.25 * x * v * (2.0 * s * x + t * y);
+        by_t[a] = 0.25 * y * u * (2.0 * t * y + s * x);
+        a += 1;
+    }
+    let (low, high) = ([1.0 - s, 1.0 - t], [1.0 + s, 1.0 + t]);
+    [values[4], by_s[4], by_t[4]] = [0.5 * s2 * low[1], -s * low[1], -0.5 * s2];
+    [values[5], by_s[5], by_t[5]] = [0.5 * t2 * high[0], 0.5 * t2, -t * high[0]];
+    [values[6], by_s[6], by_t[6]] = [0.5 * s2 * high[1], -s * high[1], 0.5 * s2];
+    [values[7], by_s[7], by_t[7]] = [0.5 * t2 * low[0], -0.5 * t2, -t * low[0]];
+    FacePoint { weight, values, gradients: [by_s, by_t] }
+}
+
 /// Pressure on a triangle with current nodes `x`.
 pub fn tri3_pressure(x: &[[f64; 3]; 3], pressure: f64) -> FaceLoad<9> {
     follower_pressure(&TRI3, x, pressure, None)
@@ -106,6 +142,12 @@ pub fn tri3_nodal_areas(x: &[[f64; 3]; 3]) -> [f64; 3] {
 /// area.
 pub fn tri6_nodal_areas(x: &[[f64; 3]; 6]) -> [f64; 6] {
     nodal_areas(&TRI6, x, None)
+}
+
+/// The areas int N_a da that belong to the nodes of a quadrilateral of eight nodes, below zero at the corners of a straight one; their
+/// sum is its area.
+pub fn quad8_nodal_areas(x: &[[f64; 3]; 8]) -> [f64; 8] {
+    nodal_areas(&QUAD8, x, None)
 }
 
 /// The areas int N_a da that belong to the nodes of a quadrilateral; their sum is its area.
@@ -304,5 +346,20 @@ mod tests {
         for (area, exact) in tri6_nodal_areas(&SIX).iter().zip([0.0, 0.0, 0.0, 0.5, 0.5, 0.5]) {
             assert!((area - exact).abs() < 1e-15, "{area} is not {exact}");
         }
+        // One of eight nodes bears it by -1/12 of its area at the corners, and 1/3 in the middles.
+        let middle = |k: usize| [0, 1, 2].map(|i| 0.5 * (SQUARE[k][i] + SQUARE[(k + 1) % 4][i]));
+        let eight = std::array::from_fn(|a| if a < 4 { SQUARE[a] } else { middle(a - 4) });
+        let shares = [[-0.25; 4], [1.0; 4]];
+        for (area, exact) in quad8_nodal_areas(&eight).iter().zip(shares.as_flattened()) {
+            assert!((area - exact).abs() < 1e-14, "{area} is not {exact}");
+        }
+        // A curved one has the sum of the areas of a fine grid of its shape.
+        let mut bent = eight;
+        bent[4][2] += 0.2;
+        bent[6][2] += 0.2;
+        let z = |s: f64| 0.2 * (1.0 - s * s);
+        let at = |k: i32| f64::from(k) / 500.0;
+        let length: f64 = (-500..500).map(|k| (1.5 * (at(k + 1) - at(k))).hypot(z(at(k + 1)) - z(at(k)))).sum();
+        assert!((quad8_nodal_areas(&bent).iter().sum::<f64>() - length).abs() < 1e-4);
     }
 }

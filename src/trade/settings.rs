@@ -275,7 +275,7 @@ fn element(scene: &Scene) -> Setting {
     for element in [Formulation::Hex8Fbar, Formulation::Hex8Sri, Formulation::Hex8Eas, Formulation::Hex8] {
         let others = scene.bodies.iter().filter(|body| {
             let given = body.element.as_ref().map(|element| element.value);
-            let now = given.unwrap_or_else(|| scene.default_element(&body.material.value, SolidShape::Hex8));
+            let now = given.unwrap_or_else(|| scene.default_element(&body.material.value, SolidShape::Hex8, false));
             let is_block = matches!(body.mesh, MeshSource::Block(_));
             let hexahedra = is_block || given.is_some_and(|given| given.shape() == SolidShape::Hex8);
             let locks = scene.material(&body.material.value).is_some_and(|model| model.keeps_volume().is_some());

@@ -5,12 +5,8 @@ use crate::error::{Error, Result};
 use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::parallel::{max, sum};
-use crate::scene::{Formulation, MaterialModel, Scene};
+use crate::scene::{AUXETIC, Formulation, MaterialModel, Scene};
 use mpi::topology::SimpleCommunicator;
-
-/// Poisson's ratio below which the enhanced strain of compressed elements buckles. Under a sphere that presses a block by a
-/// twentieth the methods of contact find one solution to -0.9, different ones from -0.95 on.
-const AUXETIC: f64 = -0.9;
 
 /// Share of the elements of a section that may be wedges where volume is nearly kept (docs/validation/elements.md).
 const MANY: f64 = 0.3;

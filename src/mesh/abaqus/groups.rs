@@ -1,7 +1,8 @@
 //! Turns the sets and surfaces of a deck into groups.
 
+use super::super::halves::{Made, at_side};
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
-use super::super::{Group, Middles, faces, message};
+use super::super::{Group, Middles, Solid, faces, message};
 use super::{Deck, Kind, LOWEST, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -23,6 +24,10 @@ pub(super) struct Placed<'a> {
     pub deck: &'a Deck,
     /// By scope: to points.
     pub nodes: Vec<Ids>,
+    /// By scope: its first point.
+    pub first_nodes: Vec<usize>,
+    /// Nodes that the deck lacks.
+    pub made: Vec<Made>,
     /// By scope: to slots.
     pub cells: Vec<Ids>,
     /// By scope: its first slot; and the end.
@@ -39,8 +44,17 @@ impl<'a> Placed<'a> {
             let parts = std::mem::take(&mut deck.parts);
             deck.scopes.extend(parts);
         }
-        let mut placed = Self { deck, nodes: Vec::new(), cells: Vec::new(), starts: vec![0], slots: Vec::new() };
+        let mut placed = Self {
+            deck,
+            nodes: Vec::new(),
+            first_nodes: Vec::new(),
+            made: Vec::new(),
+            cells: Vec::new(),
+            starts: vec![0],
+            slots: Vec::new(),
+        };
         for scope in &placed.deck.scopes {
+            placed.first_nodes.push(file.mesh.points.len());
             let (nodes, slots) = file.append(scope.point_ids.clone(), scope.points.clone(), &scope.cells)?;
             let ids: Vec<u64> = scope.cells.iter().map(|cell| cell.id).collect();
             let cells = Ids::new(&ids, placed.slots.len() as u32).map_err(|twice| {
@@ -52,6 +66,7 @@ impl<'a> Placed<'a> {
             placed.slots.extend(slots);
             placed.starts.push(placed.slots.len());
         }
+        placed.made = std::mem::take(&mut file.made);
         Ok(placed)
     }
 
@@ -189,8 +204,15 @@ impl<'a> Placed<'a> {
                     None if kind == Kind::Element && self.deck.scopes[of(*scope)].unread.contains_key(id) => {}
                     None => missing.push(*id),
                 },
-                // As in Abaqus, a range may have gaps.
-                Member::Range { scope, first, last, step } => ids[of(*scope)].range(*first, *last, *step, &mut found),
+                // As in Abaqus, a range may have gaps. It means none of the nodes that are made.
+                Member::Range { scope, first, last, step } => {
+                    let before = found.len();
+                    ids[of(*scope)].range(*first, *last, *step, &mut found);
+                    if kind == Kind::Node && !self.made.is_empty() {
+                        let own = found.split_off(before);
+                        found.extend(own.into_iter().filter(|&node| !self.is_made(node)));
+                    }
+                }
                 Member::Set { scope, name, at } => {
                     let key = (of(*scope), name.to_uppercase());
                     let sets = self.deck.scopes[key.0].sets(kind);
@@ -209,9 +231,26 @@ impl<'a> Placed<'a> {
             let text = format!("set '{name}' names {what} {id}, which does not exist{more}");
             return Err(message::whole_file(source, text, ""));
         }
+        if kind == Kind::Node {
+            self.complete(&mut found);
+        }
         found.sort_unstable();
         found.dedup();
         Ok(found)
+    }
+
+    fn is_made(&self, node: u32) -> bool {
+        self.made.binary_search_by_key(&node, |made| made.node).is_ok()
+    }
+
+    /// Adds the nodes that are made in the middle of what the others are all around.
+    fn complete(&self, nodes: &mut Vec<u32>) {
+        if self.made.is_empty() || nodes.len() < 8 {
+            return;
+        }
+        let known: HashSet<u32> = nodes.iter().copied().collect();
+        let inside = self.made.iter().filter(|made| made.around.iter().all(|node| known.contains(node)));
+        nodes.extend(inside.map(|made| made.node));
     }
 
     /// Names the groups of all scopes.
@@ -257,37 +296,40 @@ impl Surfaces {
     fn add(&mut self, file: &mut FileMesh, slot: Slot, side: Side, at: &Location, to: &mut Vec<u32>) -> Result<()> {
         let mesh = &mut file.mesh;
         match (slot, side) {
-            (Slot::Solid(solid), Side::Face(face)) => {
-                let shape = mesh.solids[solid as usize].shape;
+            (Slot::Solids { first, count }, Side::Face(face)) => {
+                let Solid { shape, id, .. } = mesh.solids[first as usize];
                 if face as usize >= shape.face_count() {
-                    let id = mesh.solids[solid as usize].id;
                     let what = format!("element {id} has {} faces, no S{}", shape.face_count(), face + 1);
                     return Err(Error::input(at, what, ""));
                 }
-                to.push(self.face(file, solid, face));
+                to.extend(at_side(shape, count, face).into_iter().map(|part| self.face(file, first + part, face)));
             }
-            (Slot::Solid(solid), Side::Free) => {
+            (Slot::Solids { first, count }, Side::Free) => {
                 let free = self.free.get_or_insert_with(|| faces::boundary(&mesh.solids));
-                let first = free.partition_point(|face| face.0 < solid);
-                let own = free[first..].iter().take_while(|face| face.0 == solid).copied();
+                let from = free.partition_point(|face| face.0 < first);
+                let own = free[from..].iter().take_while(|face| face.0 < first + count).copied();
                 // The z-planes are none of its surface.
                 let own: Vec<_> = own.filter(|face| !mesh.is_section || face.1 >= LOWEST).collect();
                 to.extend(own.into_iter().map(|(solid, face)| self.face(file, solid, face)));
             }
-            (Slot::Facet(facet), Side::Free | Side::Positive | Side::Face(1)) => to.push(facet),
-            (Slot::Facet(facet), Side::Negative | Side::Face(0)) => {
-                to.push(*self.turned.entry(facet).or_insert_with(|| {
-                    mesh.facets.push(mesh.facets[facet as usize].reversed());
-                    mesh.facets.len() as u32 - 1
+            (Slot::Facets { .. }, Side::Free | Side::Positive | Side::Face(1)) => to.extend(slot.facets()),
+            (Slot::Facets { .. }, Side::Negative | Side::Face(0)) => {
+                to.extend(slot.facets().map(|facet| {
+                    *self.turned.entry(facet).or_insert_with(|| {
+                        mesh.facets.push(mesh.facets[facet as usize].reversed());
+                        mesh.facets.len() as u32 - 1
+                    })
                 }));
             }
-            (Slot::Solid(_), _) => {
+            (Slot::Solids { .. }, _) => {
                 return Err(Error::input(at, "a solid has no positive or negative side", "use S1 to S6"));
             }
-            (Slot::Facet(_), Side::Face(_)) => {
+            (Slot::Facets { .. }, Side::Face(_)) => {
                 return Err(Error::input(at, "a surface element has no such face", "use SPOS or SNEG"));
             }
-            (Slot::Loose(_), _) => return Err(Error::input(at, "a point or a line has no faces", "")),
+            (Slot::Loose(_) | Slot::Halves(_), _) => {
+                return Err(Error::input(at, "a point or a line has no faces", ""));
+            }
         }
         Ok(())
     }

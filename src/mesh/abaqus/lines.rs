@@ -57,7 +57,9 @@ impl Lines {
 
     /// Goes on with the lines of another file, then comes back.
     pub fn include(&mut self, file: &str) -> Result<()> {
-        let path = self.folder.join(file);
+        // Programs look in the folder of the deck; a deck that a scene elsewhere includes has its own beside it.
+        let beside = Path::new(&*self.name).parent().unwrap_or(Path::new("")).join(file);
+        let path = Some(self.folder.join(file)).filter(|path| path.exists() || !beside.exists()).unwrap_or(beside);
         let name: Arc<str> = path.display().to_string().into();
         if self.stack.iter().any(|source| source.name == name) {
             return Err(self.error(format!("'{file}' includes itself"), ""));

@@ -14,8 +14,8 @@ mod section;
 mod tests;
 mod whole;
 
+use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
-use super::{MOST_NODES, message};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
 use lines::Lines;
@@ -162,8 +162,8 @@ impl Unread {
 }
 
 /// What is read.
-const READ: &str = "nagata reads C3D8, C3D6, C3D4, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, ...: mesh with \
-                    such, or name a `group` without other elements";
+const READ: &str = "nagata reads C3D8, C3D6, C3D4, C3D20, C3D15, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, CPS8, \
+                    ...: mesh with such, or name a `group` without other elements";
 
 /// A set as listed.
 #[derive(Clone, Default)]
@@ -438,8 +438,7 @@ impl Deck {
         if found != count {
             return Err(lines.error(format!("element {id} has {found} nodes, not {count}"), ""));
         }
-        let mut cell = Cell { shape, id, nodes: [0; MOST_NODES] };
-        cell.nodes[..count].copy_from_slice(&partial[1..]);
+        let cell = Cell { shape, id, nodes: partial[1..].into() };
         partial.clear();
         let scope = self.here();
         scope.cells.push(cell);
@@ -553,17 +552,19 @@ fn shape(kind: &str) -> Option<CellShape> {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(|c: char| c.is_ascii_alphabetic()))
         })
     };
-    let shapes: [(CellShape, &[&str]); 10] = [
+    let shapes: [(CellShape, &[&str]); 13] = [
         (CellShape::Hex, &["C3D8"]),
+        (CellShape::Hex20, &["C3D20"]),
+        (CellShape::Wedge15, &["C3D15"]),
         (CellShape::Wedge, &["C3D6"]),
         (CellShape::Tet, &["C3D4"]),
         (CellShape::Tet10, &["C3D10"]),
         // Gmsh writes all its surface elements as CPS, meshio quadrilaterals as CAX.
         (CellShape::Quad, &["S4", "R3D4", "SFM3D4", "M3D4", "DS4", "CPS4", "CPE4", "CAX4"]),
+        (CellShape::Quad8, &["S8", "SFM3D8", "M3D8", "DS8", "CPS8", "CPE8", "CAX8"]),
         (CellShape::Triangle, &["S3", "R3D3", "SFM3D3", "M3D3", "DS3", "STRI3", "CPS3", "CPE3", "CAX3"]),
         (CellShape::Triangle6, &["STRI65", "S6", "SFM3D6", "M3D6", "DS6", "CPS6", "CPE6", "CAX6"]),
         (CellShape::Line, &["T3D2", "B31", "B33", "SPRINGA", "SPRING2"]),
-        // As Gmsh writes them, with the middle last.
         (CellShape::Line3, &["T3D3"]),
         (CellShape::Point, &["MASS", "ROTARYI", "SPRING1"]),
     ];

@@ -254,8 +254,8 @@ fn errors_name_the_line() {
 
 #[test]
 fn elements_of_other_types_are_left_to_who_takes_them() {
-    let file = parse(&DECK.replacen("type=C3D8R", "type=C3D20", 1)).unwrap();
-    let wanted = "deck.inp:22:1: element 101 has type C3D20, which is not read";
+    let file = parse(&DECK.replacen("type=C3D8R", "type=C3D13", 1)).unwrap();
+    let wanted = "deck.inp:22:1: element 101 has type C3D13, which is not read";
     let told = |error: &Option<crate::error::Error>| error.as_ref().is_some_and(|e| e.to_string().starts_with(wanted));
     assert!(told(&file.unread));
     for (group, takes) in [("Left", true), ("cubes", true), ("front", true), ("right", false)] {

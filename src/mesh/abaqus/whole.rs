@@ -1,6 +1,7 @@
 //! A deck as a whole: its mesh, all of its sets, those that Abaqus/CAE calls internal too, and the cards that say what is
 //! done with them.
 
+use super::super::halves::Made;
 use super::super::raw::{FileMesh, Ids, Slot};
 use super::super::{Mesh, message};
 use super::groups::{Placed, Surfaces};
@@ -88,6 +89,8 @@ pub(crate) struct Whole {
     pub slots: Vec<Slot>,
     /// For each solid its element.
     pub element_of: Vec<u32>,
+    /// Nodes in the middles of faces and elements of second order, which the deck lacks.
+    pub made: Vec<Made>,
     /// Elements of a type that is not read: the first.
     pub unread: Option<Error>,
     /// For each element its type, as in `C3D8`: the first of some that have it.
@@ -147,17 +150,15 @@ impl Whole {
         complete(&mut file);
         let mut element_of = vec![0; file.mesh.solids.len()];
         for (slot, element) in placed.slots.iter().zip(0..) {
-            if let Slot::Solid(solid) = slot {
-                element_of[*solid as usize] = element;
-            }
+            slot.solids().for_each(|solid| element_of[solid as usize] = element);
         }
-        let (mut kinds, mut scopes, mut first_node) = (Vec::new(), Vec::new(), 0);
+        let (mut kinds, mut scopes) = (Vec::new(), Vec::new());
         let tables = placed.nodes.into_iter().zip(placed.cells);
-        for ((scope, (nodes, elements)), &start) in placed.deck.scopes.iter().zip(tables).zip(&placed.starts) {
+        let firsts = placed.first_nodes.into_iter().zip(&placed.starts);
+        for ((scope, (nodes, elements)), (first_node, &start)) in placed.deck.scopes.iter().zip(tables).zip(firsts) {
             kinds.extend(scope.kinds.iter().map(|(first, kind)| (start + first, kind.clone())));
             let (name, part) = (scope.name.to_uppercase(), scope.part.to_uppercase());
             scopes.push(Scope { name, part, nodes, elements, first_node, first_element: start });
-            first_node += scope.points.len();
         }
         let [nodes, elements] = sets.map(|(_, names)| names.finish());
         Ok(Self {
@@ -165,6 +166,7 @@ impl Whole {
             cards,
             slots: placed.slots,
             element_of,
+            made: placed.made,
             unread: file.unread,
             kinds,
             scopes,

@@ -7,10 +7,11 @@ mod bytes;
 #[cfg(test)]
 mod tests;
 
+use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
-use super::{MOST_NODES, message};
 use crate::error::Result;
 use bytes::{Bytes, Encoding};
+use smallvec::SmallVec;
 use std::collections::HashMap;
 
 /// (dimension, number) of a physical group or an entity.
@@ -236,9 +237,9 @@ impl Gmsh<'_> {
 
     fn read_cell_2(&mut self, kind: i64, id: u64, physical: i64) -> Result<()> {
         let shape = self.shape(kind, id)?;
-        let mut cell = Cell { shape, id, nodes: [0; MOST_NODES] };
-        for node in &mut cell.nodes[..shape.node_count()] {
-            *node = self.id("a node number")?;
+        let mut cell = Cell { shape, id, nodes: SmallVec::new() };
+        for _ in 0..shape.node_count() {
+            cell.nodes.push(self.id("a node number")?);
         }
         order(&mut cell);
         self.listed.cells.push(cell);
@@ -260,9 +261,9 @@ impl Gmsh<'_> {
             for _ in 0..count {
                 let id = self.input.size("an element number")?;
                 let shape = self.shape(kind, id)?;
-                let mut cell = Cell { shape, id, nodes: [0; MOST_NODES] };
-                for node in &mut cell.nodes[..shape.node_count()] {
-                    *node = self.input.size("a node number")?;
+                let mut cell = Cell { shape, id, nodes: SmallVec::new() };
+                for _ in 0..shape.node_count() {
+                    cell.nodes.push(self.input.size("a node number")?);
                 }
                 order(&mut cell);
                 if physical.first().is_some_and(|&p| p < 0) {
@@ -293,13 +294,16 @@ impl Gmsh<'_> {
             6 => return Ok(CellShape::Wedge),
             8 => return Ok(CellShape::Line3),
             9 => return Ok(CellShape::Triangle6),
+            10 => return Ok(CellShape::Quad9),
             11 => return Ok(CellShape::Tet10),
+            12 => return Ok(CellShape::Hex27),
+            13 => return Ok(CellShape::Wedge18),
             15 => return Ok(CellShape::Point),
-            7 => ("5-node pyramids", LINEAR),
-            10 | 16 => ("second-order quadrilaterals", ORDER),
-            12 | 17 => ("second-order hexahedra", ORDER),
-            13 | 18 => ("second-order wedges", ORDER),
-            14 | 19 => ("second-order pyramids", ORDER),
+            16 => return Ok(CellShape::Quad8),
+            17 => return Ok(CellShape::Hex20),
+            18 => return Ok(CellShape::Wedge15),
+            7 => ("5-node pyramids", PYRAMIDS),
+            14 | 19 => ("second-order pyramids", PYRAMIDS),
             20.. => ("such elements", ORDER),
             _ => ("such elements", LINEAR),
         };
@@ -320,8 +324,8 @@ impl Listed {
         let mut goes: Vec<u32> = (0..order.len() as u32).collect();
         let mut groups = Vec::new();
         for near in order.chunk_by_mut(|a, b| a.0 == b.0) {
-            let what = |k: u32| (self.cells[k as usize].shape as u8, self.cells[k as usize].nodes);
-            near.sort_unstable_by_key(|(_, k)| (what(*k), *k));
+            let what = |k: u32| (self.cells[k as usize].shape as u8, &self.cells[k as usize].nodes);
+            near.sort_unstable_by(|(_, a), (_, b)| (what(*a), a).cmp(&(what(*b), b)));
             for same in near.chunk_by(|a, b| what(a.1) == what(b.1)).filter(|same| same.len() > 1) {
                 let mut at = same[0].1;
                 groups.clear();
@@ -340,11 +344,11 @@ impl Listed {
             let stays = goes[k] == k as u32;
             goes[k] = if stays { kept } else { goes[goes[k] as usize] };
             if stays {
-                self.cells[kept as usize] = self.cells[k];
+                self.cells.swap(kept as usize, k);
                 kept += 1;
             }
             if self.physical[k] != 0 {
-                let key = (dimension(self.cells[goes[k] as usize].shape), self.physical[k].abs());
+                let key = (i64::from(self.cells[goes[k] as usize].shape.dimension()), self.physical[k].abs());
                 self.groups.entry(key).or_default().push(goes[k]);
             }
         }
@@ -375,33 +379,37 @@ impl Listed {
 }
 
 const VERSIONS: &str = "save it as version 4.1 or 2.2";
-const ORDER: &str = "of second order are read lines, triangles and tetrahedra alone: mesh with these, or with order 1";
-const LINEAR: &str = "use linear hexahedra, wedges or tetrahedra, and triangles or quadrilaterals on surfaces";
+const ORDER: &str = "mesh with order 1 or 2";
+const LINEAR: &str = "use hexahedra, wedges or tetrahedra, and triangles or quadrilaterals on surfaces";
+const PYRAMIDS: &str = "use hexahedra and wedges, or tetrahedra alone";
 
 /// From the order of Gmsh to that of [`CellShape`].
 fn order(cell: &mut Cell) {
-    if cell.shape == CellShape::Tet10 {
-        cell.nodes.swap(8, 9);
-    }
+    // Where what stands behind the corners is in Gmsh.
+    let (corners, behind): (usize, &[usize]) = match cell.shape {
+        CellShape::Tet10 => (8, &[9, 8]),
+        CellShape::Hex20 => (8, &HEX[..12]),
+        CellShape::Hex27 => (8, &HEX),
+        CellShape::Wedge15 => (6, &WEDGE[..9]),
+        CellShape::Wedge18 => (6, &WEDGE),
+        _ => return,
+    };
+    let given = std::mem::take(&mut cell.nodes);
+    cell.nodes = given[..corners].iter().copied().chain(behind.iter().map(|&at| given[at])).collect();
 }
+
+const HEX: [usize; 19] = [8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15, 20, 25, 21, 23, 24, 22, 26];
+const WEDGE: [usize; 12] = [6, 9, 7, 12, 14, 13, 8, 10, 11, 15, 17, 16];
 
 /// A facet seen from the other side.
 fn turn_over(cell: &mut Cell) {
-    match cell.shape {
-        CellShape::Triangle | CellShape::Quad => cell.nodes[1..cell.shape.node_count()].reverse(),
-        CellShape::Triangle6 => {
-            cell.nodes.swap(1, 2);
-            cell.nodes.swap(3, 5);
-        }
-        _ => {}
-    }
-}
-
-fn dimension(shape: CellShape) -> i64 {
-    match shape {
-        CellShape::Point => 0,
-        CellShape::Line | CellShape::Line3 => 1,
-        CellShape::Triangle | CellShape::Quad | CellShape::Triangle6 => 2,
-        CellShape::Tet | CellShape::Hex | CellShape::Wedge | CellShape::Tet10 => 3,
+    let corners = match cell.shape {
+        CellShape::Triangle | CellShape::Triangle6 => 3,
+        CellShape::Quad | CellShape::Quad8 | CellShape::Quad9 => 4,
+        _ => return,
+    };
+    cell.nodes[1..corners].reverse();
+    if cell.nodes.len() > corners {
+        cell.nodes[corners..2 * corners].reverse();
     }
 }

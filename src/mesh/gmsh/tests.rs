@@ -75,12 +75,13 @@ fn nodes() -> Vec<(u64, [f64; 3])> {
 }
 
 fn dimension_of(kind: i32) -> i32 {
-    dimension(match kind {
+    let shape = match kind {
         15 => CellShape::Point,
         1 => CellShape::Line,
         2 | 3 => CellShape::Quad,
         _ => CellShape::Hex,
-    }) as i32
+    };
+    shape.dimension().into()
 }
 
 fn start(style: Style, version: &str) -> Writer {
@@ -285,11 +286,10 @@ fn errors_name_line_and_column() {
 #[test]
 fn types_that_are_not_read_are_named_with_their_element() {
     for (kind, name, help) in [
-        (7, "5-node pyramids", "use linear"),
-        (13, "second-order wedges", "or with order 1"),
-        (17, "second-order hexahedra", "or with order 1"),
-        (92, "such elements", "or with order 1"),
-        (0, "such elements", "use linear"),
+        (7, "5-node pyramids", "use hexahedra and wedges, or tetrahedra"),
+        (19, "second-order pyramids", "use hexahedra and wedges, or tetrahedra"),
+        (92, "such elements", "with order 1 or 2"),
+        (0, "such elements", "use hexahedra, wedges or tetrahedra"),
     ] {
         for style in STYLES {
             let strange: &[Element] = &[(kind, 57, 3, &[10; 8])];
