@@ -18,8 +18,8 @@
 //! - Where the node stands still relative to the master (a plane of symmetry, plane strain), it meets the master's
 //!   section with the directions left to it: with their projector P and c = |P n|, the normal P n / c, the gap g / c and,
 //!   the normal force being N = λ̂_n / c, friction bounded by μ N. The force has the component of N n in the held directions, and
-//!   the friction κ that the node bears already in directions of the tangent plane that are not left to it, as after it was drawn
-//!   that way: κ is part of λ̂_t, and λ - κ stands for λ in λ̂_n. The multiplier has no component in the held directions.
+//!   there the friction κ that the node bears already, as after it was drawn that way, which is part of λ̂_t. The multiplier has
+//!   no component in them.
 //! - Where it is drawn along the master, by g_d of its slip, it cannot stick, and ε_t is at least so large that λ̂_t is along the
 //!   way with what is left on the cone beside the part of λ_t across: else F = λ would hold with friction that pushes the
 //!   node on, as that of the way there on the way back, as long as ε_t |g_t| is less than the friction.
@@ -163,13 +163,13 @@ pub struct Guide {
     pub held: [bool; 3],
     /// The node is drawn along the master.
     pub drawn: [bool; 3],
-    /// The friction that it bears as the increment begins, if some of it is along directions in which it is held, N.
-    pub borne: Vec3,
+    /// κ: the friction along the directions in which it is held that it bears as the increment begins, N.
+    pub kept: Vec3,
 }
 
 impl Default for Guide {
     fn default() -> Self {
-        Self { axes: Mat3::identity(), held: [false; 3], drawn: [false; 3], borne: Vec3::zeros() }
+        Self { axes: Mat3::identity(), held: [false; 3], drawn: [false; 3], kept: Vec3::zeros() }
     }
 }
 
@@ -281,11 +281,6 @@ impl Section {
 }
 
 impl Section {
-    /// The derivative by the normal of the part of a vector that is tangential.
-    fn by_normal(&self, v: &Vec3) -> Mat3 {
-        -self.normal * (self.turn * v).transpose() - self.turn * self.normal.dot(v)
-    }
-
     /// What the held directions feel of the force λ̂_n on the section, which changes with the normal by `slope`: the
     /// component of N n in them, and its derivative by the normal.
     fn across(&self, normal: &Vec3, lambda_n: f64, slope: &Vec3) -> (Vec3, Mat3) {
@@ -312,8 +307,7 @@ pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Kinematics>, gu
             let share = law.normal / law.penalty;
             let shifted = place.map(|p| Kinematics { gap: p.gap + gap, ..*p });
             let held = tangential * share;
-            let of_sigma = Parts { multiplier: &(force * (1.0 - share)), held: &held, kept: 1.0 - share };
-            let response = augmented(law, of_sigma, shifted.as_ref(), guide, None);
+            let response = augmented(law, [&(force * (1.0 - share)), &held], shifted.as_ref(), guide, None);
             let violation = apart(law, gap, &tangential, place, &response);
             return Response { violation, ..condensed(law, &force, share, guide, response) };
         }
@@ -326,12 +320,12 @@ fn yielding(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, 
     let Compliance { slack, rest } = law.compliance;
     if slack == 0.0 {
         // To the sign of a zero.
-        return augmented(law, Parts::of(lambda), place, guide, set);
+        return augmented(law, [lambda, &Vec3::zeros()], place, guide, set);
     }
     let share = 1.0 / (1.0 + slack);
     let mean = (lambda + rest * slack) * share;
     let softer = Law { normal: law.normal * share, tangential: law.tangential * share, ..law };
-    let mut response = augmented(softer, Parts::of(&mean), place, guide, set);
+    let mut response = augmented(softer, [&mean, &Vec3::zeros()], place, guide, set);
     response.force_by.multiplier *= share;
     let own = Mat3::from_diagonal(&components(law));
     response.constraint += own * (mean - lambda);
@@ -340,39 +334,20 @@ fn yielding(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, 
     response
 }
 
-/// What the augmented force is made from besides gap and path.
-#[derive(Clone, Copy)]
-struct Parts<'a> {
-    /// λ.
-    multiplier: &'a Vec3,
-    /// What has a tangential part that is added to it.
-    held: &'a Vec3,
-    /// The share of κ in λ.
-    kept: f64,
-}
-
-impl<'a> Parts<'a> {
-    /// Of a multiplier alone.
-    fn of(multiplier: &'a Vec3) -> Self {
-        Self { multiplier, held: const { &Vec3::new(0.0, 0.0, 0.0) }, kept: 1.0 }
-    }
-}
-
-/// The response with the augmented force. A status that is given overrides the one that this has.
-fn augmented(law: Law, parts: Parts, place: Option<&Kinematics>, guide: &Guide, set: Option<Status>) -> Response {
+/// The response with the augmented force of a multiplier λ, to which the tangential part of the second vector is added. A status that
+/// is given overrides the one that they have.
+fn augmented(
+    law: Law,
+    [multiplier, held]: [&Vec3; 2],
+    place: Option<&Kinematics>,
+    guide: &Guide,
+    set: Option<Status>,
+) -> Response {
     match place {
-        None => gap(law, parts.multiplier, Vec3::zeros()),
-        Some(place) if law.friction == 0.0 => frictionless(law, parts.multiplier.x, place, set),
-        Some(place) => frictional(law, parts, place, guide, set),
+        None => gap(law, multiplier, Vec3::zeros()),
+        Some(place) if law.friction == 0.0 => frictionless(law, multiplier.x, place, set),
+        Some(place) => frictional(law, [multiplier, held], place, guide, set),
     }
-}
-
-/// κ with its derivative by the normal: the part of the friction that is borne which is neither along the normal nor along what is
-/// left to the node.
-fn kept(section: &Section, normal: &Vec3, borne: &Vec3) -> (Vec3, Mat3) {
-    let kept = borne - normal * normal.dot(borne) - section.tangential * borne;
-    let by_normal = -(normal * borne.transpose() + Mat3::from_diagonal_element(normal.dot(borne)));
-    (kept, by_normal - section.by_normal(borne))
 }
 
 /// The tangential penalty of a node that is drawn: that with which friction, where the node slips along its way alone, has the
@@ -405,8 +380,13 @@ impl Lead {
     }
 }
 
-fn frictional(law: Law, parts: Parts, place: &Kinematics, guide: &Guide, set: Option<Status>) -> Response {
-    let Parts { multiplier, held, kept: share_of_kept } = parts;
+fn frictional(
+    law: Law,
+    [multiplier, held]: [&Vec3; 2],
+    place: &Kinematics,
+    guide: &Guide,
+    set: Option<Status>,
+) -> Response {
     let section = Section::new(&place.normal, guide);
     let Section { free, normal: n, turn, tangential, lean } = section;
     let path = place.point - place.origin;
@@ -420,26 +400,8 @@ fn frictional(law: Law, parts: Parts, place: &Kinematics, guide: &Guide, set: Op
     let led = tangential * leading * slip;
     let drawn = led != Vec3::zeros();
     // What is drawn has its friction along its way.
-    let (kappa, kappa_by_normal) = match guide.borne == Vec3::zeros() || drawn {
-        true => (Vec3::zeros(), Mat3::zeros()),
-        false => kept(&section, &place.normal, &guide.borne),
-    };
-    let pressed = |left: f64| {
-        let normally = multiplier - kappa * (left * share_of_kept);
-        (normally, law.pressed(normally.dot(&n) + law.normal * place.gap * lean))
-    };
-    // What is left of κ on the cone, of which its part along the section has a part in the force there.
-    let mut left = 1.0;
-    if set != Some(Status::Stick) && kappa.dot(&n) != 0.0 {
-        let size = (tangential * (multiplier + held + path * law.tangential) + kappa).norm();
-        for _ in 0..50 {
-            let next = (-friction * pressed(left).1.0 / size).clamp(0.0, 1.0);
-            if (std::mem::replace(&mut left, next) - next).abs() < 1e-15 {
-                break;
-            }
-        }
-    }
-    let (normally, (lambda_n, share)) = pressed(left);
+    let kappa = if drawn { Vec3::zeros() } else { guide.kept };
+    let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
     let bound = -friction * lambda_n;
     let lead = match set {
         Some(Status::Stick) => None,
@@ -461,10 +423,10 @@ fn frictional(law: Law, parts: Parts, place: &Kinematics, guide: &Guide, set: Op
         None if (law.rough || law.clings || size <= (bound * (1.0 - 1e-9)).max(still)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
-    let turned = turn * normally - kappa_by_normal.transpose() * n * (left * share_of_kept);
-    let n_by_normal = (turned - n * (law.normal * place.gap * lean * lean)) * share;
-    let by_normal = |v: &Vec3| section.by_normal(v);
-    let t_by_normal = by_normal(&combined) + kappa_by_normal;
+    let n_by_normal = (turn * multiplier - n * (law.normal * place.gap * lean * lean)) * share;
+    // Of the part along the section.
+    let by_normal = |v: &Vec3| -n * (turn * v).transpose() - turn * n.dot(v);
+    let t_by_normal = by_normal(&combined);
     let (force, mut by, by_held) = match status {
         Status::Gap => return gap(law, multiplier, slip),
         Status::Stick => {
@@ -534,7 +496,7 @@ fn frictional(law: Law, parts: Parts, place: &Kinematics, guide: &Guide, set: Op
     };
     // A status that is given does not make more of it.
     if status == Status::Slip && bound > size && kappa != Vec3::zeros() {
-        response.force += (kappa - free * kappa) * (1.0 - bound / size);
+        response.force += kappa * (1.0 - bound / size);
     }
     if guide.held != [false; 3] {
         let (across, by_normal) = section.across(&place.normal, lambda_n, &n_by_normal);
@@ -616,13 +578,11 @@ fn pure(law: Law, lambda: &Vec3, place: Option<&Kinematics>, guide: &Guide, resp
     }
     let section = Section::new(&place.normal, guide);
     let n = section.normal;
-    let kept = response.kept;
-    let lambda_n = lambda - kept;
-    let (across, normal) = section.across(&place.normal, lambda_n.dot(&n), &(section.turn * lambda_n));
+    let (across, normal) = section.across(&place.normal, lambda.dot(&n), &(section.turn * lambda));
     let lifted = (place.normal - section.free * place.normal) * section.lean;
     let multiplier = section.free + lifted * n.transpose();
     Response {
-        force: section.free * lambda + across + kept - section.free * kept,
+        force: section.free * lambda + across + response.kept,
         force_by: Slopes { normal, multiplier, ..Slopes::default() },
         ..response
     }

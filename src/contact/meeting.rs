@@ -90,7 +90,7 @@ impl Meeting {
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let mut guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
-        guide.borne = slave.borne_across(&guide);
+        guide.kept = slave.friction_across(&guide, ahead.segments.is_some());
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref()));
         // One that goes to and fro over a kink keeps to what it was on, unless it has left it for another piece; to a single piece as
         // long as it is not exactly between that and others, which on the way it is by symmetry alone.
@@ -170,7 +170,7 @@ impl Meeting {
         stuck.method.law.rough = true;
         // Where both sides are prescribed, nothing gives way, however they move.
         (0..3).for_each(|d| stuck.guide.held[d] |= stuck.guide.drawn[d]);
-        (stuck.guide.drawn, stuck.guide.borne) = ([false; 3], Vec3::zeros());
+        (stuck.guide.drawn, stuck.guide.kept) = ([false; 3], Vec3::zeros());
         stuck.carried = Vec3::zeros();
         match &mut stuck.multiplier {
             Multiplier::Augmented(_) => {}

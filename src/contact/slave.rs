@@ -333,17 +333,23 @@ impl Slave {
         }
     }
 
-    /// The friction of the last increment, if some of it is along directions in which it is held now: not in a plane of symmetry.
-    pub fn borne_across(&self, guide: &Guide) -> Vec3 {
-        // Of the force; what is across in a plane of symmetry is rounding.
+    /// The part of the friction of the last increment along the directions in which it is held now; none in a plane of symmetry, and
+    /// none where the normal leans into these directions, for there the rest of it would be part of the force that presses the node.
+    /// The normal of means of faces must not lean at all: what of it is across would be taken for friction.
+    pub fn friction_across(&self, guide: &Guide, of_faces: bool) -> Vec3 {
+        // Of the force, and of a unit vector.
         const ROUNDING: f64 = 1e-9;
-        let touched = self.law.friction > 0.0 && self.accepted.status != Status::Gap;
-        if !touched || guide.held == [false; 3] {
+        const LEANS: f64 = 1e-2;
+        let (Status::Stick | Status::Slip, Some(at)) = (self.accepted.status, self.accepted.projection) else {
+            return Vec3::zeros();
+        };
+        if self.law.friction == 0.0 || guide.held == [false; 3] {
             return Vec3::zeros();
         }
-        let friction = self.accepted.traction();
-        let across = friction - guide.free() * friction;
-        if across.norm() > ROUNDING * self.accepted.force.norm() { friction } else { Vec3::zeros() }
+        let across = |v: &Vec3| v - guide.free() * v;
+        let (kept, lean) = (across(&self.accepted.traction()), across(&at.normal).norm());
+        let leans = lean > if of_faces { ROUNDING } else { LEANS };
+        if leans || kept.norm() <= ROUNDING * self.accepted.force.norm() { Vec3::zeros() } else { kept }
     }
 
     /// Takes back the gap of the last increment, which a multiplier has taken over for the next: the force is then again that

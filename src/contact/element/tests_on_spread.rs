@@ -218,7 +218,8 @@ fn the_tangent_of_points_is_the_derivative_where_nodes_are_guided() {
             (one, [false, true, false], still),
             (one, none, some),
         ] {
-            let guide = Guide { axes, held, drawn, borne };
+            let kept = borne - Guide { axes, held, ..Guide::default() }.free() * borne;
+            let guide = Guide { axes, held, drawn, kept };
             let multiplier = guide.free() * Vec3::new(1.0, -2.0, -12.0);
             for friction in [50.0, 3.0, 0.3, 0.05] {
                 let scene = Scene { multiplier, friction, guide, ..scene.clone() };
