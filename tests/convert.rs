@@ -873,7 +873,7 @@ fn a_load_with_an_amplitude_takes_the_place_of_the_one_before() {
             false,
         ),
         (
-            &format!("*CLOAD\n{}", nodes("225.")),
+            &format!("*CLOAD\n{}", nodes("225.00000001")),
             &format!("*CLOAD, AMPLITUDE=LATE\n{}", nodes("225.")),
             [900.0, 900.0, 1350.0, 1800.0],
             false,

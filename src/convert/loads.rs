@@ -79,9 +79,12 @@ impl Load {
 
     /// Whether its amplitude begins with another load than the last step ended with.
     pub fn jumps(&self, clock: &Clock, amplitudes: &[Amplitude]) -> bool {
+        // The digits that programs write.
+        const DIGITS: f64 = 1e-9;
         let begin = || self.at(0.0, clock, amplitudes);
-        self.amplitude.is_some()
-            && begin().iter().any(|(key, value)| *value != self.start.get(key).copied().unwrap_or_default())
+        let was = |key: &u32| self.start.get(key).copied().unwrap_or_default();
+        let is_other = |(a, b): (&f64, f64)| (a - b).abs() > DIGITS * a.abs().max(b.abs());
+        self.amplitude.is_some() && begin().iter().any(|(key, value)| value.iter().zip(was(key)).any(is_other))
     }
 
     /// Whether it loads something along an axis.
