@@ -85,7 +85,7 @@ impl<'a> Simulation<'a> {
     pub fn new(comm: &'a SimpleCommunicator, petsc: &'a Petsc<'a>, scene: &'a Scene) -> Result<Self> {
         let phases = Phases::default();
         let mut model = Model::new(comm, scene, &phases)?;
-        let Beginning { gaps, strangers } = preflight::check(comm, scene, &mut model)?;
+        let Beginning { gaps, strangers, aside } = preflight::check(comm, scene, &mut model)?;
         let floors = Balance::floors(comm, &model, scene.solver.force_floor.as_ref().map(|floor| floor.value));
         let state = State::first(&model, floors.len());
         let summary = Summary {
@@ -114,7 +114,7 @@ impl<'a> Simulation<'a> {
             steps: scene.steps.len(),
             last_iterate: None,
         };
-        simulation.look_around();
+        simulation.look_around(&aside);
         simulation.begin_watch();
         Ok(simulation)
     }
@@ -325,19 +325,19 @@ impl<'a> Simulation<'a> {
         }
     }
 
-    /// Projects every slave node where it stands: the first slip origins. Collective.
-    fn look_around(&mut self) {
+    /// Projects every slave node where it stands, but those that are `aside` of the master: the first slip origins. Collective.
+    fn look_around(&mut self, aside: &[Vec<bool>]) {
         let Model { part, masters, pairs, .. } = &mut self.model;
         let place = |n: u32| part.points[n as usize];
         masters.attend(self.comm, pairs, place);
-        for pair in pairs {
+        for (pair, aside) in pairs.iter_mut().zip(aside) {
             let ground = masters.of(pair.master);
             let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
             let outward = outward_of(part, pair.side.set, place);
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;
                 let position = place(node);
-                let projection = ground.project(pair, s, &position, (None, false)).filter(|_| !pair.slaves[s].aside);
+                let projection = ground.project(pair, s, &position, (None, false)).filter(|_| !aside[s]);
                 let facing = |p| ground.facing(pair, &position, &p, &outward[node as usize]).unwrap_or(p);
                 let projection = projection.map(facing);
                 let projection = match &segments {

@@ -219,6 +219,14 @@ pub struct Slopes {
     pub multiplier: Mat3,
 }
 
+impl Slopes {
+    /// Of the part of the force along what is free.
+    fn along(&self, free: &Mat3) -> Self {
+        let Self { gap, normal, path, multiplier } = self;
+        Self { gap: free * gap, normal: free * normal, path: free * path, multiplier: free * multiplier }
+    }
+}
+
 /// The contact force, the residual of the multiplier or of the local unknown, and their derivatives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
@@ -469,35 +477,23 @@ fn frictional(
             (force, by, by_base)
         }
     };
-    // Of the force that the multiplier has no part in, nothing.
-    let own = |by: Slopes| match kappa == Vec3::zeros() {
-        true => by,
-        false => Slopes {
-            gap: free * by.gap,
-            normal: free * by.normal,
-            path: free * by.path,
-            multiplier: free * by.multiplier,
-        },
+    // The multiplier has no part in κ, of which a status that is given does not make more.
+    let (own, own_by, kept) = match status {
+        _ if kappa == Vec3::zeros() => (force, by, kappa),
+        Status::Slip => (free * force, by.along(&free), kappa * (bound / size).min(1.0)),
+        _ => (free * force, by.along(&free), kappa),
     };
-    let own_by = own(by);
-    let constraint_by = Slopes { multiplier: own_by.multiplier - Mat3::identity(), ..own_by };
-    let constraint = if kappa == Vec3::zeros() { force } else { free * force } - multiplier;
-    let kept = if status == Status::Slip { kappa * (bound / size).min(1.0) } else { kappa };
     let mut response = Response {
         status,
         asked: status,
-        force,
+        force: if kappa == Vec3::zeros() { force } else { own + kept },
         by_held,
         kept,
-        constraint,
-        constraint_by,
+        constraint: own - multiplier,
+        constraint_by: Slopes { multiplier: own_by.multiplier - Mat3::identity(), ..own_by },
         slip,
         ..Response::default()
     };
-    // A status that is given does not make more of it.
-    if status == Status::Slip && bound > size && kappa != Vec3::zeros() {
-        response.force += kappa * (1.0 - bound / size);
-    }
     if guide.held != [false; 3] {
         let (across, by_normal) = section.across(&place.normal, lambda_n, &n_by_normal);
         let lifted = (place.normal - free * place.normal) * lean;

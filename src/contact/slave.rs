@@ -40,8 +40,6 @@ pub struct Slave {
     /// Owned local node.
     pub node: u32,
     pub law: Law,
-    /// It begins past an end of the master, and behind another face of it, which it does not look at.
-    pub aside: bool,
     /// The one node of the master that it meets, in contact from node to node.
     pub mate: Option<Mate>,
     /// Another slave node may make the same constraint, for its surface meets itself.
@@ -199,7 +197,6 @@ impl Slave {
         Self {
             node,
             law,
-            aside: false,
             mate: None,
             repeats: false,
             automatic,

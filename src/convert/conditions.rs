@@ -11,7 +11,7 @@ use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
 use crate::error::{Error, Faults, Location, Result};
 use crate::mesh::abaqus::{Card, LOWEST, Row, no_set};
-use crate::mesh::{Made, Slot, Solid, at_side};
+use crate::mesh::{Made, Slot, Solid, at_side, is_made};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -106,14 +106,6 @@ impl Conditions {
             return Err(card.error(what, "give it with the first card of the step"));
         }
         let amplitude = amplitudes::of(setting.amplitudes, card)?;
-        let other = match card.keyword.name.as_str() {
-            "DLOAD" if is_new && self.distributed[1] => Some("DSLOAD"),
-            "DSLOAD" if is_new && self.distributed[0] => Some("DLOAD"),
-            _ => None,
-        };
-        if let Some(other) = other {
-            self.taken_off.get_or_insert((card.at.clone(), other));
-        }
         let mut lines = |take: &mut dyn FnMut(Line) -> Result<()>| {
             Faults::all(card.rows.iter().map(|row| take(Line { card, row, amplitude, setting }))).map(|_| ())
         };
@@ -138,6 +130,9 @@ impl Conditions {
             "DLOAD" | "DSLOAD" => {
                 let kind = usize::from(card.keyword.name == "DSLOAD");
                 if is_new {
+                    if self.distributed[1 - kind] {
+                        self.taken_off.get_or_insert((card.at.clone(), ["DSLOAD", "DLOAD"][kind]));
+                    }
                     self.pressures.reset(self.step);
                     self.gravity.reset(self.step);
                     self.spins.reset(self.step);
@@ -203,8 +198,7 @@ impl Conditions {
         let Split { of_bodies, of_rigids } = line.split(set)?;
         // A force for each node of a set: those that the deck lacks have none.
         let made = &line.setting.groups.whole.made;
-        let is_own = |node: &u32| made.binary_search_by_key(node, |made| made.node).is_err();
-        let of_bodies: Vec<u32> = of_bodies.iter().copied().filter(is_own).collect();
+        let of_bodies: Vec<u32> = of_bodies.iter().copied().filter(|&node| !is_made(made, node)).collect();
         let dof: usize = match dof.parse() {
             Ok(dof @ 1..=DOFS) => dof - 1,
             _ => return Err(row.error(format!("expected a degree of freedom 1 to 6, found '{dof}'"), "")),

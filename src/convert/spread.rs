@@ -61,14 +61,7 @@ fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<F
     let within = |face: &Face| (!mesh.is_section || groups.boundary[*face as usize].1 >= LOWEST) && bears(*face);
     let mut faces: Vec<Face> = (0..groups.boundary.len() as u32).filter(within).collect();
     let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
-    for (parts, nodes) in quadratic(groups, &loaded) {
-        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
-        let shares = quad8_nodal_areas(x.as_array()?);
-        nodes.iter().zip(shares).for_each(|(&node, area)| *areas.entry(node).or_default() += area);
-        faces.extend(parts);
-    }
-    faces.sort_unstable();
-    for &face in faces.iter().filter(|face| bears(**face)) {
+    for &face in &faces {
         let nodes = groups.face_nodes(face);
         let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
         let shares = match x.len() {
@@ -80,6 +73,13 @@ fn by_area(groups: &Groups, nodes: &[u32], forces: &[[f64; 3]]) -> Option<(Vec<F
         let own = nodes.iter().zip(shares).filter(|(node, _)| is_known(node));
         own.for_each(|(&node, area)| *areas.entry(node).or_default() += area);
     }
+    for (parts, nodes) in quadratic(groups, &loaded) {
+        let x: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.points[node as usize]).collect();
+        let shares = quad8_nodal_areas(x.as_array()?);
+        nodes.iter().zip(shares).for_each(|(&node, area)| *areas.entry(node).or_default() += area);
+        faces.extend(parts);
+    }
+    faces.sort_unstable();
     let area: f64 = areas.values().sum();
     let total = forces.iter().fold([0.0; 3], |sum, force| [0, 1, 2].map(|d| sum[d] + force[d]));
     let largest = forces.iter().flatten().fold(0.0, |most: f64, force| most.max(force.abs()));

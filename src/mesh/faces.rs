@@ -18,6 +18,13 @@ pub const WEDGE_SIDES: [[u8; 4]; 3] = [[0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]]
 /// Local ends of the edges of a tetrahedron, in the order in which a quadratic one has the nodes in their middles.
 pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
+/// The same of a hexahedron, in the order of Abaqus: those of the bottom, of the top, and between them.
+pub const HEX_EDGES: [[usize; 2]; 12] =
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+
+/// The same of a wedge.
+pub const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
+
 /// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];
 

@@ -5,7 +5,7 @@
 //! element lacks are put where its shape functions have them: with the corners at c and the middles of edges at m, the middle of
 //! a face is at (2 sum m - sum c) / 4, that of a hexahedron at (sum m - sum c) / 4.
 
-use super::faces::{HEX_FACES, WEDGE_SIDES};
+use super::faces::{HEX_EDGES, HEX_FACES, TET_EDGES, WEDGE_EDGES, WEDGE_SIDES};
 use super::raw::CellShape;
 use super::{SolidShape, message};
 use crate::Vec3;
@@ -22,37 +22,33 @@ pub(crate) struct Made {
     pub corners: usize,
 }
 
+/// Whether a node is one of those that a file lacks, which are in ascending order.
+pub(crate) fn is_made(made: &[Made], node: u32) -> bool {
+    made.binary_search_by_key(&node, |made| made.node).is_ok()
+}
+
 /// Where the nodes of an element of second order stand: corners, then the middles of edges, of faces, and of all.
 struct Grid {
     corners: usize,
     edges: &'static [[usize; 2]],
     faces: &'static [[u8; 4]],
     has_centre: bool,
+    /// How many parts are at corners; in one layer each is at a lower one and that above.
+    parts: usize,
 }
 
-const HEX: Grid = Grid {
-    corners: 8,
-    edges: &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]],
-    faces: &HEX_FACES,
-    has_centre: true,
-};
-
-const WEDGE: Grid = Grid {
-    corners: 6,
-    edges: &[[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]],
-    faces: &WEDGE_SIDES,
-    has_centre: false,
-};
-
+const HEX: Grid = Grid { corners: 8, edges: &HEX_EDGES, faces: &HEX_FACES, has_centre: true, parts: 8 };
+const WEDGE: Grid = Grid { corners: 6, edges: &WEDGE_EDGES, faces: &WEDGE_SIDES, has_centre: false, parts: 6 };
 const QUAD: Grid =
-    Grid { corners: 4, edges: &[[0, 1], [1, 2], [2, 3], [3, 0]], faces: &[[0, 1, 2, 3]], has_centre: false };
+    Grid { corners: 4, edges: HEX_EDGES.split_at(4).0, faces: &[[0, 1, 2, 3]], has_centre: false, parts: 4 };
 
 /// A quadrilateral of second order that is drawn out by one layer.
 const LAYER: Grid = Grid {
     corners: 8,
-    edges: &[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4]],
+    edges: HEX_EDGES.split_at(8).0,
     faces: &[[0, 1, 2, 3], [4, 5, 6, 7]],
     has_centre: false,
+    parts: 4,
 };
 
 /// What an element of second order becomes.
@@ -87,7 +83,7 @@ impl CellShape {
         match self {
             Self::Hex => HEX.edges,
             Self::Wedge => WEDGE.edges,
-            Self::Tet => &super::faces::TET_EDGES,
+            Self::Tet => &TET_EDGES,
             _ => &[],
         }
     }
@@ -108,15 +104,12 @@ impl Grid {
         self.corners + self.edges.len() + face.unwrap_or(self.faces.len())
     }
 
-    /// The nodes of the parts: one at each corner, numbered as the whole is, so that side k of it is a part of side k; a wedge has two
+    /// The nodes of the parts: those at corners, numbered as the whole is, so that side k of one is a part of side k; a wedge has two
     /// more, in the middle of its ends.
     fn parts(&self) -> Vec<Vec<usize>> {
-        let is_layer = self.corners == 8 && !self.has_centre;
-        let (parts, apart) = if is_layer { (4, 4) } else { (self.corners, self.corners) };
-        let corner = |c: usize| {
-            (0..self.corners).map(|a| self.between(if a < apart { c } else { c + apart }, a)).collect::<Vec<_>>()
-        };
-        let mut parts: Vec<_> = (0..parts).map(corner).collect();
+        let at = |c: usize, a: usize| self.between(if a < self.parts { c } else { c + self.parts }, a);
+        let corner = |c: usize| (0..self.corners).map(|a| at(c, a)).collect();
+        let mut parts: Vec<Vec<usize>> = (0..self.parts).map(corner).collect();
         if self.corners == 6 {
             let below = [[0, 1], [1, 2], [2, 0]];
             let (half, above) = (below.map(|[a, b]| [a, b + 3]), below.map(|[a, b]| [a + 3, b + 3]));

@@ -226,7 +226,7 @@ impl FileMesh {
 
     /// Appends points and the elements on them, which count their nodes among these points alone. Returns where the
     /// nodes and elements went. Fails on a node that is defined twice or missing.
-    pub fn append(&mut self, ids: Vec<u64>, points: Vec<[f64; 3]>, cells: &[Cell]) -> Result<(Ids, Vec<Slot>)> {
+    pub fn append(&mut self, mut ids: Vec<u64>, points: Vec<[f64; 3]>, cells: &[Cell]) -> Result<(Ids, Vec<Slot>)> {
         let base = self.mesh.points.len();
         if base + points.len().max(cells.len() * 8) >= u32::MAX as usize {
             return Err(message::whole_file(&self.mesh.source, "the mesh is too large for 32-bit numbers", ""));
@@ -266,7 +266,6 @@ impl FileMesh {
         }
         let indices = |cell: &Cell| cell.nodes.iter().filter_map(|&id| nodes.get(id)).collect();
         splitter.check(&self.mesh.source, cells.iter().map(|cell| (cell.shape, indices(cell), cell.id)))?;
-        let mut ids = ids;
         if !splitter.made.is_empty() {
             let above = above(ids.iter().copied().max().unwrap_or_default());
             let above = above.ok_or_else(|| {

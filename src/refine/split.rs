@@ -3,7 +3,7 @@
 use super::{Curves, groups};
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::mesh::faces::TET_EDGES;
+use crate::mesh::faces::{HEX_EDGES, TET_EDGES, WEDGE_EDGES};
 use crate::mesh::{Facet, MOST_NODES, Mesh, Middles, Solid, SolidShape, check};
 use crate::scene::Located;
 use std::collections::HashMap;
@@ -12,10 +12,6 @@ use std::collections::HashMap;
 const MOST: u64 = 1 << 27;
 /// No node.
 pub(super) const NONE: u32 = u32::MAX;
-
-const HEX_EDGES: [[usize; 2]; 12] =
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
-const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
 
 /// `mesh` with every edge split into 2^times parts, but those that are `whole`: hexahedra into as many layers along each
 /// of their directions, wedges into layers over the parts of their triangles, tetrahedra each time into four at the corners

@@ -67,9 +67,8 @@ fn join(path: &str, key: &str) -> String {
 
 /// Whether a key names a file of a body or a tool.
 fn names_file(path: &str) -> bool {
-    let mut parts = path.split('.');
-    matches!(parts.next(), Some("body" | "tool"))
-        && matches!(path.rsplit('.').next(), Some("mesh" | "nurbs" | "bezier"))
+    let (table, key) = path.split_once('.').zip(path.rsplit_once('.')).map_or(("", ""), |(a, b)| (a.0, b.1));
+    matches!(table, "body" | "tool") && matches!(key, "mesh" | "nurbs" | "bezier")
 }
 
 /// The same name in whatever folder: what the files hold is compared by itself.

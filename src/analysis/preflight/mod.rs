@@ -51,6 +51,8 @@ pub struct Beginning {
     pub gaps: Vec<String>,
     /// Without those that meet from the beginning, of which a warning tells.
     pub(super) strangers: Strangers,
+    /// For each pair the slave nodes that are on none of the master, though behind some face of it.
+    pub(super) aside: Vec<Vec<bool>>,
 }
 
 /// Checks a model before it is run; warnings are added to the model. Collective; what is found does not depend on the number of
@@ -87,7 +89,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     idle::check(comm, scene, model, &steps);
-    Ok(Beginning { gaps, strangers })
+    let aside = sights.iter().map(|sights| sights.iter().map(|sight| sight.is_aside).collect()).collect();
+    Ok(Beginning { gaps, strangers, aside })
 }
 
 /// Warns of steps in which tools or sets turn too far for the increments that are asked for.

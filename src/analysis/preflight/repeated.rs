@@ -70,21 +70,17 @@ pub fn seams(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
     const SAME: f64 = 1e-6;
     const ALIKE: f64 = 0.9;
     let tie = |n: u32| model.part.tie[n as usize];
-    let places = |p: usize| -> BTreeMap<u32, &Standing> {
-        model.pairs[p].slaves.iter().zip(&sights[p]).map(|(slave, sight)| (tie(slave.node), sight)).collect()
-    };
     let leaves_open = |pair: &Pair| {
         let shares = matches!(pair.rules.method, Enforcement::Penalty | Enforcement::Uzawa);
         !pair.is_self() && !pair.pass.is_second() && (!shares || pair.faces.is_some())
     };
+    let mut open: Vec<(&Pair, BTreeMap<u32, &Standing>)> = Vec::new();
+    for (pair, sights) in model.pairs.iter().zip(sights).filter(|(pair, _)| leaves_open(pair)) {
+        open.push((pair, pair.slaves.iter().map(|slave| tie(slave.node)).zip(sights).collect()));
+    }
     let mut warnings = Vec::new();
-    for (q, second) in model.pairs.iter().enumerate().filter(|(_, pair)| leaves_open(pair)) {
-        for (p, first) in model.pairs[..q].iter().enumerate().filter(|(_, pair)| leaves_open(pair)) {
-            let tools = first.master.tool().zip(second.master.tool());
-            if first.master.tool().is_some() != second.master.tool().is_some() || tools.is_some_and(|(a, b)| a != b) {
-                continue;
-            }
-            let (one, other) = (places(p), places(q));
+    for (q, (second, other)) in open.iter().enumerate() {
+        for (first, one) in open[..q].iter().filter(|(first, _)| first.master.tool() == second.master.tool()) {
             let meets_twice = |(node, a): &(&u32, &&Standing)| {
                 let both = a.contact.zip(other.get(*node).and_then(|b| b.contact));
                 both.is_some_and(|(a, b)| {

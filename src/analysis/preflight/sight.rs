@@ -36,6 +36,8 @@ pub struct Standing {
     pub nearest: Option<(Vec3, f64)>,
     /// The component of the mesh that the master is of there; a tool has none.
     pub component: Option<usize>,
+    /// It is past an end of the master, and behind another face of it, which it does not look at.
+    pub is_aside: bool,
 }
 
 impl Standing {
@@ -81,13 +83,8 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
         }
         seen.push(sights);
     }
-    for (pair, sights) in pairs.iter_mut().zip(&mut seen) {
-        for (slave, sight) in pair.slaves.iter_mut().zip(sights) {
-            slave.aside = sight.is_past_an_end();
-            if slave.aside {
-                sight.contact = None;
-            }
-        }
+    for sight in seen.iter_mut().flatten().filter(|sight| sight.is_past_an_end()) {
+        (sight.contact, sight.is_aside) = (None, true);
     }
     // As they were found.
     masters.attend(comm, pairs, place);

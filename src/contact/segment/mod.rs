@@ -23,10 +23,11 @@
 //! - On a tool they are Gauss points of the slave faces; of a face over its end, of what of that is over it: of triangles from
 //!   its middle to its corners and the middles of its edges, cut where their edges pass the end.
 //!
-//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a whole face over a tool,
-//! where the tangent is exact. On a body, and over an end, points and weights are found anew at each iterate, and stand still in the tangent. What they
-//! have in common is integrated whatever the overlap, so that only the error of the rule is left out; yet that makes
-//! convergence linear, by a factor of some hundredths. So they are kept from where little is left of the residual.
+//! Weights count areas of the initial mesh, of axisymmetric bodies those of rings: so they stand still on a whole face
+//! over a tool, where the tangent is exact. On a body, and over an end, points and weights are found anew at each
+//! iterate, and stand still in the tangent. What they have in common is integrated whatever the overlap, so that only the
+//! error of the rule is left out; yet that makes convergence linear, by a factor of some hundredths. So they are kept
+//! from where little is left of the residual.
 //!
 //! The faces around a node at a sharp edge of the slave's initial mesh, as of the top and of a side of a block, are two fans, of
 //! which the one whose mean gap is the least counts, with its points alone. A side would keep its edge off the tool that presses the

@@ -1,6 +1,6 @@
 //! Turns the sets and surfaces of a deck into groups.
 
-use super::super::halves::{Made, at_side};
+use super::super::halves::{Made, at_side, is_made};
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
 use super::super::{Group, Middles, Solid, faces, message};
 use super::{Deck, Kind, LOWEST, Member, Side, Surface, Unread};
@@ -210,7 +210,7 @@ impl<'a> Placed<'a> {
                     ids[of(*scope)].range(*first, *last, *step, &mut found);
                     if kind == Kind::Node && !self.made.is_empty() {
                         let own = found.split_off(before);
-                        found.extend(own.into_iter().filter(|&node| !self.is_made(node)));
+                        found.extend(own.into_iter().filter(|&node| !is_made(&self.made, node)));
                     }
                 }
                 Member::Set { scope, name, at } => {
@@ -237,10 +237,6 @@ impl<'a> Placed<'a> {
         found.sort_unstable();
         found.dedup();
         Ok(found)
-    }
-
-    fn is_made(&self, node: u32) -> bool {
-        self.made.binary_search_by_key(&node, |made| made.node).is_ok()
     }
 
     /// Adds the nodes that are made in the middle of what the others are all around.
