@@ -185,6 +185,38 @@ fn supports_bear_the_weight() {
 
 /// A column of two densities, in two bodies one above the other, under its weight, which rises and falls, is kept, and rises and
 /// falls again.
+/// A load that begins later in its step: nothing acts until then, which is no rounding of what will.
+#[test]
+fn a_load_may_begin_late() {
+    for (load, last) in [
+        ("force = [{ target = \"b.zmax\", total = [0, 0, -100.0], table = TABLE }]", 1.7),
+        ("body_force = [{ body = \"b\", per_volume = [0, 0, -9.81], table = TABLE }]", 1.7),
+        (
+            "force = [{ target = \"b.zmax\", total = [0, 0, -100.0], table = TABLE }]\nbody_force = [{ body = \"b\", per_volume = [0, 0, -70.0] }]",
+            0.3,
+        ),
+    ] {
+        let load = load.replace("TABLE", &format!("[[0, 0], [0.29, 0], [1, {last:?}]]"));
+        let bench = Bench::new(&format!(
+            "body.b = {{ block = {{ box = {{ size = [1, 1, 1] }}, elements = [2, 2, 2] }}, material = \"m\" }}\n\
+             material.m = {{ model = \"hooke\", young = 210000.0, poisson = 0.3 }}\n\
+             [[step]]\nincrements = 10\nfix = [{{ set = \"b.zmin\" }}]\n{load}\n[output]\nhistory = [\"b.zmin\"]\n"
+        ));
+        let history = bench.solve(1, &[]).history();
+        let (times, reactions) = (history.column("time"), history.column("b.zmin.fz"));
+        let (even, by_table) = if load.contains("-70.0") {
+            (70.0, 100.0)
+        } else {
+            (0.0, if load.contains("9.81") { 9.81 } else { 100.0 })
+        };
+        for (time, reaction) in times.iter().zip(reactions) {
+            let exact = even * time + by_table * factor(&[[0.0, 0.0], [0.29, 0.0], [1.0, last]], *time);
+            assert_small(&format!("{load} at {time}"), reaction - exact, 1e-7 * by_table);
+            assert!(exact > 0.0 || *reaction == 0.0, "{load} at {time}: {reaction}");
+        }
+    }
+}
+
 #[test]
 fn weights_follow_their_table() {
     let scene = format!(

@@ -483,6 +483,11 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     assert!(depth > 0.05 && let_in.log().contains(&format!("its penalty let nodes be {depth:.3e} deep")));
     let loose = ["--set", "contact.c.method=uzawa", "--set", "contact.c.tolerance=0.2"];
     assert!(bench.solve(1, &loose).log().contains("its tolerance let nodes be"));
+    // The tool goes off along the block, which friction drags along with it.
+    let along = "[[step]]\nname = \"next\"\nincrements = 8\nfix = [{ set = \"b.bottom\" }]\nmove = [{ target = \"t\", by = [8.0, 0.0, 0.0] }]";
+    let ball = "sphere]\ncenter = [2.0, 2.0, 3.05]\nradius = 1.0";
+    let run = block(ball, &(moved("-0.1") + "\n" + along)).solve(1, &[]);
+    assert!(run.history().last("c.active") == 0.0 && !run.log().contains("any more"), "{}", run.log());
     // The block is drawn away from under the tool.
     let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
     let until = warnings(&(moved("-0.3") + "\n" + drawn));

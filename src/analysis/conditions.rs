@@ -59,11 +59,13 @@ impl Footing {
     }
 }
 
-/// A load at the start and at the end of a step, and what it is above the straight line between them.
+/// A load at the start and at the end of a step, and what of it has a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ramp<T> {
     pub from: T,
     pub to: T,
+    /// What of the end has no table.
+    even: T,
     /// Loads with their tables.
     bows: Vec<(Arc<Amplitude>, T)>,
 }
@@ -74,25 +76,31 @@ where
 {
     /// Its value at fraction `s` of the step.
     pub fn at(&self, s: f64) -> T {
-        let bow = |a: &Amplitude| a.at(s) - a.begin() * (1.0 - s) - a.end() * s;
-        let straight = self.from + (self.to - self.from) * s;
-        self.bows.iter().fold(straight, |sum, (table, load)| sum + *load * bow(table))
+        if self.is_straight() {
+            return self.from + (self.to - self.from) * s;
+        }
+        // Nothing but the sum of what acts, so that where all tables are at 0 it is none.
+        let from = self.bows.iter().fold(self.from, |from, (table, load)| from - *load * table.begin());
+        let straight = from * (1.0 - s) + self.even * s;
+        self.bows.iter().fold(straight, |sum, (table, load)| sum + *load * table.at(s))
     }
 
     /// Adds a load, by a table if it has one.
     fn add(&mut self, load: T, table: Option<&Arc<Amplitude>>) {
         self.to = self.to + load * table.map_or(1.0, |table| table.end());
+        self.even = if table.is_none() { self.even + load } else { self.even };
         self.bows.extend(table.map(|table| (table.clone(), load)));
     }
 
     /// The load that goes on from it in the next step, to zero.
     fn fading(&self) -> Self {
-        Self { from: self.to, to: T::default(), bows: Vec::new() }
+        Self { from: self.to, ..Self::default() }
     }
 
     /// What is left when the step ends at fraction `s`.
     fn end_at(&mut self, s: f64) {
-        *self = Self { from: self.from, to: self.at(s), bows: Vec::new() };
+        let to = self.at(s);
+        *self = Self { from: self.from, to, even: to, bows: Vec::new() };
     }
 
     pub fn is_straight(&self) -> bool {

@@ -5,7 +5,6 @@ use super::{Increment, Remedy, Retried};
 use crate::contact::{BodySurface, Tool};
 use crate::error::Error;
 use crate::failure::{Cause, Failure};
-use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::output::summary::Summary;
 use crate::scene::{Body, Enforcement, Isochoric, MaterialModel, Reduction, Scene, Smoothing};
@@ -262,8 +261,8 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
         };
         let name = &body.name.value;
         let mut element = section.element.key().to_string();
-        if section.is_filled {
-            let _ = write!(element, " and {}", section.element.beside(SolidShape::Wedge6).key());
+        for filler in &section.fillers {
+            let _ = write!(element, " and {}", section.element.beside(*filler).key());
         }
         let _ = match group {
             None => writeln!(text, "body `{name}`: {element}{strain}, {kind}{mirrored}{split}{parts}"),

@@ -131,6 +131,7 @@ fn cell_shape(shape: SolidShape) -> CellShape {
         SolidShape::Tet4 => CellShape::Tetrahedron,
         SolidShape::Hex8 => CellShape::Hexahedron,
         SolidShape::Wedge6 => CellShape::Wedge,
+        SolidShape::Pyramid5 => CellShape::Pyramid,
         SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
     }
 }

@@ -23,6 +23,11 @@ use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
+/// A tool has not moved if by less than this, over the size of the model: rounding.
+const STILL: f64 = 1e-9;
+/// It has moved into the slave, and neither off nor along it, if this share of its way is against the slave: 60 degrees.
+const INTO: f64 = 0.5;
+
 /// What a contact did until now.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
@@ -30,7 +35,7 @@ pub struct Touch {
     until: Option<f64>,
     /// It touches now.
     now: bool,
-    /// Force of the master on the slave then.
+    /// Force of the master on the slave then, without friction.
     force: Vec3,
     /// Middle of the nodes that touched then, in space and on the tool.
     middle: Vec3,
@@ -299,7 +304,7 @@ impl Simulation<'_> {
                 let node = slave.node as usize;
                 count += 1.0;
                 borne += slave.accepted.force.norm();
-                force -= slave.accepted.force;
+                force -= slave.accepted.force - slave.accepted.traction();
                 middle += self.model.part.points[node] + self.state.u[node];
             }
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared]);
@@ -469,10 +474,12 @@ impl Simulation<'_> {
         warnings
     }
 
-    /// Whether the tool has moved away from where it touched, against its force.
+    /// Whether the tool has moved away from where it touched, or along it.
     fn was_taken_away(&self, pair: &Pair, touch: &Touch) -> bool {
         let way = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point) - touch.middle;
-        pair.master.tool().zip(touch.on_tool).is_some_and(|at| way(at).dot(&touch.force) < 0.0)
+        pair.master.tool().zip(touch.on_tool).map(way).is_some_and(|way| {
+            way.norm() > STILL * self.model.size && way.dot(&touch.force) < INTO * way.norm() * touch.force.norm()
+        })
     }
 }
 

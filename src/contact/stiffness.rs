@@ -15,7 +15,7 @@
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
 use crate::scene::Reduction;
-use crate::solid::element::{hex8, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
 use crate::solid::load;
 
 /// What a body is made of, as far as contact feels it.
@@ -97,6 +97,8 @@ fn height(part: &Part, solid: &PartSolid, facet: &PartFacet, face: f64) -> f64 {
         // Its facets are quarters of its faces.
         SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / (4.0 * face),
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)) / face,
+        // To the apex over its base, to the edge across over a triangle.
+        SolidShape::Pyramid5 => 1.5 * f64::from(facet.count - 2) * pyramid5::volume(&std::array::from_fn(at)) / face,
         // Over a triangle it is a prism, over a quadrilateral a roof.
         SolidShape::Wedge6 => f64::from(facet.count - 2) * wedge6::volume(&std::array::from_fn(at)) / face,
     }

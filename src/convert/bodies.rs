@@ -254,7 +254,9 @@ fn sections<'a>(
                 }
                 _ => {
                     let what = format!("*{name} of elements {} cannot be converted", whole.kind(element));
-                    return Err(card.error(what, "nagata computes the solids C3D8, C3D6, C3D4, C3D20, C3D15 and C3D10"));
+                    return Err(
+                        card.error(what, "nagata computes the solids C3D8, C3D6, C3D5, C3D4, C3D20, C3D15 and C3D10")
+                    );
                 }
             }
         }
@@ -287,10 +289,7 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
     if let Some(&other) = solids.iter().find(|&&solid| !fits(mesh.solids[solid as usize].shape, shape)) {
         let (a, b) = (mesh.solids[solids[0] as usize].id, mesh.solids[other as usize].id);
         let what = format!("elements {a} and {b} are of one part, but of different shape or order");
-        return Err(Error::input_anywhere(
-            what,
-            "mesh each connected part with hexahedra and wedges, or with tetrahedra of one order",
-        ));
+        return Err(Error::input_anywhere(what, "mesh each connected part with elements of one order"));
     }
     let mut sets = solids.iter().filter_map(|&solid| sections[solid as usize]?.1.keyword.get("ELSET"));
     let set = sets.next().filter(|first| sets.all(|other| other == *first));
@@ -304,7 +303,7 @@ fn body(groups: &mut Groups, solids: Vec<u32>, sections: &[Option<(usize, &Card)
 }
 
 /// Shapes that a body may have together.
-const FILLED: [SolidShape; 2] = [SolidShape::Hex8, SolidShape::Wedge6];
+const FILLED: [SolidShape; 4] = [SolidShape::Hex8, SolidShape::Wedge6, SolidShape::Pyramid5, SolidShape::Tet4];
 
 /// The name under which the deck has just these solids: that of an instance, or of their *ELEMENT.
 fn own_name<'a>(whole: &'a Whole, solids: &[u32]) -> Option<&'a str> {
@@ -379,9 +378,10 @@ impl Body {
             ));
             return "";
         }
-        if shape == SolidShape::Wedge6 {
+        if matches!(shape, SolidShape::Wedge6 | SolidShape::Pyramid5) {
+            let element = if shape == SolidShape::Wedge6 { "wedge6" } else { "pyramid5" };
             notes.whole(format!(
-                "body `{name}`: elements {types} become `wedge6`, or `wedge6-sri` where the material nearly keeps its volume (see \
+                "body `{name}`: elements {types} become `{element}`, or `{element}-sri` where the material nearly keeps its volume (see \
                  `nagata check`)"
             ));
             return "";

@@ -11,7 +11,7 @@ use super::materials::Material;
 use super::supports::{DOFS, Supports, Wish};
 use crate::error::{Error, Faults, Location, Result};
 use crate::mesh::abaqus::{Card, LOWEST, Row, no_set};
-use crate::mesh::{Made, Slot, Solid, at_side, is_made};
+use crate::mesh::{Made, Slot, is_made};
 use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 
@@ -375,12 +375,10 @@ impl Line<'_, '_> {
                 let what = format!("a pressure on an element {} cannot be converted", whole.kind(element));
                 return Err(row.error(what, "give it on the faces of solids"));
             };
-            let Solid { shape, id, .. } = whole.mesh.solids[first as usize];
-            if side as usize >= shape.face_count() {
-                return Err(row.error(format!("element {id} has no face P{}", side + 1), ""));
-            }
-            for part in at_side(shape, count, side) {
-                let facet = whole.mesh.solids[(first + part) as usize].face(side as usize);
+            let id = whole.mesh.solids[first as usize].id;
+            let own = whole.sides.faces(&whole.mesh.solids, (first, count), side);
+            for (solid, face) in own.ok_or_else(|| row.error(format!("element {id} has no face P{}", side + 1), ""))? {
+                let facet = whole.mesh.solids[solid as usize].face(face as usize);
                 if !matches!(setting.bodies.owners[facet.nodes[0] as usize], Owner::Body(_)) {
                     return Err(row.error("a pressure on a rigid body cannot be converted", "give its force"));
                 }

@@ -106,7 +106,8 @@ impl<'a> Groups<'a> {
         let is_new = |side: &(u32, u8)| seen.insert((self.whole.element_of[side.0 as usize], side.1));
         let sides = wanted.iter().map(|&face| self.boundary[face as usize]).filter(is_new).map(|(solid, local)| {
             let lowest = if self.whole.mesh.is_section { LOWEST } else { 0 };
-            self.whole.solid_name(solid).map(|name| format!("{name}, S{}", local + 1 - lowest))
+            let side = self.whole.sides.side(solid, local);
+            self.whole.solid_name(solid).map(|name| format!("{name}, S{}", side + 1 - lowest))
         });
         let sides: Option<Vec<String>> = sides.collect();
         self.make(Members::Faces, wanted, hint, |name, text| {

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::elements::{carrying, lost, mine, samples};
 use crate::model::{Model, states};
 use crate::parallel::{agree, sum};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10, wedge6};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, pyramid5, tet10, wedge6};
 use crate::solid::voigt::double_contraction;
 use mpi::topology::SimpleCommunicator;
 
@@ -65,6 +65,7 @@ fn of_element(model: &Model, recovered: &Recovered, e: usize, u: &[Vec3]) -> Res
             (1, _) => tet10::RULE.iter().for_each(|shape| add(0.25 * sample.weight, shape)),
             (_, 10) => add(sample.weight, &tet10::VALUES[q]),
             (_, 6) => add(sample.weight, &wedge6::VALUES[q]),
+            (_, 5) => add(sample.weight, &pyramid5::VALUES[q]),
             (count, 8) if is_shell => add(sample.weight, &hex8_shell::values(q, count / hex8_shell::POINTS)),
             (_, 8) => add(sample.weight, &hex8::VALUES[q]),
             // Both planes of nodes together.

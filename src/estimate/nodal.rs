@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, tet10, wedge6};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, pyramid5, tet10, wedge6};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -72,6 +72,11 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
         (SolidShape::Wedge6, _) => {
             let mut at = [[0.0; 6]; MOST_NODES];
             at.iter_mut().zip(&wedge6::AT_NODES).for_each(|(at, weights)| *at = sum(weights));
+            at
+        }
+        (SolidShape::Pyramid5, _) => {
+            let mut at = [[0.0; 6]; MOST_NODES];
+            at.iter_mut().zip(&pyramid5::AT_NODES).for_each(|(at, weights)| *at = sum(weights));
             at
         }
         (SolidShape::Hex8, count) if model.section(&model.part.solids[e]).element == Formulation::Hex8Shell => {

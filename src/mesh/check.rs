@@ -101,7 +101,7 @@ fn check_solids(mesh: &Mesh) -> Result<()> {
     refuse(mesh, "element", flat, "without volume", "repair the mesh there")
 }
 
-const COLLAPSED: &str = "write hexahedra that collapse to wedges as wedges (C3D6 of Abaqus); pyramids are not read";
+const COLLAPSED: &str = "hexahedra may collapse to wedges, pyramids or tetrahedra: repair the mesh there";
 
 /// The numbers of elements that are inside out or flat with nodes at `place`.
 pub fn spoiled<'a>(solids: impl Iterator<Item = &'a Solid>, place: impl Fn(u32) -> Vec3) -> Vec<u64> {
@@ -136,7 +136,7 @@ fn check_fit(mesh: &Mesh) -> Result<()> {
     let (mut triangles, mut quadrilaterals) = (false, false);
     for solid in &mesh.solids {
         triangles |= solid.shape != SolidShape::Hex8;
-        quadrilaterals |= matches!(solid.shape, SolidShape::Hex8 | SolidShape::Wedge6);
+        quadrilaterals |= matches!(solid.shape, SolidShape::Hex8 | SolidShape::Wedge6 | SolidShape::Pyramid5);
     }
     if !(triangles && quadrilaterals) {
         return Ok(());
@@ -157,7 +157,7 @@ fn check_fit(mesh: &Mesh) -> Result<()> {
         None => Ok(()),
         Some((triangle, quadrilateral)) => {
             let what = format!("a triangle of element {triangle} lies on a quadrilateral of element {quadrilateral}");
-            let help = "mesh so that elements share whole faces: with hexahedra and wedges, or with tetrahedra alone";
+            let help = "mesh so that elements share whole faces: tetrahedra stand beside hexahedra on pyramids (C3D5 of Abaqus)";
             Err(fail(mesh, what, help))
         }
     }
@@ -212,6 +212,22 @@ fn scaled_wedge(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
     }))
 }
 
+/// The same of a pyramid, over rays from its apex to integration points and corners of its base: along one the sign is the same.
+fn scaled_pyramid(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+    let gauss = 1.0 / 3.0_f64.sqrt();
+    widen([1.0, gauss].into_iter().flat_map(|far| CORNERS[..4].iter().map(move |at| [far * at[0], far * at[1]])).map(
+        |[xi, eta]| {
+            let along = |a: f64, from: usize, to: usize, other: [usize; 2]| {
+                (x[to] - x[from]) * (1.0 - a) + (x[other[1]] - x[other[0]]) * (1.0 + a)
+            };
+            let (right, up) = (along(eta, 0, 1, [3, 2]), along(xi, 0, 3, [1, 2]));
+            let base: Vec3 =
+                CORNERS[..4].iter().zip(x).map(|(at, x)| *x * (0.25 * (1.0 + at[0] * xi) * (1.0 + at[1] * eta))).sum();
+            scaled(right, up, x[4] - base)
+        },
+    ))
+}
+
 /// The smallest and the largest; not a number where one is none.
 fn widen(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| match value.is_nan() || low.is_nan() {
@@ -254,6 +270,7 @@ impl Quadrature {
             SolidShape::Tet4 => scaled_tet(&corners),
             SolidShape::Hex8 => self.scaled_hex(&corners),
             SolidShape::Wedge6 => scaled_wedge(&corners),
+            SolidShape::Pyramid5 => scaled_pyramid(&corners),
             SolidShape::Tet10 => scaled_tet10(&corners),
         }
     }

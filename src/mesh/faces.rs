@@ -15,6 +15,11 @@ pub const WEDGE_ENDS: [[u8; 3]; 2] = [[0, 2, 1], [3, 4, 5]];
 /// ... and S3 to S5.
 pub const WEDGE_SIDES: [[u8; 4]; 3] = [[0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]];
 
+/// Local nodes of the faces of a pyramid, counter-clockwise seen from outside, in Abaqus' order: S1 ...
+pub const PYRAMID_BASE: [u8; 4] = [0, 3, 2, 1];
+/// ... and S2 to S5.
+pub const PYRAMID_SIDES: [[u8; 3]; 4] = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+
 /// Local ends of the edges of a tetrahedron, in the order in which a quadratic one has the nodes in their middles.
 pub const TET_EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
@@ -24,6 +29,9 @@ pub const HEX_EDGES: [[usize; 2]; 12] =
 
 /// The same of a wedge.
 pub const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
+
+/// The same of a pyramid, which has none in their middles.
+pub const PYRAMID_EDGES: [[usize; 2]; 8] = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]];
 
 /// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];
@@ -46,6 +54,7 @@ impl SolidShape {
             Self::Tet4 | Self::Tet10 => TET_FACES.len(),
             Self::Hex8 => HEX_FACES.len(),
             Self::Wedge6 => WEDGE_ENDS.len() + WEDGE_SIDES.len(),
+            Self::Pyramid5 => 1 + PYRAMID_SIDES.len(),
         }
     }
 }
@@ -60,6 +69,10 @@ impl Solid {
             SolidShape::Wedge6 => match face.checked_sub(WEDGE_ENDS.len()) {
                 Some(side) => gather(&self.nodes, &WEDGE_SIDES[side], &mut nodes),
                 None => gather(&self.nodes, &WEDGE_ENDS[face], &mut nodes),
+            },
+            SolidShape::Pyramid5 => match face.checked_sub(1) {
+                Some(side) => gather(&self.nodes, &PYRAMID_SIDES[side], &mut nodes),
+                None => gather(&self.nodes, &PYRAMID_BASE, &mut nodes),
             },
         };
         Facet { count, nodes, id: self.id }
@@ -145,8 +158,15 @@ mod tests {
         let tet_points = vec![Vec3::zeros(), Vec3::x(), Vec3::y(), Vec3::z()];
         let tet = Solid::new(SolidShape::Tet4, &[0, 1, 2, 3], 1);
         let wedge = Solid::new(SolidShape::Wedge6, &[0, 1, 2, 3, 4, 5], 1);
+        let pyramid = Solid::new(SolidShape::Pyramid5, &[0, 1, 2, 3, 4], 1);
+        let pyramid_points = hex_points[..5].to_vec();
         let wedge_points = [0, 1, 3, 4, 5, 7].map(|k| hex_points[k]).to_vec();
-        let all = [(tet, tet_points), (wedge, wedge_points), (hex([0, 1, 2, 3, 4, 5, 6, 7]), hex_points)];
+        let all = [
+            (tet, tet_points),
+            (wedge, wedge_points),
+            (pyramid, pyramid_points),
+            (hex([0, 1, 2, 3, 4, 5, 6, 7]), hex_points),
+        ];
         for (solid, points) in all {
             let middle = points.iter().sum::<Vec3>() / points.len() as f64;
             for face in 0..solid.shape.face_count() {

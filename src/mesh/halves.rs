@@ -5,7 +5,7 @@
 //! element lacks are put where its shape functions have them: with the corners at c and the middles of edges at m, the middle of
 //! a face is at (2 sum m - sum c) / 4, that of a hexahedron at (sum m - sum c) / 4.
 
-use super::faces::{HEX_EDGES, HEX_FACES, TET_EDGES, WEDGE_EDGES, WEDGE_SIDES};
+use super::faces::{HEX_EDGES, HEX_FACES, PYRAMID_EDGES, TET_EDGES, WEDGE_EDGES, WEDGE_SIDES};
 use super::raw::CellShape;
 use super::{SolidShape, message};
 use crate::Vec3;
@@ -83,6 +83,7 @@ impl CellShape {
         match self {
             Self::Hex => HEX.edges,
             Self::Wedge => WEDGE.edges,
+            Self::Pyramid => &PYRAMID_EDGES,
             Self::Tet => &TET_EDGES,
             _ => &[],
         }

@@ -1,5 +1,6 @@
 //! A mesh as its file describes it: all of it, and before anything is selected, oriented or checked.
 
+use super::collapse::Sides;
 use super::halves::{Kind, Made, Splitter};
 use super::middles::four;
 use super::{Facet, Group, Mesh, Solid, SolidShape};
@@ -22,6 +23,7 @@ pub(super) enum CellShape {
     Tet,
     Hex,
     Wedge,
+    Pyramid,
     Line3,
     Triangle6,
     Tet10,
@@ -44,6 +46,7 @@ impl CellShape {
             Self::Quad | Self::Tet => 4,
             Self::Hex => 8,
             Self::Wedge => 6,
+            Self::Pyramid => 5,
             Self::Line3 => 3,
             Self::Triangle6 => 6,
             Self::Tet10 => 10,
@@ -154,6 +157,7 @@ pub(super) struct FileMesh {
     pub made: Vec<Made>,
     /// Solids that are parts of elements of second order.
     pub halves: Vec<Range<u32>>,
+    pub sides: Sides,
 }
 
 /// From the numbers of a file to indices.
@@ -333,16 +337,30 @@ impl FileMesh {
             CellShape::Tet => SolidShape::Tet4,
             CellShape::Tet10 => SolidShape::Tet10,
             CellShape::Wedge => SolidShape::Wedge6,
+            CellShape::Pyramid => SolidShape::Pyramid5,
             CellShape::Hex => SolidShape::Hex8,
             other => {
-                let corners = if other == CellShape::Quad { 4 } else { 3 };
-                mesh.facets.push(Facet::new(&nodes[..corners], cell.id));
+                let corners =
+                    if other == CellShape::Quad { once(&nodes[..4]) } else { SmallVec::from_slice(&nodes[..3]) };
+                mesh.facets.push(Facet::new(&corners, cell.id));
                 return Slot::Facets { first: facets, count: 1 };
             }
         };
-        mesh.solids.push(Solid::new(shape, nodes, cell.id));
+        let solid = Solid::new(shape, nodes, cell.id);
+        let solid = if mesh.is_section { solid } else { self.sides.place(&mesh.solids, solid) };
+        mesh.solids.push(solid);
         Slot::Solids { first: solids, count: 1 }
     }
+}
+
+/// The corners of a quadrilateral: three where two that follow each other are one.
+fn once(corners: &[u32]) -> SmallVec<[u32; 4]> {
+    let mut once = SmallVec::from_slice(corners);
+    once.dedup();
+    if once.len() == 4 && once.first() == once.last() {
+        once.pop();
+    }
+    if once.len() < 3 { SmallVec::from_slice(corners) } else { once }
 }
 
 /// The ends of a line of three nodes, then its middle: some formats, and versions of programs, have that second, some last.

@@ -10,6 +10,8 @@ pub enum SolidShape {
     Tet10,
     /// 8 nodes; Gmsh and Abaqus order: bottom face counter-clockwise seen from inside the element, then the top face.
     Hex8,
+    /// 5 nodes; Gmsh and Abaqus order: a quadrilateral counter-clockwise seen from inside the element, then its apex.
+    Pyramid5,
     /// 6 nodes; Gmsh and Abaqus order: a triangle counter-clockwise seen from inside the element, then the one above it.
     Wedge6,
 }
@@ -19,6 +21,7 @@ impl SolidShape {
     pub fn node_count(self) -> usize {
         match self {
             SolidShape::Tet4 => 4,
+            SolidShape::Pyramid5 => 5,
             SolidShape::Wedge6 => 6,
             SolidShape::Hex8 => 8,
             SolidShape::Tet10 => 10,

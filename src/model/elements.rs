@@ -9,7 +9,7 @@ use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Reduction;
 use crate::solid::element::{
     ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4,
-    ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
+    pyramid5, pyramid5_sri, ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -20,6 +20,7 @@ use std::ops::Deref;
 pub struct Scratch {
     pub of_eight: ElementMatrices<24>,
     pub of_four: ElementMatrices<12>,
+    pub of_five: ElementMatrices<15>,
     pub of_six: ElementMatrices<18>,
     pub of_ten: ElementMatrices<30>,
 }
@@ -60,6 +61,12 @@ impl Scratch {
                 let evaluate = if element == Formulation::Wedge6 { wedge6::evaluate } else { wedge6_sri::evaluate };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_six)
             }
+            SolidShape::Pyramid5 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate =
+                    if element == Formulation::Pyramid5 { pyramid5::evaluate } else { pyramid5_sri::evaluate };
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_five)
+            }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = match element {
@@ -89,6 +96,7 @@ impl Scratch {
     pub fn forces(&self, nodes: usize) -> &[[f64; 3]] {
         let flat: &[f64] = match nodes {
             4 => &self.of_four.residual,
+            5 => &self.of_five.residual,
             6 => &self.of_six.residual,
             10 => &self.of_ten.residual,
             _ => &self.of_eight.residual,
@@ -100,6 +108,7 @@ impl Scratch {
     pub fn row(&self, nodes: usize, row: usize) -> &[f64] {
         match nodes {
             4 => &self.of_four.tangent[row],
+            5 => &self.of_five.tangent[row],
             6 => &self.of_six.tangent[row],
             10 => &self.of_ten.tangent[row],
             _ => &self.of_eight.tangent[row],
@@ -164,6 +173,10 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
         let samples = if element == Formulation::Wedge6 { wedge6::samples } else { wedge6_sri::samples };
         return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
     }
+    if solid.shape == SolidShape::Pyramid5 {
+        let samples = if element == Formulation::Pyramid5 { pyramid5::samples } else { pyramid5_sri::samples };
+        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
+    }
     let (x, u) = (gather(points, solid), gather(u, solid));
     let samples = match element {
         Formulation::Hex8Shell => {
@@ -195,6 +208,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
             SolidShape::Tet10 => tet10::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Wedge6 => wedge6::min_jacobian(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Pyramid5 => pyramid5::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
     })
@@ -211,6 +225,7 @@ pub fn folded(model: &Model, before: &[Vec3], after: &[Vec3]) -> Option<String> 
     let folds = |solid: &&PartSolid| match solid.shape {
         SolidShape::Hex8 => folds(states.map(|u| hex8::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Wedge6 => folds(states.map(|u| wedge6::nodal_jacobians(&moved(model, solid, u)))),
+        SolidShape::Pyramid5 => folds(states.map(|u| pyramid5::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Tet4 | SolidShape::Tet10 => false,
     };
     model.part.solids.iter().find(folds).map(|solid| element_name(model, solid))
@@ -289,6 +304,7 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
         SolidShape::Tet4 => set(&tet4::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Pyramid5 => set(&pyramid5::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Wedge6 => set(&wedge6::body_force(&gather(&model.part.points, solid), *per_volume)),
     }
     forces

@@ -7,7 +7,7 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
-use crate::solid::element::{hex8, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
 use crate::surface::piece_set::tree::{Tree, away};
 use mpi::topology::SimpleCommunicator;
 
@@ -131,6 +131,11 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
             let [xi, eta, zeta] = wedge6::parameters(&corners(solid, place), x)?;
             shape[..6].copy_from_slice(&wedge6::shape(xi, eta, zeta).0);
             [-xi, -eta, xi + eta - 1.0, zeta.abs() - 1.0].into_iter().fold(0.0, f64::max)
+        }
+        SolidShape::Pyramid5 => {
+            let [p, r, t] = pyramid5::parameters(&corners(solid, place), x)?;
+            shape[..5].copy_from_slice(&pyramid5::shape(p, r, t).0);
+            [p.abs() - t, r.abs() - t, t - 1.0].into_iter().fold(0.0, f64::max)
         }
         SolidShape::Hex8 => {
             let at = hex8::parameters(&corners(solid, place), x)?;

@@ -5,7 +5,7 @@ use crate::mesh::{Mesh, SolidShape};
 use crate::parallel::max;
 use crate::partition::Part;
 use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
-use crate::solid::element::{hex8, hex8_shell, plane4, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex8_shell, plane4, pyramid5, tet4, tet10, wedge6};
 use crate::solid::material::Material;
 use mpi::topology::SimpleCommunicator;
 
@@ -16,8 +16,8 @@ pub struct Section {
     pub material: Material,
     /// Of the first of the shapes that it has; others have what goes with it, [`Formulation::beside`].
     pub element: Formulation,
-    /// Wedges fill in between hexahedra.
-    pub is_filled: bool,
+    /// What fills in between these: wedges, pyramids and linear tetrahedra.
+    pub fillers: Vec<SolidShape>,
     /// Points through the thickness of solid-shell elements.
     pub layers: usize,
     /// As of bodies, at the nodes that count as the section's.
@@ -33,6 +33,7 @@ impl Section {
             SolidShape::Hex8 if self.element == Formulation::Hex8Shell => hex8_shell::POINTS * self.layers,
             SolidShape::Hex8 => hex8::POINTS,
             SolidShape::Wedge6 => wedge6::POINTS,
+            SolidShape::Pyramid5 => pyramid5::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
         }
@@ -102,33 +103,41 @@ fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
 pub(super) fn read(comm: &SimpleCommunicator, scene: &Scene, part: &Part, halves: &[bool]) -> Result<Vec<Section>> {
     let elements = element_kinds(comm, scene, part, halves)?;
     let mut sections = Vec::new();
-    for ((body, name), (element, is_filled)) in scene.sections().zip(elements) {
+    for ((body, name), (element, fillers)) in scene.sections().zip(elements) {
         let card = scene.material(&name.value);
         let card = card.ok_or_else(|| Error::input(&name.at, "no such material", ""))?;
         let material = Material::new(card);
         let layers = scene.bodies[body].shell.points.unwrap_or_else(|| hex8_shell::usual_layers(&material));
-        sections.push(Section { body, material, element, is_filled, layers, stiffness: 0.0 });
+        sections.push(Section { body, material, element, fillers, layers, stiffness: 0.0 });
     }
     Ok(sections)
 }
 
-/// Whether a body for which a formulation is asked may have elements of a shape: its own, and wedges between hexahedra.
-fn goes_with(asked: Formulation, shape: SolidShape) -> bool {
-    let fills = shape == SolidShape::Wedge6 && asked.shape() == SolidShape::Hex8 && asked != Formulation::Hex8Shell;
-    shape == asked.shape() || fills
+/// Whether a body for which a formulation is asked may have elements of these shapes: its own, and where that is a hexahedron what
+/// fills in between some: wedges, which may be all, pyramids and tetrahedra.
+fn goes_with(asked: Formulation, shapes: &[SolidShape]) -> bool {
+    let own = asked.shape();
+    let is_filled = own == SolidShape::Hex8 && asked != Formulation::Hex8Shell;
+    let fills = |shape: SolidShape| match shape {
+        SolidShape::Wedge6 => is_filled,
+        SolidShape::Pyramid5 | SolidShape::Tet4 => is_filled && shapes.contains(&own),
+        _ => false,
+    };
+    shapes.iter().all(|&shape| shape == own || fills(shape))
 }
 
 /// The element formulation of each section: the user's, checked against the mesh, or the mesh's own; and
-/// whether wedges fill in between hexahedra. Collective.
+/// the other shapes of its elements. Collective.
 fn element_kinds(
     comm: &SimpleCommunicator,
     scene: &Scene,
     part: &Part,
     halves: &[bool],
-) -> Result<Vec<(Formulation, bool)>> {
-    const SHAPES: [(SolidShape, &str); 4] = [
+) -> Result<Vec<(Formulation, Vec<SolidShape>)>> {
+    const SHAPES: [(SolidShape, &str); 5] = [
         (SolidShape::Hex8, "hexahedra"),
         (SolidShape::Wedge6, "wedges"),
+        (SolidShape::Pyramid5, "pyramids"),
         (SolidShape::Tet4, "linear tetrahedra"),
         (SolidShape::Tet10, "quadratic tetrahedra"),
     ];
@@ -144,22 +153,22 @@ fn element_kinds(
         let body = &scene.bodies[body];
         let has = || SHAPES.iter().zip(has).filter(|(_, has)| **has > 0.0).map(|(shape, _)| shape);
         let asked = body.element.as_ref();
-        if let Some(asked) = asked.filter(|asked| has().any(|(shape, _)| !goes_with(asked.value, *shape))) {
+        let shapes: Vec<SolidShape> = has().map(|(shape, _)| *shape).collect();
+        if let Some(asked) = asked.filter(|asked| !goes_with(asked.value, &shapes)) {
             let words: Vec<&str> = has().map(|(_, word)| *word).collect();
             let what = format!("the mesh of body `{}` has {}", body.name.value, words.join(" and "));
             let help = match asked.value {
-                Formulation::Hex8Shell if words == ["hexahedra", "wedges"] => {
+                Formulation::Hex8Shell if shapes.starts_with(&[SolidShape::Hex8]) => {
                     "solid-shell elements are hexahedra alone: mesh the sheet with these, or take \"hex8-eas\""
                 }
                 _ => "leave `element` out to take each element by its shape",
             };
             return Err(Error::input(&asked.at, what, help));
         }
-        let default =
-            has().next().map_or(Formulation::Hex8, |(shape, _)| scene.default_element(&material.value, *shape, bends));
-        let is_filled = [SolidShape::Hex8, SolidShape::Wedge6].iter().all(|shape| has().any(|(own, _)| own == shape));
-        let first = has().next().map_or(SolidShape::Hex8, |(shape, _)| *shape);
-        kinds.push((asked.map_or(default, |e| e.value.beside(first)), is_filled));
+        let (first, fillers) =
+            shapes.split_first().map_or((SolidShape::Hex8, &[][..]), |(first, others)| (*first, others));
+        let default = scene.default_element(&material.value, first, bends);
+        kinds.push((asked.map_or(default, |e| e.value.beside(first)), fillers.to_vec()));
     }
     Ok(kinds)
 }

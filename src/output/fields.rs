@@ -35,6 +35,7 @@ pub enum CellShape {
     Tetrahedron,
     Hexahedron,
     Wedge,
+    Pyramid,
     QuadraticTetrahedron,
 }
 
@@ -329,12 +330,13 @@ pub(super) fn on_root<T>(comm: &impl Communicator, work: impl FnOnce() -> Result
 
 impl CellShape {
     /// All of them, in the order of their numbers.
-    pub(super) const ALL: [Self; 6] = [
+    pub(super) const ALL: [Self; 7] = [
         Self::Triangle,
         Self::Quadrilateral,
         Self::Tetrahedron,
         Self::Hexahedron,
         Self::Wedge,
+        Self::Pyramid,
         Self::QuadraticTetrahedron,
     ];
 
@@ -345,6 +347,7 @@ impl CellShape {
             Self::Quadrilateral | Self::Tetrahedron => 4,
             Self::Hexahedron => 8,
             Self::Wedge => 6,
+            Self::Pyramid => 5,
             Self::QuadraticTetrahedron => 10,
         }
     }

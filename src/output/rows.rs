@@ -88,6 +88,7 @@ impl<T: H5Type> Rows<'_, T> {
             1 => dataset.write_slice(values, first as usize..first as usize + values.len()),
             3 => write_table::<T, 3>(dataset, values, first),
             4 => write_table::<T, 4>(dataset, values, first),
+            5 => write_table::<T, 5>(dataset, values, first),
             6 => write_table::<T, 6>(dataset, values, first),
             8 => write_table::<T, 8>(dataset, values, first),
             _ => write_table::<T, 10>(dataset, values, first),

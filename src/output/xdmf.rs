@@ -43,6 +43,7 @@ impl CellShape {
             Self::Tetrahedron => "Tetrahedron",
             Self::Hexahedron => "Hexahedron",
             Self::Wedge => "Wedge",
+            Self::Pyramid => "Pyramid",
             Self::QuadraticTetrahedron => "Tetrahedron_10",
         }
     }
@@ -55,6 +56,7 @@ impl CellShape {
             Self::Tetrahedron => 10,
             Self::Hexahedron => 12,
             Self::Wedge => 13,
+            Self::Pyramid => 14,
             Self::QuadraticTetrahedron => 24,
         }
     }
@@ -72,6 +74,7 @@ impl CellShape {
             Self::Tetrahedron => 6,
             Self::Hexahedron => 9,
             Self::Wedge => 8,
+            Self::Pyramid => 7,
             Self::QuadraticTetrahedron => 38,
         }
     }

@@ -292,6 +292,7 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         let count = next() as usize;
         let shape = match count {
             4 => SolidShape::Tet4,
+            5 => SolidShape::Pyramid5,
             6 => SolidShape::Wedge6,
             10 => SolidShape::Tet10,
             _ => SolidShape::Hex8,

@@ -3,7 +3,7 @@
 use super::{Curves, groups};
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::mesh::faces::{HEX_EDGES, TET_EDGES, WEDGE_EDGES};
+use crate::mesh::faces::{HEX_EDGES, PYRAMID_EDGES, TET_EDGES, WEDGE_EDGES};
 use crate::mesh::{Facet, MOST_NODES, Mesh, Middles, Solid, SolidShape, check};
 use crate::scene::Located;
 use std::collections::HashMap;
@@ -14,8 +14,8 @@ const MOST: u64 = 1 << 27;
 pub(super) const NONE: u32 = u32::MAX;
 
 /// `mesh` with every edge split into 2^times parts, but those that are `whole`: hexahedra into as many layers along each
-/// of their directions, wedges into layers over the parts of their triangles, tetrahedra each time into four at the corners
-/// and four around the shortest diagonal of the octahedron between them, quadrilaterals and triangles into four.
+/// of their directions, wedges into layers over the parts of their triangles, pyramids into layers of pyramids, upright and upside
+/// down, and of tetrahedra between them, tetrahedra each time into four at the corners and four around the shortest diagonal of the octahedron between them, quadrilaterals and triangles into four.
 ///
 /// Nodes of the mesh keep their place and number; new ones follow, numbered on from the highest number, element by element.
 /// Parts have the number of what they are parts of, and are in its groups; a group of nodes alone gets the new nodes of the
@@ -106,6 +106,8 @@ enum Kind {
     Simplex,
     /// Barycentric in the triangle of the first three nodes and in that of the last, linear between them.
     Wedge,
+    /// Those of [`crate::solid::element::pyramid5`].
+    Pyramid,
 }
 
 impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
@@ -131,7 +133,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         node
     }
 
-    /// Eq. (1) to (3).
+    /// Eq. (1) to (4).
     fn place(&self, cell: &Cell, weights: &[u32], held: &[(u32, u32)]) -> Vec3 {
         let total = f64::from(weights.iter().sum::<u32>());
         let at = |node: u32| Vec3::from(self.points[node as usize]);
@@ -148,6 +150,8 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
                 let of = match cell.kind {
                     Kind::Simplex => 1.0,
                     Kind::Wedge if a / 3 == b / 3 => triangle(3 * (a / 3)),
+                    Kind::Pyramid if *b == 4 => 1.0,
+                    Kind::Pyramid => (wa + wb) / (1.0 - f64::from(weights[4]) / total),
                     Kind::Wedge | Kind::Product => wa + wb,
                 };
                 x -= c * (wa * wb / of);
@@ -160,6 +164,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         match solid.shape {
             SolidShape::Hex8 => self.hexahedron(solid, parts),
             SolidShape::Wedge6 => self.wedge(solid, parts),
+            SolidShape::Pyramid5 => self.pyramid(solid, parts),
             SolidShape::Tet4 | SolidShape::Tet10 => self.tetrahedron(solid, parts),
         }
     }
@@ -255,6 +260,52 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
         }
     }
 
+    /// Layer m below the apex has (m + 1)^2 nodes. Each of its quadrilaterals is the base of a pyramid to one of the layer above and,
+    /// upside down, to one of the layer below; between these, over each edge, is a tetrahedron.
+    fn pyramid(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
+        let cells = self.cells;
+        let cell = Cell { nodes: solid.nodes(), edges: &PYRAMID_EDGES, kind: Kind::Pyramid, solid: true };
+        let mut layers: Vec<Vec<u32>> = Vec::with_capacity(cells as usize + 1);
+        for m in 0..=cells {
+            let mut layer = Vec::with_capacity(((m + 1) * (m + 1)) as usize);
+            for b in 0..=m {
+                for a in 0..=m {
+                    let ([p0, p1], [r0, r1]) = ([m - a, a], [m - b, b]);
+                    let weights = match m {
+                        0 => [0, 0, 0, 0, 1],
+                        _ => [p0 * r0, p1 * r0, p1 * r1, p0 * r1, (cells - m) * m],
+                    };
+                    layer.push(self.node(&cell, &weights));
+                }
+            }
+            layers.push(layer);
+        }
+        let at = |m: u32, a: u32, b: u32| layers[m as usize][(a + (m + 1) * b) as usize];
+        let pyramid = |nodes: &[u32; 5]| Solid::new(SolidShape::Pyramid5, nodes, solid.id);
+        let tetrahedron = |nodes: &[u32; 4]| Solid::new(SolidShape::Tet4, nodes, solid.id);
+        for m in 0..cells {
+            for b in 0..=m {
+                for a in 0..=m {
+                    let base = |m| [at(m, a, b), at(m, a + 1, b), at(m, a + 1, b + 1), at(m, a, b + 1)];
+                    let [i, j, k, l] = base(m + 1);
+                    parts.push(pyramid(&[i, j, k, l, at(m, a, b)]));
+                    if a < m && b < m {
+                        let [i, j, k, l] = base(m);
+                        parts.push(pyramid(&[i, l, k, j, at(m + 1, a + 1, b + 1)]));
+                    }
+                    if a < m {
+                        let across = [at(m + 1, a + 1, b), at(m + 1, a + 1, b + 1)];
+                        parts.push(tetrahedron(&[at(m, a, b), at(m, a + 1, b), across[0], across[1]]));
+                    }
+                    if b < m {
+                        let across = [at(m + 1, a, b + 1), at(m + 1, a + 1, b + 1)];
+                        parts.push(tetrahedron(&[at(m, a, b), at(m, a, b + 1), across[1], across[0]]));
+                    }
+                }
+            }
+        }
+    }
+
     fn tetrahedron(&mut self, solid: &Solid, parts: &mut Vec<Solid>) {
         let cell = Cell { nodes: &solid.nodes[..4], edges: &TET_EDGES, kind: Kind::Simplex, solid: true };
         let mut inside: HashMap<[u32; 4], u32> = HashMap::new();
@@ -327,7 +378,7 @@ fn middle(p: [u32; 4], q: [u32; 4]) -> [u32; 4] {
     std::array::from_fn(|k| (p[k] + q[k]) / 2)
 }
 
-/// The key of a point by the nodes that hold it; none inside a hexahedron or a wedge.
+/// The key of a point by the nodes that hold it; none inside a hexahedron, a wedge or a pyramid.
 pub(super) fn key(held: &[(u32, u32)]) -> Option<Key> {
     let divisor = held.iter().fold(0, |d, (_, w)| common_divisor(d, *w)).max(1);
     let entry = |k: usize| held.get(k).map_or((NONE, 0), |(node, w)| (*node, w / divisor));

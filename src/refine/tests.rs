@@ -4,7 +4,7 @@ use crate::controls::Controls;
 use crate::error::Location;
 use crate::mesh::{Facet, Group, Mesh, Middles, Solid, SolidShape, block, check, faces};
 use crate::scene::{Block, BlockShape, Located};
-use crate::solid::element::{hex8, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
 use crate::surface::NormalOptions;
 use crate::surface::test_meshes::{cubed_sphere, mesh_of};
 
@@ -53,11 +53,32 @@ fn wedges(mut mesh: Mesh, some: impl Fn(usize) -> bool) -> Mesh {
     with_sides(mesh)
 }
 
+/// The same with some hexahedra as six pyramids each around a node in their middle.
+fn pyramids(mut mesh: Mesh, some: impl Fn(usize) -> bool) -> Mesh {
+    let all = std::mem::take(&mut mesh.solids);
+    for (e, solid) in all.iter().enumerate() {
+        if !some(e) {
+            mesh.solids.push(*solid);
+            continue;
+        }
+        let apex = mesh.points.len() as u32;
+        let sum: Vec3 = solid.nodes().iter().map(|n| Vec3::from(mesh.points[*n as usize])).sum();
+        mesh.points.push((sum / 8.0).into());
+        mesh.point_ids.push(u64::from(apex) + 1);
+        for face in 0..6 {
+            let [a, b, c, d] = solid.face(face).nodes;
+            mesh.solids.push(Solid::new(SolidShape::Pyramid5, &[a, d, c, b, apex], solid.id));
+        }
+    }
+    with_sides(mesh)
+}
+
 fn volumes(mesh: &Mesh) -> Vec<f64> {
     let at = |solid: &Solid, k: usize| mesh.points[solid.nodes[k] as usize];
     let volume = |solid: &Solid| match solid.shape {
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Wedge6 => wedge6::volume(&std::array::from_fn(|k| at(solid, k))),
+        SolidShape::Pyramid5 => pyramid5::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet4 => tet4::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet10 => tet10::volume(&std::array::from_fn(|k| at(solid, k))),
     };
@@ -164,6 +185,28 @@ fn wedges_are_split_with_the_hexahedra_beside_them() {
     }
 }
 
+/// Pyramids become pyramids and tetrahedra that fit together and to hexahedra beside them, and fill the same volume.
+#[test]
+fn pyramids_are_split_with_the_hexahedra_beside_them() {
+    let shear = |x: Vec3| Vec3::new(x.x + 0.3 * x.y, x.y + 0.2 * x.z, 0.8 * x.z);
+    let mesh = pyramids(bricks([3, 2, 2], shear), |e| e % 3 != 1);
+    let whole: f64 = volumes(&mesh).iter().sum();
+    let count_of = |mesh: &Mesh, shape| mesh.solids.iter().filter(|solid| solid.shape == shape).count();
+    let (hexahedra, apart) = (count_of(&mesh, SolidShape::Hex8), count_of(&mesh, SolidShape::Pyramid5));
+    for (count, parts) in [(1, [8, 6, 4]), (2, [64, 44, 40])] {
+        let split = straight(mesh.clone(), count);
+        check::check(&split).unwrap();
+        let found = [SolidShape::Hex8, SolidShape::Pyramid5, SolidShape::Tet4].map(|shape| count_of(&split, shape));
+        assert_eq!(found, [hexahedra * parts[0], apart * parts[1], apart * parts[2]]);
+        let all = volumes(&split);
+        assert!(all.iter().all(|volume| *volume > 0.0) && (all.iter().sum::<f64>() / whole - 1.0).abs() < 1e-12);
+        assert_eq!(faces::boundary(&split.solids).len(), split.facets.len());
+        // Split twice in one go it has the nodes of twice split, if not the same tetrahedra.
+        let nodes = |mesh: Mesh| places(&Mesh { solids: Vec::new(), ..mesh });
+        assert!(nodes(split) == nodes((0..count).fold(mesh.clone(), |mesh, _| straight(mesh, 1))));
+    }
+}
+
 /// The patch of a shell of radii 0.5 and 1 over the angles 0 to 45 degrees about y and x, which ends in the planes x = 0
 /// and y = 0.
 fn shell(n: usize, of: &str) -> Mesh {
@@ -178,11 +221,12 @@ fn shell(n: usize, of: &str) -> Mesh {
         "tetrahedra" => tetrahedra(mesh),
         // Every other one of each layer, those of all layers above one another.
         "wedges" => wedges(mesh, |e| (e % (n * n)).is_multiple_of(2)),
+        "pyramids" => pyramids(mesh, |e| e.is_multiple_of(2)),
         _ => mesh,
     }
 }
 
-const SHAPES: [&str; 3] = ["hexahedra", "tetrahedra", "wedges"];
+const SHAPES: [&str; 4] = ["hexahedra", "tetrahedra", "wedges", "pyramids"];
 
 fn curved(mesh: Mesh, count: u32) -> Mesh {
     let curves = of_body(&mesh, &["xmin", "ymin"], &Controls::default()).unwrap();

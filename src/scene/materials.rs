@@ -189,6 +189,8 @@ impl Scene {
             (SolidShape::Tet10, _) => Formulation::Tet10,
             (SolidShape::Wedge6, _) if keeps_volume => Formulation::Wedge6Sri,
             (SolidShape::Wedge6, _) => Formulation::Wedge6,
+            (SolidShape::Pyramid5, _) if keeps_volume => Formulation::Pyramid5Sri,
+            (SolidShape::Pyramid5, _) => Formulation::Pyramid5,
             (SolidShape::Hex8, Some(MaterialModel::Plastic { .. })) => Formulation::Hex8Sri,
             (SolidShape::Hex8, _) if keeps_volume => Formulation::Hex8Fbar,
             (SolidShape::Hex8, Some(model)) if bends && enhances(model) => Formulation::Hex8Eas,

@@ -71,6 +71,7 @@ pub fn add_tangent(model: &mut Model, pattern: &Pattern, u: &[Vec3], values: &mu
 fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32], scratch: &Scratch) {
     match nodes.len() {
         4 => pattern.add_element(values, nodes, element, &scratch.of_four.tangent),
+        5 => pattern.add_element(values, nodes, element, &scratch.of_five.tangent),
         6 => pattern.add_element(values, nodes, element, &scratch.of_six.tangent),
         10 => pattern.add_element(values, nodes, element, &scratch.of_ten.tangent),
         _ => pattern.add_element(values, nodes, element, &scratch.of_eight.tangent),

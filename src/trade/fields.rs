@@ -4,7 +4,7 @@ use super::history::History;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::output::quantity::Quantity;
-use crate::solid::element::{hex8, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
 use crate::solid::measure::Measure;
 use hdf5::{File, Group};
 use rstar::RTree;
@@ -46,6 +46,7 @@ pub struct BodyState {
 
 /// Codes of XDMF.
 const TETRAHEDRON: i64 = 6;
+const PYRAMID: i64 = 7;
 const WEDGE: i64 = 8;
 
 /// Reads the ends of all steps of a run.
@@ -107,6 +108,7 @@ fn at_rest(file: &File, body: &str) -> hdf5::Result<BodyState> {
         let x: Vec<[f64; 3]> = nodes.iter().map(|&node| points[node as usize].into()).collect();
         state.volumes.push(match x.len() {
             4 => x.as_array().map_or(0.0, tet4::volume),
+            5 => x.as_array().map_or(0.0, pyramid5::volume),
             // Triangles of VTK's wedges run the other way round.
             6 => x.as_array().map_or(0.0, |x| -wedge6::volume(x)),
             10 => x.as_array().map_or(0.0, tet10::volume),
@@ -122,6 +124,7 @@ fn at_rest(file: &File, body: &str) -> hdf5::Result<BodyState> {
             while let [code, nodes @ ..] = rest {
                 let (cell, others) = nodes.split_at(match *code {
                     TETRAHEDRON => 4,
+                    PYRAMID => 5,
                     WEDGE => 6,
                     _ => 8,
                 });

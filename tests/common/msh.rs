@@ -113,6 +113,83 @@ pub fn wedges(mesh: &str, some: impl Fn(usize) -> bool) -> String {
     text + "$EndElements\n"
 }
 
+/// What a hexahedron becomes in [`filled`].
+#[derive(Clone, Copy, PartialEq)]
+pub enum Cut {
+    Whole,
+    /// Six pyramids around a node in its middle.
+    Pyramids,
+    /// Around a node in its middle two tetrahedra on each side where such a one or nothing is, and a pyramid on others.
+    Tetrahedra,
+}
+
+/// A mesh of hexahedra, the first of which is `cut(0)`.
+pub fn filled(mesh: &str, cut: impl Fn(usize) -> Cut) -> String {
+    use std::collections::HashMap;
+    const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
+    let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
+    let mut nodes: Vec<String> = nodes.lines().skip(1).map(String::from).collect();
+    let place = |line: &String| -> Vec<f64> { line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect() };
+    let points: Vec<Vec<f64>> = nodes.iter().map(place).collect();
+    let read = |line: &str| -> Vec<usize> { line.split(' ').map(|word| word.parse().unwrap()).collect() };
+    let rows: Vec<Vec<usize>> = elements.lines().skip(1).take_while(|line| !line.starts_with('$')).map(read).collect();
+    let sorted = |nodes: &[usize]| {
+        let mut nodes = nodes.to_vec();
+        nodes.sort_unstable();
+        nodes
+    };
+    let hexahedra = || rows.iter().filter(|row| row[1] == 5).enumerate();
+    // Of each face whether it stays whole.
+    let mut whole: HashMap<Vec<usize>, bool> = HashMap::new();
+    for (e, row) in hexahedra() {
+        for face in FACES {
+            *whole.entry(sorted(&face.map(|k| row[5 + k]))).or_default() |= cut(e) != Cut::Tetrahedra;
+        }
+    }
+    // From the lowest number, so that both sides have the same diagonal.
+    let halves = |corners: &[usize]| {
+        let first = (0..4).min_by_key(|k| corners[*k]).unwrap();
+        let [a, b, c, d] = std::array::from_fn(|k| corners[(first + k) % 4]);
+        [vec![a, b, c], vec![a, c, d]]
+    };
+    let mut parts: Vec<(usize, Vec<usize>, Vec<usize>)> = Vec::new();
+    for row in rows.iter().filter(|row| row[1] != 5) {
+        match whole[&sorted(&row[5..])] {
+            true => parts.push((row[1], row[2..5].to_vec(), row[5..].to_vec())),
+            false => parts.extend(halves(&row[5..]).map(|half| (2, row[2..5].to_vec(), half))),
+        }
+    }
+    for (e, row) in hexahedra() {
+        let (tags, corners) = (row[2..5].to_vec(), &row[5..]);
+        if cut(e) == Cut::Whole {
+            parts.push((5, tags, corners.to_vec()));
+            continue;
+        }
+        let middle = |d: usize| corners.iter().map(|n| points[n - 1][d]).sum::<f64>() / 8.0;
+        let apex = nodes.len() + 1;
+        nodes.push(format!("{apex} {:?} {:?} {:?}", middle(0), middle(1), middle(2)));
+        for face in FACES {
+            let outward = face.map(|k| corners[k]);
+            match whole[&sorted(&outward)] {
+                true => parts.push((7, tags.clone(), vec![outward[0], outward[3], outward[2], outward[1], apex])),
+                false => {
+                    let tetrahedra =
+                        halves(&outward).map(|half| (4, tags.clone(), vec![half[0], half[2], half[1], apex]));
+                    parts.extend(tetrahedra);
+                }
+            }
+        }
+    }
+    let mut text =
+        format!("{head}$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n", nodes.len(), nodes.join("\n"), parts.len());
+    for (k, (kind, tags, nodes)) in parts.iter().enumerate() {
+        let words: Vec<String> = [&[k + 1, *kind], &tags[..], nodes].concat().iter().map(usize::to_string).collect();
+        let _ = writeln!(text, "{}", words.join(" "));
+    }
+    text + "$EndElements\n"
+}
+
 /// A surface of `n` by `n` quadrilaterals whose normals are the cross product of the two directions of the unit square
 /// that `place` takes to space.
 pub fn surface(n: usize, place: impl Fn(f64, f64) -> [f64; 3]) -> String {

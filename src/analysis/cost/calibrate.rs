@@ -28,6 +28,8 @@ const SMALL: [usize; 3] = [18, 18, 1];
 const COARSENED: [usize; 3] = [24, 24, 12];
 /// A wedge over a hexahedron with eight integration points.
 const WEDGE: f64 = 0.55;
+/// A pyramid over it.
+const PYRAMID: f64 = 0.6;
 /// A linear and a quadratic tetrahedron over a hexahedron with eight integration points.
 const TETRAHEDRA: [f64; 2] = [0.2, 0.9];
 
@@ -108,6 +110,8 @@ impl Bench<'_> {
             Shape::Solid("tet4") => return Ok(TETRAHEDRA[0] * self.element(Shape::Solid("hex8"), material)?),
             Shape::Solid("tet10") => return Ok(TETRAHEDRA[1] * self.element(Shape::Solid("hex8"), material)?),
             Shape::Solid("tet10-sri") => return Ok(TETRAHEDRA[1] * self.element(Shape::Solid("hex8-sri"), material)?),
+            Shape::Solid("pyramid5") => return Ok(PYRAMID * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("pyramid5-sri") => return Ok(PYRAMID * self.element(Shape::Solid("hex8-sri"), material)?),
             Shape::Solid("wedge6") => return Ok(WEDGE * self.element(Shape::Solid("hex8"), material)?),
             Shape::Solid("wedge6-sri") => return Ok(WEDGE * self.element(Shape::Solid("hex8-sri"), material)?),
             Shape::Solid(element) => (element, false, [SIDE, SIDE, SIDE * ranks]),

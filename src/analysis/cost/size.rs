@@ -108,10 +108,11 @@ impl Size {
     }
 }
 
-const SHAPES: [SolidShape; 4] = [SolidShape::Hex8, SolidShape::Wedge6, SolidShape::Tet4, SolidShape::Tet10];
+const SHAPES: [SolidShape; 5] =
+    [SolidShape::Hex8, SolidShape::Wedge6, SolidShape::Pyramid5, SolidShape::Tet4, SolidShape::Tet10];
 /// Elements a node, of each shape, below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three
-/// 3/4, of wedges twice as many. Of quadratic tetrahedra there are 0.75 a node in large bodies.
-const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 3.5, 0.5];
+/// 3/4, of wedges twice as many, of pyramids three times. Of quadratic tetrahedra there are 0.75 a node in large bodies.
+const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 2.25, 3.5, 0.5];
 
 impl Systems {
     /// Of a step with these equations, not analysed. Collective.

@@ -113,6 +113,7 @@ impl Work {
                     ("tet4", _) => 600.0,
                     ("tet10" | "tet10-sri", _) => 3000.0,
                     ("wedge6" | "wedge6-sri", _) => 1800.0,
+                    ("pyramid5" | "pyramid5-sri", _) => 2000.0,
                     ("hex8-fbar", false) => 5000.0,
                     ("hex8-eas" | "hex8-shell", false) => 16_000.0,
                     (_, false) => 3300.0,

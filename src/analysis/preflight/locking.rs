@@ -8,19 +8,19 @@ use crate::parallel::{max, sum};
 use crate::scene::{AUXETIC, Formulation, MaterialModel, Scene};
 use mpi::topology::SimpleCommunicator;
 
-/// Share of the elements of a section that may be wedges where volume is nearly kept (docs/validation/elements.md).
+/// Share of the elements of a section that may be wedges and pyramids where volume is nearly kept (docs/validation/elements.md).
 const MANY: f64 = 0.3;
 
-/// The share of wedges among the elements of each section. Collective.
-fn shares_of_wedges(comm: &SimpleCommunicator, model: &Model) -> Vec<f64> {
+/// The share of these among the elements of each section. Collective.
+fn shares_of_fillers(comm: &SimpleCommunicator, model: &Model) -> Vec<f64> {
     let mut counts = vec![[0.0; 2]; model.sections.len()];
     for solid in model.part.solids.iter().filter(|solid| solid.mine) {
-        let [all, wedges] = &mut counts[solid.section as usize];
+        let [all, fillers] = &mut counts[solid.section as usize];
         *all += 1.0;
-        *wedges += f64::from(solid.shape == SolidShape::Wedge6);
+        *fillers += f64::from(matches!(solid.shape, SolidShape::Wedge6 | SolidShape::Pyramid5));
     }
     sum(comm, counts.as_flattened_mut());
-    counts.iter().map(|[all, wedges]| wedges / all.max(1.0)).collect()
+    counts.iter().map(|[all, fillers]| fillers / all.max(1.0)).collect()
 }
 
 /// Warns of bodies whose elements lock. Collective.
@@ -32,9 +32,9 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     let linear = model.part.solids.iter().filter(|solid| solid.shape == SolidShape::Tet4);
     linear.for_each(|solid| has[solid.section as usize] = 1.0);
     max(comm, &mut has);
-    let wedges = shares_of_wedges(comm, model);
-    for (((section, (b, material)), has_tets), wedges) in
-        model.sections.iter().zip(scene.sections()).zip(has).zip(wedges)
+    let fillers = shares_of_fillers(comm, model);
+    for (((section, (b, material)), has_tets), fillers) in
+        model.sections.iter().zip(scene.sections()).zip(has).zip(fillers)
     {
         let (body, card) = (&scene.bodies[b], scene.material(&material.value));
         let elastic = card.filter(|model| !matches!(model, MaterialModel::Plastic { .. }));
@@ -62,17 +62,18 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
                  hexahedra, or with tetrahedra of second order"
             ));
         }
-        if wedges > MANY {
+        if fillers > MANY {
             model.warnings.push(format!(
-                "body `{name}`: {:.0} % of its elements are wedges, which are too stiff for a material {reason} where there are \
-                 few hexahedra between them: recombine the surface that is swept to quadrilaterals, and leave wedges where it \
-                 must have triangles",
-                100.0 * wedges
+                "body `{name}`: {:.0} % of its elements are wedges or pyramids, which are too stiff for a material {reason} where there are \
+                 few hexahedra between them: recombine the surface that is swept to quadrilaterals, and leave these where it \
+                 must be",
+                100.0 * fillers
             ));
         }
         let cures = match section.element {
             Formulation::Hex8 => "\"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"",
             Formulation::Wedge6 => "\"wedge6-sri\"",
+            Formulation::Pyramid5 => "\"pyramid5-sri\"",
             Formulation::Tet10 => "\"tet10-sri\"",
             _ => continue,
         };

@@ -1,8 +1,8 @@
 //! Turns the sets and surfaces of a deck into groups.
 
-use super::super::halves::{Made, at_side, is_made};
+use super::super::halves::{Made, is_made};
 use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
-use super::super::{Group, Middles, Solid, faces, message};
+use super::super::{Group, Middles, faces, message};
 use super::{Deck, Kind, LOWEST, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -293,12 +293,11 @@ impl Surfaces {
         let mesh = &mut file.mesh;
         match (slot, side) {
             (Slot::Solids { first, count }, Side::Face(face)) => {
-                let Solid { shape, id, .. } = mesh.solids[first as usize];
-                if face as usize >= shape.face_count() {
-                    let what = format!("element {id} has {} faces, no S{}", shape.face_count(), face + 1);
-                    return Err(Error::input(at, what, ""));
-                }
-                to.extend(at_side(shape, count, face).into_iter().map(|part| self.face(file, first + part, face)));
+                let Some(faces) = file.sides.faces(&mesh.solids, (first, count), face) else {
+                    let (id, sides) = (mesh.solids[first as usize].id, file.sides.count(&mesh.solids, first));
+                    return Err(Error::input(at, format!("element {id} has {sides} faces, no S{}", face + 1), ""));
+                };
+                to.extend(faces.into_iter().map(|(solid, face)| self.face(file, solid, face)));
             }
             (Slot::Solids { first, count }, Side::Free) => {
                 let free = self.free.get_or_insert_with(|| faces::boundary(&mesh.solids));

@@ -162,7 +162,7 @@ impl Unread {
 }
 
 /// What is read.
-const READ: &str = "nagata reads C3D8, C3D6, C3D4, C3D20, C3D15, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, CPS8, \
+const READ: &str = "nagata reads C3D8, C3D6, C3D5, C3D4, C3D20, C3D15, C3D10 and the surfaces S3, S4, R3D3, R3D4, CPS3, CPS4, CPS6, CPS8, \
                     ...: mesh with such, or name a `group` without other elements";
 
 /// A set as listed.
@@ -552,11 +552,12 @@ fn shape(kind: &str) -> Option<CellShape> {
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(|c: char| c.is_ascii_alphabetic()))
         })
     };
-    let shapes: [(CellShape, &[&str]); 13] = [
+    let shapes: [(CellShape, &[&str]); 14] = [
         (CellShape::Hex, &["C3D8"]),
         (CellShape::Hex20, &["C3D20"]),
         (CellShape::Wedge15, &["C3D15"]),
         (CellShape::Wedge, &["C3D6"]),
+        (CellShape::Pyramid, &["C3D5"]),
         (CellShape::Tet, &["C3D4"]),
         (CellShape::Tet10, &["C3D10"]),
         // Gmsh writes all its surface elements as CPS, meshio quadrilaterals as CAX.

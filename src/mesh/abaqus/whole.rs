@@ -3,7 +3,7 @@
 
 use super::super::halves::Made;
 use super::super::raw::{FileMesh, Ids, Slot};
-use super::super::{Mesh, message};
+use super::super::{Mesh, Sides, message};
 use super::groups::{Placed, Surfaces};
 use super::lines::number;
 use super::{Deck, Keyword, Kind, Level, Lines, fields};
@@ -91,6 +91,7 @@ pub(crate) struct Whole {
     pub element_of: Vec<u32>,
     /// Nodes in the middles of faces and elements of second order, which the deck lacks.
     pub made: Vec<Made>,
+    pub sides: Sides,
     /// Elements of a type that is not read: the first.
     pub unread: Option<Error>,
     /// For each element its type, as in `C3D8`: the first of some that have it.
@@ -167,6 +168,7 @@ impl Whole {
             slots: placed.slots,
             element_of,
             made: placed.made,
+            sides: file.sides,
             unread: file.unread,
             kinds,
             scopes,

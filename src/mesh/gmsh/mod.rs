@@ -292,6 +292,7 @@ impl Gmsh<'_> {
             4 => return Ok(CellShape::Tet),
             5 => return Ok(CellShape::Hex),
             6 => return Ok(CellShape::Wedge),
+            7 => return Ok(CellShape::Pyramid),
             8 => return Ok(CellShape::Line3),
             9 => return Ok(CellShape::Triangle6),
             10 => return Ok(CellShape::Quad9),
@@ -302,7 +303,6 @@ impl Gmsh<'_> {
             16 => return Ok(CellShape::Quad8),
             17 => return Ok(CellShape::Hex20),
             18 => return Ok(CellShape::Wedge15),
-            7 => ("5-node pyramids", PYRAMIDS),
             14 | 19 => ("second-order pyramids", PYRAMIDS),
             20.. => ("such elements", ORDER),
             _ => ("such elements", LINEAR),
@@ -380,8 +380,8 @@ impl Listed {
 
 const VERSIONS: &str = "save it as version 4.1 or 2.2";
 const ORDER: &str = "mesh with order 1 or 2";
-const LINEAR: &str = "use hexahedra, wedges or tetrahedra, and triangles or quadrilaterals on surfaces";
-const PYRAMIDS: &str = "use hexahedra and wedges, or tetrahedra alone";
+const LINEAR: &str = "use hexahedra, wedges, pyramids or tetrahedra, and triangles or quadrilaterals on surfaces";
+const PYRAMIDS: &str = "mesh with order 1, or with tetrahedra alone";
 
 /// From the order of Gmsh to that of [`CellShape`].
 fn order(cell: &mut Cell) {

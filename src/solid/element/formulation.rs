@@ -20,6 +20,10 @@ pub enum Formulation {
     Wedge6,
     /// 6-node wedge with the mean change of volume.
     Wedge6Sri,
+    /// 5-node pyramid, 2x2x2 integration.
+    Pyramid5,
+    /// 5-node pyramid with the mean change of volume.
+    Pyramid5Sri,
     /// 4-node tetrahedron.
     Tet4,
     /// 10-node tetrahedron, four integration points.
@@ -33,7 +37,7 @@ impl Formulation {
     pub const LAYERS: RangeInclusive<usize> = 2..=9;
 
     /// All of them.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Hex8,
         Self::Hex8Fbar,
         Self::Hex8Sri,
@@ -41,6 +45,8 @@ impl Formulation {
         Self::Hex8Shell,
         Self::Wedge6,
         Self::Wedge6Sri,
+        Self::Pyramid5,
+        Self::Pyramid5Sri,
         Self::Tet4,
         Self::Tet10,
         Self::Tet10Sri,
@@ -51,6 +57,7 @@ impl Formulation {
         match self {
             Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas | Self::Hex8Shell => SolidShape::Hex8,
             Self::Wedge6 | Self::Wedge6Sri => SolidShape::Wedge6,
+            Self::Pyramid5 | Self::Pyramid5Sri => SolidShape::Pyramid5,
             Self::Tet4 => SolidShape::Tet4,
             Self::Tet10 | Self::Tet10Sri => SolidShape::Tet10,
         }
@@ -59,11 +66,14 @@ impl Formulation {
     /// That of the elements of a shape where others of their body have this one. What locks in volume stands beside what does,
     /// what does not beside what does not.
     pub fn beside(self, shape: SolidShape) -> Self {
+        let locks = matches!(self, Self::Hex8 | Self::Wedge6 | Self::Pyramid5);
         match shape {
             _ if shape == self.shape() => self,
             SolidShape::Hex8 => Self::Hex8,
-            SolidShape::Wedge6 if self == Self::Hex8 => Self::Wedge6,
+            SolidShape::Wedge6 if locks => Self::Wedge6,
             SolidShape::Wedge6 => Self::Wedge6Sri,
+            SolidShape::Pyramid5 if locks => Self::Pyramid5,
+            SolidShape::Pyramid5 => Self::Pyramid5Sri,
             SolidShape::Tet4 => Self::Tet4,
             SolidShape::Tet10 => Self::Tet10,
         }
@@ -79,6 +89,8 @@ impl Formulation {
             Self::Hex8Shell => "hex8-shell",
             Self::Wedge6 => "wedge6",
             Self::Wedge6Sri => "wedge6-sri",
+            Self::Pyramid5 => "pyramid5",
+            Self::Pyramid5Sri => "pyramid5-sri",
             Self::Tet4 => "tet4",
             Self::Tet10 => "tet10",
             Self::Tet10Sri => "tet10-sri",

@@ -14,8 +14,8 @@
 //! for Plasticity.)
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
-//! reference state; [`hex8::min_jacobian`], [`wedge6::min_jacobian`],
-//! [`tet10::min_jacobian`] and [`tet4::volume`] tell.
+//! reference state; [`hex8::min_jacobian`], [`wedge6::min_jacobian`], [`pyramid5::min_jacobian`], [`tet10::min_jacobian`] and
+//! [`tet4::volume`] tell.
 //!
 //! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
 //! makes the new ones when an increment is accepted. Each element gives its integration points as [`Sample`]s, over which
@@ -30,6 +30,8 @@ pub mod hex8_shell;
 pub mod hex8_sri;
 mod parameters;
 pub mod plane4;
+pub mod pyramid5;
+pub mod pyramid5_sri;
 pub mod ring4;
 pub mod tet10;
 pub mod tet10_sri;
@@ -380,5 +382,7 @@ pub fn advance(samples: &[Sample], material: &Material, states: &mut [State]) ->
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod tests_on_pyramids;
 #[cfg(test)]
 mod tests_on_wedges;

@@ -20,6 +20,10 @@ const ROUNDED: f64 = 1e-9;
 /// Parameters within which a point that is between pieces counts as on the edge or corner where they meet.
 const BORDER: f64 = 1e-3;
 
+/// Beyond the extension of smooth edges, where pieces turn away from each other, the way to the edge leans no more than this to the
+/// surface of either: tan 30 degrees, that between facets of which three make a quarter circle.
+const LEANS: f64 = 0.577;
+
 /// What is asked for.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Question {
@@ -347,6 +351,15 @@ pub fn settle<P: Piece + ?Sized>(piece: &P, x: &Vec3, core: Foot) -> Option<(Foo
     let count = piece.count();
     let at_corner = |k: usize| foot.is_on(k) && foot.is_on((k + count - 1) % count);
     if on(&foot, &end) || (0..count).any(|k| at_corner(k) && piece.ends_at(k)) {
+        return None;
+    }
+    // At a corner of the surface, beside a smooth edge drawn on past the end: the neighbour knows whether it is over the surface.
+    let leans = |foot: &Foot| {
+        let (way, normal) = (x - foot.local.point, piece.normal(foot.xi));
+        let up = way.dot(&normal);
+        (way - normal * up).norm() > LEANS * up.abs()
+    };
+    if is_soft && on(&core, &end) && foot.limits != core.limits && leans(&foot) {
         return None;
     }
     // Beyond all extension the smooth edge comes after any piece that needs less.

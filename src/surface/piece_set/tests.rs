@@ -163,6 +163,44 @@ fn beyond_the_end_of_a_strip_there_is_nothing() {
     }
 }
 
+/// Beside a corner of a flat surface, where facets meet along a diagonal, the surface ends as elsewhere: a point counts as over it by
+/// as much as facets are extended, with the normal that all have.
+#[test]
+fn at_the_corners_of_a_flat_surface_its_ends_are_as_elsewhere() {
+    for (smoothing, triangles) in
+        [(Smoothing::Facet, false), (Smoothing::Nagata, false), (Smoothing::Facet, true), (Smoothing::Nagata, true)]
+    {
+        for turned in [false, true] {
+            let flat = |s: f64, t: f64| if turned { [3.0 * t, 3.0 - 3.0 * s, 0.0] } else { [3.0 * s, 3.0 * t, 0.0] };
+            let table = set(&grid(3, 3, triangles, flat), smoothing);
+            for past in [-0.02, 0.0, 0.03, 0.048, 0.053, 0.07, 0.08, 0.095, 0.11, 0.2] {
+                for beside in [0.0, 1e-12, -1e-12, 0.003, 0.04, -0.02] {
+                    for height in [-0.02, -1e-9, 0.0, 1e-9, 0.02] {
+                        let (far, near) = ([3.0 + past, -past], [beside, 3.0 - beside]);
+                        for [a, b] in far.into_iter().flat_map(|a| near.map(|b| [a, b])) {
+                            for x in [[a, b, height], [b, a, height]] {
+                                let found = table.closest(&Vec3::from(x), 5.0, None);
+                                // The extension of an acute corner ends in a tip.
+                                let counts = if past < 0.05 { Some(true) } else { (past > 0.1).then_some(false) };
+                                let is_there = found.is_some();
+                                assert!(
+                                    counts.is_none_or(|counts| is_there == counts),
+                                    "{smoothing:?} {triangles} {x:?}"
+                                );
+                                let is_flat = |p: Projection| (p.normal - Vec3::z()).norm() < 1e-9 && p.gap == height;
+                                assert!(
+                                    found.is_none_or(is_flat),
+                                    "{smoothing:?} {triangles} {turned} {x:?} {found:?}"
+                                );
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Past the near wall's end, the far wall is what is left; inside a thin tool it never is.
 #[test]
 fn a_farther_wall_counts_only_past_the_end_of_the_nearer() {
