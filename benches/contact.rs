@@ -37,6 +37,7 @@ fn contact(c: &mut Criterion) {
         tangential: 40.0,
         penalty: 40.0,
         rough: false,
+        glides: false,
         clings: false,
         compliance: Compliance::default(),
         barrier: 0.0,

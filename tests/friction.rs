@@ -335,6 +335,56 @@ fn band_around_a_drum() {
     assert_close("tension", ratio, exponent.exp(), 5e-3);
 }
 
+/// The same around half of a pulley, thin and fine: all nodes begin to touch at once, with no force, and are to slip. Without friction
+/// first the iteration went to and fro in increments of any length. By methods that hold multipliers, and those that do not.
+#[test]
+fn a_thin_belt_around_a_pulley_is_pulled_without_jumps() {
+    let thickness = 0.2;
+    for (elements, method, tolerance) in [
+        (60, "augmented-lagrangian", 0.02),
+        (240, "augmented-lagrangian", 6e-3),
+        (240, "uzawa", 6e-3),
+        (240, "penalty", 6e-3),
+    ] {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.belt]
+            material = "strap"
+            plane_strain = true
+            [body.belt.block]
+            sector = {{ radii = [50.0, {:?}], angles = [0.0, 180.0], length = 1.0 }}
+            elements = [2, {elements}, 1]
+            [material.strap]
+            model = "hooke"
+            young = 1000.0
+            poisson = 0.3
+            [tool.pulley]
+            cylinder = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 50.0 }}
+            [contact.wrap]
+            slave = "belt.rmin"
+            master = "pulley"
+            friction = {MU:?}
+            method = "{method}"
+            [[step]]
+            increments = 10
+            fix = [{{ set = "belt.amax" }}]
+            move = [{{ target = "belt.amin", by = [0.0, -1.0, 0.0], directions = "y" }}]
+            [output]
+            every = 100
+            history = ["belt.amin", "belt.amax"]
+            "#,
+            50.0 + thickness
+        ));
+        let run = bench.solve(1, &[]);
+        let (history, log) = (run.history(), run.log());
+        assert_eq!(run.summary()["cutbacks"], 0, "{elements} {method}");
+        assert!(!log.contains("jump, step") && log.contains("once all is in balance without it"), "{log}");
+        let ratio = history.last("belt.amin.fy") / history.last("belt.amax.fy");
+        let exponent = MU * std::f64::consts::PI / (1.0 + 0.5 * thickness / 50.0);
+        assert_close(&format!("tension, {elements}, {method}"), ratio, exponent.exp(), tolerance);
+    }
+}
+
 /// A strip under a plane that presses it and then slides along it by 2.5: either the plane moves or the strip.
 fn strip_across(steps: &str) -> Run {
     let bench = Bench::new(&format!(

@@ -76,7 +76,7 @@ def rows(folder, counts, place, columns, steps, column):
     n = counts[0]
     every = lambda m: lambda i, j, k: "p" if (i + 2 * j + 3 * k) % m == 0 else ""
     cases = [("none", lambda i, j, k: ""), ("an eighth in pyramids", every(8)), ("a quarter", every(4)),
-             ("half", every(2)), ("all", every(1)),
+             ("half", every(2)),
              ("half in tetrahedra", lambda i, j, k: "t" if 2 * i >= n else "")]
     for name, cut in cases:
         say(name)

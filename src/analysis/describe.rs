@@ -298,6 +298,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Sets => "with active sets that stand still in the iteration, or not",
         Remedy::Central => "along the central path",
         Remedy::Settle => "with contacts that stick until they settle",
+        Remedy::Glide => "with friction once all is in balance without it",
         Remedy::Jump => "as a jump",
     };
     format!("  {step}: {reason} with increment {size:.3e}; again {next}")

@@ -56,6 +56,8 @@ pub enum Remedy {
     Central,
     /// What touches sticks until it settles.
     Settle,
+    /// What touches has friction once all is in balance without it.
+    Glide,
     /// A jump.
     Jump,
 }

@@ -38,6 +38,9 @@
 //!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
 //!    fro. There sets come first, for they take a third of the iterations of the path. They have the unknowns and the solution
 //!    of the augmented Lagrangian; what has helped is kept.
+//!    Where nothing has converged yet and what touches has friction, it *glides* before that: friction comes when all is in
+//!    balance without it. Where much begins to touch at once with no force and is to slip, as a belt around a pulley, the
+//!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
@@ -93,6 +96,8 @@ pub struct Tries {
     follows: Option<bool>,
     /// Friction grows a little with slip; `None` when it did not help in this increment.
     creeps: Option<bool>,
+    /// Friction comes when all is in balance without it; `None` when it did not help in this increment.
+    glides: Option<bool>,
     way: Way,
     /// Penalties are lower.
     soft: bool,
@@ -127,6 +132,8 @@ pub struct Means {
     pub center: bool,
     /// Contacts that settle: some has friction, or a penalty that is not the automatic one.
     pub settle: bool,
+    /// Friction that comes later: some contact has friction.
+    pub glide: bool,
     /// Multipliers that are held: nodes touch several masters with friction and multipliers that are unknowns.
     pub hold: bool,
     /// Jumps that may fail.
@@ -138,6 +145,7 @@ crate::words!(Tries {
     yields,
     follows,
     creeps,
+    glides,
     way,
     soft,
     sets,
@@ -189,6 +197,7 @@ impl Ladder {
             yields: Some(false),
             follows: Some(false),
             creeps: Some(false),
+            glides: Some(false),
             way: Way::Newton { settle: false },
             soft: false,
             sets: false,
@@ -251,6 +260,7 @@ impl Ladder {
     pub fn manner(&self, ahead: bool) -> Manner {
         Manner {
             settles: self.way() == Way::Newton { settle: true },
+            glides: self.tries.glides == Some(true) && self.tries.way != Way::Jump,
             ahead,
             automatic: self.is_remedy() || self.yields(),
             soft: self.is_soft(),
@@ -287,6 +297,7 @@ impl Ladder {
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
         self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.creeps = Some(self.tries.creeps == Some(true));
+        self.tries.glides = Some(false);
         self.tries.jumped = if self.tries.way == Way::Jump {
             self.tries.jumped + self.controls.jump_weight
         } else {
@@ -332,7 +343,14 @@ impl Ladder {
             self.tries.jumps += 1;
             return (self.tries.jumps < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         }
-        self.turn(cause, is_long).or_else(|| self.shorten(increments, end, cause))
+        if let Some(remedy) = self.turn(cause, is_long) {
+            return Some(remedy);
+        }
+        let may_glide = self.means.glide && !self.settles && !is_long && cause.is_of_iteration() && !self.is_remedy();
+        if is_new(&mut self.tries.glides, may_glide) {
+            return Some(Remedy::Glide);
+        }
+        self.shorten(increments, end, cause)
     }
 
     /// The watch has refused the increment.
@@ -586,6 +604,27 @@ mod tests {
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
         assert!(!ladder.manner(false).clings);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
+    }
+
+    /// Where nothing has converged, friction comes later, once; after increments that converge one that does not is too long.
+    #[test]
+    fn friction_comes_later_where_nothing_has_converged() {
+        let bounds = Increment { initial: 0.5, min: 0.01, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = begin(Means { settle: true, glide: true, ..means() });
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Glide));
+        assert!(ladder.manner(false).glides);
+        let mut helped = ladder;
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
+        assert!(!ladder.manner(false).glides);
+        assert_eq!(ladder.fail(&mut increments, 0.25, Cause::Iteration), Some(Remedy::Cut));
+        helped.succeed();
+        assert!(!helped.manner(false).glides);
+        assert_eq!(helped.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
+        // What friction alone holds would be without anything.
+        let mut ladder = begin(Means { settle: true, glide: true, ..means() });
+        ladder.settles = true;
+        assert_ne!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Glide));
     }
 
     #[test]

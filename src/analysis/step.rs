@@ -141,6 +141,7 @@ impl<'a> Simulation<'a> {
             sort_first: self.model.pairs.iter().any(|pair| pair.master.tool().is_none()),
             center: can_center(&self.model.pairs),
             settle: frictional || given,
+            glide: frictional,
             hold: false,
             jumps,
         };

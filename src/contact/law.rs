@@ -102,6 +102,8 @@ pub struct Law {
     pub penalty: f64,
     /// What touches sticks, however large the force, unless it is drawn.
     pub rough: bool,
+    /// It has no friction yet: what touches slips.
+    pub glides: bool,
     /// It touches, however far it is: an iteration that begins with this does not leave behind what a master goes away from.
     pub clings: bool,
     /// By how much the constraint of a multiplier that is an unknown gives way.
@@ -137,6 +139,7 @@ pub const LAW: Law = Law {
     tangential: 25.0,
     penalty: 100.0,
     rough: false,
+    glides: false,
     clings: false,
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
     barrier: 0.0,
@@ -400,7 +403,7 @@ fn frictional(
     let path = place.point - place.origin;
     let slip = tangential * path;
     let way = slip.norm();
-    let friction = law.friction * lean * (1.0 + law.creep * way);
+    let friction = if law.glides { 0.0 } else { law.friction * lean * (1.0 + law.creep * way) };
     // Beyond the rounding of positions.
     let is_drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
     let along = |d: usize| guide.axes.column(d) * guide.axes.column(d).transpose();
@@ -408,11 +411,12 @@ fn frictional(
     let led = tangential * leading * slip;
     let drawn = led != Vec3::zeros();
     // What is drawn has its friction along its way.
-    let kappa = if drawn { Vec3::zeros() } else { guide.kept };
+    let kappa = if drawn || law.glides { Vec3::zeros() } else { guide.kept };
     let (lambda_n, share) = law.pressed(multiplier.dot(&n) + law.normal * place.gap * lean);
     let bound = -friction * lambda_n;
     let lead = match set {
         Some(Status::Stick) => None,
+        _ if law.glides => None,
         _ => Lead::new(&led, &(tangential * (multiplier + held)), [friction, law.drawn_least], lambda_n),
     };
     let lead = lead.filter(|lead| lead.penalty > law.tangential);
@@ -428,6 +432,7 @@ fn frictional(
         Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
         Some(status) => status,
         None if lambda_n > 0.0 && !law.clings => Status::Gap,
+        None if law.glides => Status::Slip,
         None if (law.rough || law.clings || size <= (bound * (1.0 - 1e-9)).max(still)) && !drawn => Status::Stick,
         None => Status::Slip,
     };
@@ -447,14 +452,17 @@ fn frictional(
             (n * lambda_n + lambda_t, by, tangential)
         }
         Status::Slip => {
-            let t = lambda_t / size;
+            // What glides needs no direction.
+            let over = if size > 0.0 { 1.0 / size } else { 0.0 };
+            let t = lambda_t * over;
             let direction = n - friction * t;
             let force = direction * lambda_n;
-            let rotation = (Mat3::identity() - t * t.transpose()) * (bound / size);
+            let rotation = (Mat3::identity() - t * t.transpose()) * (bound * over);
             let leaning = t * n.transpose() * (friction * lambda_n * lean);
             // With what friction grows by with the slip; in the first iteration there may be none, but where it would go.
             let along = if way > 0.0 { slip / way } else { t };
             let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
+            let growth = if law.glides { Mat3::zeros() } else { growth };
             // With the penalty, too.
             let stretch = rotation * slip;
             let lead = lead.unwrap_or_default();

@@ -15,6 +15,8 @@ use crate::{Mat3, Vec3};
 pub struct Manner {
     /// What touches sticks until all is nearly in balance.
     pub settles: bool,
+    /// What touches slips without friction until all is in balance.
+    pub glides: bool,
     /// It begins from an extrapolation, in which what slips slips on.
     pub ahead: bool,
     /// With automatic penalties, whatever is given.
@@ -185,6 +187,7 @@ impl Slave {
             tangential: automatic,
             penalty: automatic,
             rough: false,
+            glides: false,
             clings: false,
             compliance,
             barrier: 0.0,
@@ -257,6 +260,7 @@ impl Slave {
         self.law.creep = if manner.creeps { controls.creep / facet_size } else { 0.0 };
         self.law.clings = manner.clings && status != Status::Gap;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
+        self.law.glides = manner.glides && self.law.friction > 0.0;
         let slack = match (self.repeats, manner.yields) {
             (true, true) => controls.wide_slack,
             (true, false) | (false, true) => controls.slack,

@@ -113,8 +113,10 @@ struct Strategy<'a> {
     tolerance: f64,
     max_iterations: usize,
     watcher: &'a mut Watcher<'a>,
-    /// What touches sticks until all is nearly in balance.
+    /// What touches sticks until all is nearly in balance, or slips without friction.
     settling: bool,
+    /// The latter.
+    glides: bool,
     /// Constraints give way by more than they do anyway.
     yields: bool,
     /// It goes along the central path, and the stages of it that are left.
@@ -177,7 +179,8 @@ impl<'a> Newton<'a> {
             tolerance: start.tolerance,
             max_iterations: start.max_iterations,
             watcher,
-            settling: start.manner.settles,
+            settling: start.manner.settles || start.manner.glides,
+            glides: start.manner.glides,
             yields: start.manner.yields,
             central: start.manner.central,
             stages: 0,
@@ -219,7 +222,7 @@ impl<'a> Newton<'a> {
         }
         note_bearers(&mut model.pairs);
         newton.learn();
-        if start.manner.central && !start.manner.settles {
+        if start.manner.central && !newton.strategy.settling {
             newton.begin_central();
         }
         newton
@@ -432,7 +435,8 @@ impl Problem for Newton<'_> {
         if !residual.is_finite() {
             return Ok(Verdict::Diverged);
         }
-        let settled = small || self.strategy.settling && iteration >= self.system.model.controls.settling_iterations;
+        let soon = self.strategy.settling && !self.strategy.glides;
+        let settled = small || soon && iteration >= self.system.model.controls.settling_iterations;
         if settled && !(self.strategy.predicting && self.strategy.moves) {
             return Ok(Verdict::Converged);
         }

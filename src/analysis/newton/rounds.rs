@@ -128,10 +128,12 @@ impl Newton<'_> {
         self.again()
     }
 
-    /// Ends the settling: what touches may slip from now on.
+    /// Ends the settling: what touches may slip from now on, and has friction.
     fn let_slip(&mut self) {
         self.strategy.settling = false;
-        self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| slave.law.rough = false);
+        self.system.model.pairs.iter_mut().flat_map(|p| &mut p.slaves).for_each(|slave| {
+            (slave.law.rough, slave.law.glides) = (false, false);
+        });
         let rounds = &mut self.course.rounds;
         (rounds.singly, rounds.settled, rounds.early) = (false, false, rounds.count);
         rounds.sets.clear();

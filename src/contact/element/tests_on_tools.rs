@@ -147,6 +147,28 @@ fn the_tangent_is_the_derivative_of_the_residual() {
     }
 }
 
+/// What glides has no friction, from where it is without a direction, too; its tangent is the derivative.
+#[test]
+fn what_glides_has_no_friction() {
+    let law = Law { glides: true, ..LAW };
+    for master in [Master::Sphere, Master::Bore, Master::Plane] {
+        for (status, x, lambda, origin) in states(master) {
+            let p = master.project(x);
+            let still = p.normal * lambda.dot(&p.normal);
+            for (lambda, origin) in [(lambda, origin), (still, p.point)] {
+                let multiplier = Multiplier::Augmented(lambda);
+                let e = element(law, &multiplier, &p, origin, &Guide::default());
+                let gap = status == Status::Gap;
+                assert_eq!(e.response.status, if gap { Status::Gap } else { Status::Slip });
+                let across = e.response.force - p.normal * p.normal.dot(&e.response.force);
+                assert!(across.norm() < 1e-15 * LAW.normal && (gap || e.response.force.norm() > 1.0));
+                let error = errors(law, master, x, &multiplier, origin, &Guide::default());
+                assert!(error < 2e-9, "{master:?} {status:?}: {error:e}");
+            }
+        }
+    }
+}
+
 /// Friction that grows with slip, from a node that has slipped, and from one that has not yet.
 #[test]
 fn the_tangent_of_friction_that_grows_is_the_derivative_of_the_residual() {
