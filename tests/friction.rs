@@ -699,6 +699,31 @@ fn a_strip_that_is_pulled_off_is_let_go() {
     assert!(run.stderr.contains("% of the friction that it can"), "{}", run.stderr);
 }
 
+/// On a slope they let go of it, which is told of; in one step with the motion they keep it.
+#[test]
+fn friction_that_goes_where_held_nodes_rest_on_a_slope_is_told_of() {
+    let scene = |steps: &str| {
+        Bench::new(&format!(
+            "[body.b]\nmaterial = \"m\"\nplane_strain = true\nblock = {{ box = {{ size = [4.0, 2.0, 1.0] }}, elements = [4, 2, 1] }}\n\
+             [material.m]\nmodel = \"hooke\"\nyoung = 1000.0\npoisson = 0.0\n\
+             [tool.floor]\nplane = {{ point = [0, 0, 0], normal = [0.1, 1, 0] }}\n\
+             [contact.c]\nslave = \"b.ymin\"\nmaster = \"floor\"\nfriction = 0.3\n{steps}[output]\nhistory = [\"b\"]\n"
+        ))
+    };
+    let press = "force = [{ target = \"b.ymax\", total = [0.0, -40.0, 0.0] }]\n";
+    let push = |table: &str| format!("move = [{{ target = \"b\", by = [0.5, 0, 0], directions = \"x\"{table} }}]\n");
+    let first = format!(
+        "[[step]]\nname = \"press\"\nincrements = 2\nfix = [{{ set = \"b\", directions = \"x\" }}]\n{press}\
+         [[step]]\nname = \"push\"\nincrements = 8\nkeep = true\n"
+    );
+    let told = |run: &Run| run.log().contains("let go of friction of ");
+    let apart =
+        scene(&format!("{first}{}[[step]]\nname = \"rest\"\nincrements = 2\nkeep = true\n", push(""))).solve(2, &[]);
+    assert!(told(&apart), "{}", apart.log());
+    let together = scene(&format!("{first}{}", push(", table = [[0, 0], [0.8, 1], [1, 1]]"))).solve(2, &[]);
+    assert!(!told(&together), "{}", together.log());
+}
+
 /// A block that is pressed and pushed over a floor, rests, and is pressed harder and less: what nodes that are held along the floor
 /// bear of the friction stays, as far as it is within the cone; in a step of its own as within one.
 #[test]
@@ -732,7 +757,9 @@ fn friction_stays_where_nodes_that_are_held_rest() {
                 press(-60.0),
                 press(-20.0),
             ));
-            let history = bench.solve(1, &[]).history();
+            let run = bench.solve(1, &[]);
+            assert!(!run.log().contains("let go of friction"), "{}", run.log());
+            let history = run.history();
             let last = |step: &str| {
                 let row = history.steps.iter().rposition(|name| name == step).unwrap();
                 history.column("floor.fx")[row]

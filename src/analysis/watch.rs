@@ -28,6 +28,9 @@ const STILL: f64 = 1e-9;
 /// It has moved into the slave, and neither off nor along it, if this share of its way is against the slave: 60 degrees.
 const INTO: f64 = 0.5;
 
+/// Nodes that let go of friction of more of a contact's force as they rest are told of: what engineers would not see in a curve.
+const LET_GO: f64 = 2e-3;
+
 /// What a contact did until now.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Touch {
@@ -53,6 +56,8 @@ pub struct Touch {
     /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
     slid: Loss,
     jumped: Loss,
+    /// The same of friction that nodes let go of as they come to rest.
+    rested: Loss,
     /// The largest share of that with which nodes bore on several tools at once, held by friction, and when.
     shared: f64,
     shared_at: f64,
@@ -75,6 +80,7 @@ crate::words!(Touch {
     borne,
     slid,
     jumped,
+    rested,
     shared,
     shared_at,
     apart,
@@ -294,11 +300,12 @@ impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
     pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
-        const EACH: usize = 10;
+        const EACH: usize = 11;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
         let shared = shared(&self.model.pairs);
         for ((pair, slid), shared) in self.model.pairs.iter().zip(slid).zip(shared) {
+            let let_go: f64 = pair.slaves.iter().map(|slave| slave.accepted.let_go).sum();
             let (mut count, mut borne, mut force, mut middle) = (0.0, 0.0, Vec3::zeros(), Vec3::zeros());
             for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
                 let node = slave.node as usize;
@@ -307,7 +314,7 @@ impl Simulation<'_> {
                 force -= slave.accepted.force - slave.accepted.traction();
                 middle += self.model.part.points[node] + self.state.u[node];
             }
-            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared]);
+            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared, let_go]);
         }
         sum(self.comm, &mut sums);
         let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
@@ -337,9 +344,14 @@ impl Simulation<'_> {
                 (touch.between, touch.deepest_at) = (*between, self.state.time);
             }
         }
+        let most = sums.chunks_exact(EACH).map(|sums| sums[7]).fold(0.0, f64::max);
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
             let borne = [std::mem::replace(&mut touch.borne, sums[7]), sums[7]];
             touch.slid = touch.slid.or_larger(Loss::new(sums[8], borne, self.state.time));
+            // Of what bears more than rounding.
+            if sums[7] > 1e-9 * most {
+                touch.rested = touch.rested.or_larger(Loss::new(sums[10], borne, self.state.time));
+            }
             if is_jump {
                 let change = (borne[1] - borne[0]).abs();
                 touch.jumped = touch.jumped.or_larger(Loss::new(change, borne, self.state.time));
@@ -408,6 +420,15 @@ impl Simulation<'_> {
                     "contact `{name}`: nodes slid off the end of {master} with {:.0} % of its force, which went from {from:.6e} to \
                      {to:.6e} N (time {at:.6}): between its nodes a slave does not feel where a master ends; extend that, refine \
                      the slave, or take `discretization = \"segment\"`",
+                    100.0 * share
+                ));
+            }
+            if touch.rested.share > LET_GO {
+                let Loss { share, from, to, at } = touch.rested;
+                warnings.push(format!(
+                    "contact `{name}`: nodes that are held along {master}, which leans there, let go of friction of {:.1} % of its \
+                     force as they came to rest, which went from {from:.6e} to {to:.6e} N (time {at:.6}): let them move and rest in \
+                     one step, with a `table`",
                     100.0 * share
                 ));
             }

@@ -90,7 +90,8 @@ impl Meeting {
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
         let mut guide = seen.map_or(Guide::default(), |p| guide(ground, &p, moves));
-        guide.kept = slave.friction_across(&guide, ahead.segments.is_some());
+        let (kept, let_go) = slave.friction_across(&guide, ahead.segments.is_some());
+        guide.kept = kept;
         let met = ahead.segments.map(|segments| segments.meet(pair, s, projection.as_ref()));
         // One that goes to and fro over a kink keeps to what it was on, unless it has left it for another piece; to a single piece as
         // long as it is not exactly between that and others, which on the way it is by symmetry alone.
@@ -114,6 +115,7 @@ impl Meeting {
         slave.trial.kinks.note_entrance(enters);
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
         let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
+        slave.trial.let_go = if guide.drawn == [false; 3] { let_go } else { 0.0 };
         slave.trial.yields = pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(&p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
         let touch = |p: &Projection| several.unwrap_or_else(|| Touch::Node(ground.slip_origin(slave, p)));

@@ -334,23 +334,28 @@ impl Slave {
         }
     }
 
-    /// The part of the friction of the last increment along the directions in which it is held now; none in a plane of symmetry, and
-    /// none where the normal leans into these directions, for there the rest of it would be part of the force that presses the node.
-    /// The normal of means of faces must not lean at all: what of it is across would be taken for friction.
-    pub fn friction_across(&self, guide: &Guide, of_faces: bool) -> Vec3 {
+    /// The part of the friction of the last increment along the directions in which it is held now, and how much of it is not kept
+    /// where it rests, N. There is none in a plane of symmetry. It is not kept where the normal leans into these directions, for there
+    /// the rest of it would be part of the force that presses the node. The normal of means of faces must not lean at all: what of it is
+    /// across would be taken for friction.
+    pub fn friction_across(&self, guide: &Guide, of_faces: bool) -> (Vec3, f64) {
         // Of the force, and of a unit vector.
         const ROUNDING: f64 = 1e-9;
         const LEANS: f64 = 1e-2;
         let (Status::Stick | Status::Slip, Some(at)) = (self.accepted.status, self.accepted.projection) else {
-            return Vec3::zeros();
+            return (Vec3::zeros(), 0.0);
         };
         if self.law.friction == 0.0 || guide.held == [false; 3] {
-            return Vec3::zeros();
+            return (Vec3::zeros(), 0.0);
         }
         let across = |v: &Vec3| v - guide.free() * v;
         let (kept, lean) = (across(&self.accepted.traction()), across(&at.normal).norm());
         let leans = lean > if of_faces { ROUNDING } else { LEANS };
-        if leans || kept.norm() <= ROUNDING * self.accepted.force.norm() { Vec3::zeros() } else { kept }
+        match () {
+            _ if kept.norm() <= ROUNDING * self.accepted.force.norm() => (Vec3::zeros(), 0.0),
+            _ if leans => (Vec3::zeros(), kept.norm()),
+            _ => (kept, 0.0),
+        }
     }
 
     /// Takes back the gap of the last increment, which a multiplier has taken over for the next: the force is then again that

@@ -66,6 +66,8 @@ pub struct Trial {
     pub kinks: Kinks,
     /// Slip since the last converged increment.
     pub slip: Vec3,
+    /// Friction of the last converged increment that is not kept now that the node rests, N.
+    pub let_go: f64,
     /// The status differs from that of the iterate before, or the slip has turned back.
     pub changed: bool,
     /// How often that happened in succession.
@@ -89,6 +91,7 @@ crate::words!(Trial {
     projection,
     kinks,
     slip,
+    let_go,
     changed,
     flips,
     asked,
