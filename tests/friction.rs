@@ -385,6 +385,84 @@ fn a_thin_belt_around_a_pulley_is_pulled_without_jumps() {
     }
 }
 
+/// Beside a belt that is pulled so, a wedge of 5 degrees that friction has locked between two planes stays there: what bears already
+/// keeps its friction all the time.
+#[test]
+fn what_friction_has_locked_stays_beside_what_begins_to_touch() {
+    let springs = "spring = [{ set = \"w\", stiffness = [0.001, 0.001, 0.0] }]";
+    let held = "fix = [{ set = \"belt.amax\" }, { set = \"belt.amin\" }]";
+    let bench = Bench::new(&format!(
+        r#"
+        [body.belt]
+        material = "m"
+        plane_strain = true
+        [body.belt.block]
+        sector = {{ radii = [50.0, 50.2], angles = [0.0, 180.0], length = 1.0 }}
+        elements = [2, 60, 1]
+        [body.w]
+        mesh = "wedge.msh"
+        material = "m"
+        plane_strain = true
+        [material.m]
+        model = "hooke"
+        young = 1000.0
+        poisson = 0.3
+        [tool.pulley]
+        cylinder = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 50.0 }}
+        [tool.left]
+        plane = {{ point = [195.0, 0.0, 0.0], normal = [0.9961946980917455, 0.08715574274765817, 0.0] }}
+        [tool.right]
+        plane = {{ point = [205.0, 0.0, 0.0], normal = [-0.9961946980917455, 0.08715574274765817, 0.0] }}
+        [contact.wrap]
+        slave = "belt.rmin"
+        master = "pulley"
+        friction = {MU:?}
+        [contact.l]
+        slave = "w.xmin"
+        master = "left"
+        friction = {MU:?}
+        [contact.r]
+        slave = "w.xmax"
+        master = "right"
+        friction = {MU:?}
+        [[step]]
+        name = "in"
+        increments = 5
+        {held}
+        force = [{{ target = "w.ymax", total = [0.0, -84.0, 0.0] }}]
+        {springs}
+        [[step]]
+        name = "free"
+        increments = 5
+        {held}
+        {springs}
+        [[step]]
+        name = "pull"
+        increments = 10
+        fix = [{{ set = "belt.amax" }}]
+        move = [{{ target = "belt.amin", by = [0.0, -1.0, 0.0], directions = "y" }}]
+        {springs}
+        [output]
+        every = 100
+        history = ["belt.amin", "w.ymax"]
+        "#
+    ));
+    let lean = 5f64.to_radians().tan();
+    let place = |[s, t, r]: [f64; 3]| [200.0 + (2.0 * s - 1.0) * (5.0 + lean * 10.0 * t), 10.0 * t, r];
+    bench.write("wedge.msh", &msh::block([6, 6, 1], false, place));
+    let run = bench.solve(2, &[]);
+    assert!(run.log().contains("once all is in balance without it"), "{}", run.log());
+    let history = run.history();
+    let at_end = |step: &str| {
+        let row = history.steps.iter().rposition(|name| name == step).unwrap();
+        [history.column("left.fx")[row].abs(), history.column("w.ymax.uy")[row]]
+    };
+    let [free, pulled] = ["free", "pull"].map(at_end);
+    assert!(free[0] > 80.0, "{free:?}");
+    assert_close("force of the wedge", pulled[0], free[0], 1e-3);
+    assert_close("where it is", pulled[1], free[1], 1e-3);
+}
+
 /// A strip under a plane that presses it and then slides along it by 2.5: either the plane moves or the strip.
 fn strip_across(steps: &str) -> Run {
     let bench = Bench::new(&format!(

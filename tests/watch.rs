@@ -488,6 +488,15 @@ fn contacts_that_do_not_act_are_named_at_the_end() {
     let ball = "sphere]\ncenter = [2.0, 2.0, 3.05]\nradius = 1.0";
     let run = block(ball, &(moved("-0.1") + "\n" + along)).solve(1, &[]);
     assert!(run.history().last("c.active") == 0.0 && !run.log().contains("any more"), "{}", run.log());
+    // A table that goes along itself has not left: a load was forgotten, and springs lift the block off.
+    let table = "plane]\npoint = [0.0, 0.0, 2.01]\nnormal = [0.0, 0.0, -1.0]";
+    let springs = "spring = [{ set = \"b\", stiffness = [100.0, 100.0, 100.0] }]";
+    let pressed = format!("{springs}\nforce = [{{ target = \"b.bottom\", total = [0.0, 0.0, 200.0] }}]");
+    let along = format!(
+        "[[step]]\nname = \"drag\"\nincrements = 5\n{springs}\nmove = [{{ target = \"t\", by = [0.1, 0.0, 0.0] }}]"
+    );
+    let run = block(table, &format!("{pressed}\n{along}")).solve(1, &[]);
+    assert!(run.history().last("c.active") == 0.0 && run.log().contains("nothing touches the tool `t` any more"));
     // The block is drawn away from under the tool.
     let drawn = "[[step]]\nname = \"next\"\nincrements = 1\nmove = [{ target = \"b.bottom\", by = [0.0, 0.0, -0.5] }]";
     let until = warnings(&(moved("-0.3") + "\n" + drawn));

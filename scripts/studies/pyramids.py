@@ -7,14 +7,37 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from shared import arguments, say, study
 from wedges import COOK, CUBE, METAL, RUBBER, found, membrane
+
+from shared import arguments, say, study
 
 FACES = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
 BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 CORNERS = BOTTOM + [(i, j, 1) for i, j, _ in BOTTOM]
 SIDES = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
-METALLIC = 'model = "hooke"\nyoung = 240.565\npoisson = 0.3'
+COMPRESSIBLE = 'model = "hooke"\nyoung = 240.565\npoisson = 0.3'
+
+
+def write(path, points, elements):
+    """A file of Gmsh with these points by number, and elements as kind, group and nodes."""
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "7"]
+    lines += [f'2 {k + 1} "{name}"' for k, name in enumerate(SIDES)] + ['3 7 "solid"', "$EndPhysicalNames"]
+    lines += ["$Nodes", len(points)]
+    lines += ["{} {!r} {!r} {!r}".format(n, *x) for n, x in points.items()]
+    lines += ["$EndNodes", "$Elements", len(elements)]
+    lines += [
+        " ".join(map(str, [k + 1, kind, 2, group, group, *nodes])) for k, (kind, group, nodes) in enumerate(elements)
+    ]
+    path.write_text("\n".join(map(str, lines + ["$EndElements", ""])))
+
+
+def side_of(parts, outward, at):
+    """The parts of a free face with the number of the side of the unit cube that it is on."""
+    for axis in range(3):
+        for side in range(2):
+            if all(at[n][axis] == side for n in outward):
+                return [(len(part) - 1, 1 + 2 * axis + side, part) for part in parts(outward)]
+    return []
 
 
 def mesh(path, counts, place, cut):
@@ -47,10 +70,7 @@ def mesh(path, counts, place, cut):
 
     elements = []
     for outward in sides.values():
-        for axis in range(3):
-            for side in range(2):
-                if all(at[n][axis] == side for n in outward):
-                    elements += [(len(part) - 1, 1 + 2 * axis + side, part) for part in parts(outward)]
+        elements += side_of(parts, outward, at)
     for i, j, k in cells:
         nodes = [number(i + a, j + b, k + c) for a, b, c in CORNERS]
         if not cut(i, j, k):
@@ -61,14 +81,7 @@ def mesh(path, counts, place, cut):
         for face in FACES:
             for part in parts([nodes[c] for c in face]):
                 elements.append((7 if len(part) == 4 else 4, 7, part[::-1] + [apex]))
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "7"]
-    lines += [f'2 {k + 1} "{name}"' for k, name in enumerate(SIDES)] + ['3 7 "solid"', "$EndPhysicalNames"]
-    lines += ["$Nodes", len(at)]
-    lines += ["{} {!r} {!r} {!r}".format(n, *place(*x)) for n, x in at.items()]
-    lines += ["$EndNodes", "$Elements", len(elements)]
-    lines += [" ".join(map(str, [k + 1, kind, 2, group, group, *nodes]))
-              for k, (kind, group, nodes) in enumerate(elements)]
-    path.write_text("\n".join(map(str, lines + ["$EndElements", ""])))
+    write(path, {n: place(*x) for n, x in at.items()}, elements)
 
 
 def rows(folder, counts, place, columns, steps, column):
@@ -89,7 +102,7 @@ def main():
     study.setup()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        columns = [("", METALLIC), ("", RUBBER), ('element = "hex8-eas"', RUBBER)]
+        columns = [("", COMPRESSIBLE), ("", RUBBER), ('element = "hex8-eas"', RUBBER)]
         for n in (8, 16):
             table = rows(folder, (n, n, 1), membrane, columns, COOK, "b.xmax.uy")
             study.table([f"Cook, {n}", "compressible", "rubber", "`hex8-eas`"], table)

@@ -56,7 +56,7 @@ pub enum Remedy {
     Central,
     /// What touches sticks until it settles.
     Settle,
-    /// What touches has friction once all is in balance without it.
+    /// What begins to touch has friction once all is in balance without it.
     Glide,
     /// A jump.
     Jump,

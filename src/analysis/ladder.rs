@@ -38,8 +38,8 @@
 //!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
 //!    fro. There sets come first, for they take a third of the iterations of the path. They have the unknowns and the solution
 //!    of the augmented Lagrangian; what has helped is kept.
-//!    Where nothing has converged yet and what touches has friction, it *glides* before that: friction comes when all is in
-//!    balance without it. Where much begins to touch at once with no force and is to slip, as a belt around a pulley, the
+//!    Where nothing has converged yet and some contact has friction, what begins to touch *glides* before that: its friction comes
+//!    when all is in balance without it. Where much begins to touch at once with no force and is to slip, as a belt around a pulley, the
 //!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.

@@ -2,10 +2,10 @@
 //! where others do not.
 
 use crate::Vec3;
-use crate::contact::{Discretization, Pair, Status, Tangent, guidance};
+use crate::contact::{Discretization, Pair, Slave, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
-use crate::parallel::{sum, word_of_largest};
+use crate::parallel::{max, sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -76,6 +76,33 @@ fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<Strin
             model.master_name(pair)
         )
     })
+}
+
+/// Contacts of which nodes are deep inside the master at displacements `u`, where nothing has converged yet: a shorter increment pushes
+/// them out as far. Collective.
+pub fn overlapping(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
+    /// Over the facets of the slave.
+    const DEEP: f64 = 0.1;
+    let of = |pair: &Pair| {
+        let ground = model.masters.of(pair.master);
+        let depth = |(s, slave): (usize, &Slave)| {
+            let x = model.part.points[slave.node as usize] + u[slave.node as usize];
+            Some(-ground.nearest(pair, s, &ground.seen_from(&x), pair.reach)?.gap)
+        };
+        let deepest = pair.slaves.iter().enumerate().filter_map(depth).fold(0.0, f64::max);
+        let mut depth = [deepest];
+        max(comm, &mut depth);
+        (depth[0] > DEEP * pair.facet_size).then(|| {
+            format!(
+                "contact `{}` begins with nodes up to {:.3e} deep in {}, which the first increment pushes out however short it is: \
+                 begin apart and move there, over a cone where that goes along the surface",
+                pair.name,
+                depth[0],
+                model.master_name(pair)
+            )
+        })
+    };
+    model.pairs.iter().filter_map(of).collect()
 }
 
 /// Contacts of which nodes are in hollow edges of the master, at displacements `u`, which the master attends to: two sides press

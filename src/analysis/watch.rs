@@ -23,7 +23,7 @@ use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-/// A tool has not moved if by less than this, over the size of the model: rounding.
+/// The cosine of the angle between a way along a surface and its normal: rounding.
 const STILL: f64 = 1e-9;
 /// It has moved into the slave, and neither off nor along it, if this share of its way is against the slave: 60 degrees.
 const INTO: f64 = 0.5;
@@ -495,11 +495,23 @@ impl Simulation<'_> {
         warnings
     }
 
-    /// Whether the tool has moved away from where it touched, or along it.
+    /// Whether the tool has moved away from where it touched, against its force, or along the slave to where none of it is. Collective.
     fn was_taken_away(&self, pair: &Pair, touch: &Touch) -> bool {
-        let way = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point) - touch.middle;
-        pair.master.tool().zip(touch.on_tool).map(way).is_some_and(|way| {
-            way.norm() > STILL * self.model.size && way.dot(&touch.force) < INTO * way.norm() * touch.force.norm()
+        // The box around the slave: the negative of its lower corner, and its upper one.
+        let mut ends = [f64::NEG_INFINITY; 6];
+        for slave in &pair.slaves {
+            let x = self.model.part.points[slave.node as usize] + self.state.u[slave.node as usize];
+            (0..3).for_each(|d| (ends[d], ends[3 + d]) = (ends[d].max(-x[d]), ends[3 + d].max(x[d])));
+        }
+        max(self.comm, &mut ends);
+        let is_beside =
+            |x: &Vec3| (0..3).any(|d| -x[d] > ends[d] + pair.facet_size || x[d] > ends[3 + d] + pair.facet_size);
+        let now = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point);
+        pair.master.tool().zip(touch.on_tool).map(now).is_some_and(|now| {
+            let way = now - touch.middle;
+            let into = way.dot(&touch.force);
+            into < -STILL * way.norm() * touch.force.norm()
+                || is_beside(&now) && into < INTO * way.norm() * touch.force.norm()
         })
     }
 }

@@ -102,7 +102,7 @@ pub struct Law {
     pub penalty: f64,
     /// What touches sticks, however large the force, unless it is drawn.
     pub rough: bool,
-    /// It has no friction yet: what touches slips.
+    /// It has no friction yet: it slips when it touches.
     pub glides: bool,
     /// It touches, however far it is: an iteration that begins with this does not leave behind what a master goes away from.
     pub clings: bool,

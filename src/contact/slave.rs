@@ -15,7 +15,7 @@ use crate::{Mat3, Vec3};
 pub struct Manner {
     /// What touches sticks until all is nearly in balance.
     pub settles: bool,
-    /// What touches slips without friction until all is in balance.
+    /// What begins to touch slips without friction until all is in balance.
     pub glides: bool,
     /// It begins from an extrapolation, in which what slips slips on.
     pub ahead: bool,
@@ -260,7 +260,8 @@ impl Slave {
         self.law.creep = if manner.creeps { controls.creep / facet_size } else { 0.0 };
         self.law.clings = manner.clings && status != Status::Gap;
         self.law.rough = manner.settles && !(manner.ahead && status == Status::Slip);
-        self.law.glides = manner.glides && self.law.friction > 0.0;
+        // Not what bears already: friction may hold it where it is.
+        self.law.glides = manner.glides && self.law.friction > 0.0 && self.accepted.force == Vec3::zeros();
         let slack = match (self.repeats, manner.yields) {
             (true, true) => controls.wide_slack,
             (true, false) | (false, true) => controls.slack,

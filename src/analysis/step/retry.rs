@@ -109,6 +109,9 @@ impl Simulation<'_> {
             self.model.masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
             watch::attend(self.comm, &mut self.model, &self.state.u);
             remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
+            if self.state.increments == 0 {
+                remedies.splice(0..0, suspects::overlapping(self.comm, &self.model, &self.state.u));
+            }
             remedies.splice(0..0, suspects::hollow(self.comm, &self.model, &self.state.u));
         }
         if frame.hangs {
