@@ -260,7 +260,7 @@ impl Ladder {
     pub fn manner(&self, ahead: bool) -> Manner {
         Manner {
             settles: self.way() == Way::Newton { settle: true },
-            glides: self.tries.glides == Some(true) && self.tries.way != Way::Jump,
+            glides: self.glides(),
             ahead,
             automatic: self.is_remedy() || self.yields(),
             soft: self.is_soft(),
@@ -276,6 +276,11 @@ impl Ladder {
     pub fn jumps_on(&self) -> bool {
         self.tries.jumped >= self.controls.jump_weight * self.controls.jump_run
             || self.refused > self.controls.jump_tries
+    }
+
+    /// Whether friction of what begins to touch comes when all is in balance without it.
+    pub fn glides(&self) -> bool {
+        self.tries.glides == Some(true) && self.tries.way != Way::Jump
     }
 
     /// Whether constraints of multipliers give way until they are tightened.
