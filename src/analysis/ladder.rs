@@ -132,7 +132,7 @@ pub struct Means {
     pub center: bool,
     /// Contacts that settle: some has friction, or a penalty that is not the automatic one.
     pub settle: bool,
-    /// Friction that comes later: some contact has friction.
+    /// Friction that comes later: some contact has friction, nothing flows, and no surface meets itself.
     pub glide: bool,
     /// Multipliers that are held: nodes touch several masters with friction and multipliers that are unknowns.
     pub hold: bool,

@@ -141,7 +141,8 @@ impl<'a> Simulation<'a> {
             sort_first: self.model.pairs.iter().any(|pair| pair.master.tool().is_none()),
             center: can_center(&self.model.pairs),
             settle: frictional || given,
-            glide: frictional,
+            // What flows does so on the way, and surfaces that meet themselves have a remedy of their own.
+            glide: frictional && !self.model.can_flow() && !self.model.pairs.iter().any(Pair::is_self),
             hold: false,
             jumps,
         };
