@@ -11,7 +11,8 @@
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
 //! - [`controls`]: the numbers that decide whether a solution is found, with their reasons
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
-//! - [`mesh`]: points, elements, groups; readers for Gmsh, Abaqus and STL; elements of second order split, collapsed ones taken for what they are; blocks; checks
+//! - [`mesh`]: points, elements, groups; readers for Gmsh, Abaqus and STL; elements of second order split, collapsed
+//!   ones taken for what they are; blocks; checks
 //! - [`partition`]: METIS, node ownership, the node halo
 //! - [`surface`]: geometry without mechanics: facets, normals, Nagata patches, analytic shapes, closest points
 //! - [`cad`]: surfaces of tools from CAD files: IGES, Bézier patches

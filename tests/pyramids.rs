@@ -3,66 +3,36 @@
 
 mod common;
 
+use common::fillers::{assert_even, assert_same_on_ranks_and_restarted, blocks, in_tube, tubes};
 use common::msh::Cut;
-use common::{Bench, Run, assert_close, assert_small, msh};
-use std::f64::consts::PI;
-use std::fmt::Write;
+use common::{Bench, assert_close, assert_small, msh};
 
-/// A quarter of a tube of radii 1 and 2 in plane strain, under inner pressure, as that of `wedges`: with every fourth hexahedron as six
+/// A tube under inner pressure: with every fourth hexahedron as six
 /// pyramids its error (rms) is at most twice that of hexahedra alone, five times where the volume is kept, and falls at least as that
 /// does; linear tetrahedra, inside half of the wall, are stiffer, and lock where the volume is kept.
 #[test]
 fn a_filled_tube_converges_as_one_of_hexahedra() {
-    let (young, p) = (100.0, 0.01);
-    // One beside the other along z.
-    let place = |at: f64, [r, t, z]: [f64; 3]| {
-        let (sine, cosine) = (0.5 * PI * t).sin_cos();
-        [(1.0 + r) * cosine, (1.0 + r) * sine, at + 0.2 * z].map(|x| if x.abs() < 1e-12 { 0.0 } else { x })
-    };
     for (element, poisson) in [("hex8", 0.3), ("hex8-fbar", 0.4999)] {
-        let mut scene = format!("[material.m]\nmodel = \"hooke\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
-        let (mut fix, mut pressure) = (String::new(), String::new());
-        let sizes = [6, 12];
-        let kinds = ["hex", "pyr", "tet"];
-        let bodies: Vec<String> = sizes.iter().flat_map(|n| kinds.map(|kind| format!("{kind}{n}"))).collect();
-        for body in &bodies {
-            let _ = writeln!(scene, "[body.{body}]\nmesh = \"{body}.msh\"\nmaterial = \"m\"\nelement = \"{element}\"");
-            for (side, axis) in [("ymin", "y"), ("ymax", "x"), ("zmin", "z"), ("zmax", "z")] {
-                let _ = write!(fix, "{{ set = \"{body}.{side}\", directions = \"{axis}\" }}, ");
-            }
-            let _ = write!(pressure, "{{ set = \"{body}.xmin\", value = {p:?} }}, ");
-        }
-        let bench = Bench::new(&format!("{scene}[[step]]\nincrements = 1\nfix = [{fix}]\npressure = [{pressure}]\n"));
-        for (b, body) in bodies.iter().enumerate() {
-            let n = sizes[b / kinds.len()];
-            let cut = |e: usize| match b % kinds.len() {
-                1 if (e % n + 2 * (e / n)).is_multiple_of(4) => Cut::Pyramids,
-                2 if e % n < n / 2 => Cut::Tetrahedra,
+        let mesh = |(b, (kind, n)): (usize, (&str, usize))| {
+            let cut = |e: usize| match kind {
+                "pyr" if (e % n + 2 * (e / n)).is_multiple_of(4) => Cut::Pyramids,
+                "tet" if e % n < n / 2 => Cut::Tetrahedra,
                 _ => Cut::Whole,
             };
-            let mesh = msh::block([n, n, 1], false, |x| place(b as f64, x));
-            bench.write(&format!("{body}.msh"), &msh::filled(&mesh, cut));
-        }
-        let run = bench.solve(2, &[]);
-        let error = |body: &String| {
-            let grid = format!("body.{body}");
-            let (points, moved) = (run.points(&grid), run.vectors(1, &grid, "displacement"));
-            let off = |(x, u): (&[f64; 3], &[f64; 3])| {
-                let r = x[0].hypot(x[1]);
-                let exact = (1.0 + poisson) * p / (3.0 * young) * ((1.0 - 2.0 * poisson) * r + 4.0 / r);
-                ((x[0] * u[0] + x[1] * u[1]) / r / exact - 1.0).powi(2)
-            };
-            (points.iter().zip(&moved).map(off).sum::<f64>() / points.len() as f64).sqrt()
+            // One beside the other along z.
+            let mesh = msh::block([n, n, 1], false, |x| in_tube(b as f64, x));
+            (format!("{kind}{n}"), msh::filled(&mesh, cut))
         };
-        let found: Vec<f64> = bodies.iter().map(error).collect();
-        println!("{element}, {poisson}: {found:?}");
+        let all = [6, 12].into_iter().flat_map(|n| ["hex", "pyr", "tet"].map(|kind| (kind, n)));
+        let meshes: Vec<(String, String)> = all.enumerate().map(mesh).collect();
+        let (found, log) = tubes(element, poisson, &meshes);
         let [hex, pyr, tet, fine_hex, fine_pyr, fine_tet] = found[..] else { panic!() };
         let most = if poisson < 0.4 { 2.0 } else { 5.0 };
         assert!(pyr < most * hex && fine_pyr < most * fine_hex && fine_pyr < 0.3 * pyr, "{found:?}");
         if poisson < 0.4 {
             assert!(tet < 3.0 * hex && fine_tet < 0.35 * tet, "{found:?}");
         } else {
-            assert!(run.log().contains("body `tet12`: linear tetrahedra are too stiff"), "{}", run.log());
+            assert!(log.contains("body `tet12`: linear tetrahedra are too stiff"), "{log}");
         }
     }
 }
@@ -126,21 +96,7 @@ fn ranks_restarts_and_refinement() {
     let [foot, ball] = ["cube.zmin", "ball"].map(|name| ["fx", "fz"].map(|c| history.last(&format!("{name}.{c}"))));
     assert!(ball[0].abs() > 0.1 * ball[1].abs(), "{ball:?}");
     (0..2).for_each(|d| assert_small("balance", (foot[d].abs() - ball[d].abs()) / ball[1], 1e-8));
-    // Rounding decides on the last iteration.
-    let same = |what: &str, other: Run| {
-        assert_small(what, other.history().without("iterations").difference(&history), 1e-8);
-    };
-    same("two ranks", bench.solve(2, &[]));
-    let first = bench.solve(2, &["--steps", "1"]);
-    let (scene, out) = (bench.path("scene.toml"), first.out.to_str().unwrap());
-    let on = common::nagata(
-        &bench.path(""),
-        1,
-        &["run", scene.to_str().unwrap(), "--out", out, "--restart"],
-        first.out.clone(),
-    );
-    assert_eq!(on.code, 0, "{}", on.stderr);
-    same("restarted", on);
+    assert_same_on_ranks_and_restarted(&bench, &history);
     let fine = bench.solve(2, &["--set", "body.cube.refine=1"]);
     assert_close("refined", fine.history().last("ball.fz"), ball[1], 0.1);
 }
@@ -152,36 +108,14 @@ fn faces_of_three_and_four_nodes_pass_an_even_stress_on() {
         "[contact.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"\ndiscretization = \"segment\"",
         "[tie.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"",
     ] {
-        let sides = |body: &str| {
-            let of = |side: &str, axis: &str| format!("{{ set = \"{body}.{side}\", directions = \"{axis}\" }}, ");
-            of("xmin", "x") + &of("xmax", "x") + &of("ymin", "y") + &of("ymax", "y")
-        };
-        let bench = Bench::new(&format!(
-            "body.lower = {{ mesh = \"lower.msh\", material = \"soft\" }}\n\
-             body.upper = {{ mesh = \"upper.msh\", material = \"soft\", element = \"hex8-sri\" }}\n\
-             material.soft = {{ model = \"neo-hookean\", young = 100.0, poisson = 0.3 }}\n{joint}\n\
-             [[step]]\nincrements = 2\nfix = [{}{}{{ set = \"lower.zmin\", directions = \"z\" }}]\n\
-             move = [{{ target = \"upper.zmax\", by = [0.0, 0.0, -1.0], directions = \"z\" }}]\n",
-            sides("lower"),
-            sides("upper")
-        ));
-        for (name, n, from) in [("lower", 3, 0.0), ("upper", 4, 10.0)] {
-            let mesh = msh::block([n, n, 2], false, |[s, t, r]| [10.0 * s, 10.0 * t, from + 10.0 * r]);
-            let cut = |e: usize| match (e % n + e / n % n) % 3 {
+        let fill = |mesh: &str, n: usize, _: usize| {
+            msh::filled(mesh, |e| match (e % n + e / n % n) % 3 {
                 0 => Cut::Whole,
                 1 => Cut::Pyramids,
                 _ => Cut::Tetrahedra,
-            };
-            bench.write(&format!("{name}.msh"), &msh::filled(&mesh, cut));
-        }
-        let run = bench.solve(2, &[]);
-        for grid in ["body.lower", "body.upper"] {
-            let moved = run.vectors(run.written(), grid, "displacement");
-            for (x, u) in run.points(grid).iter().zip(&moved) {
-                let off = u[0].abs().max(u[1].abs()).max((u[2] + 0.05 * x[2]).abs());
-                assert_small(&format!("{joint} {x:?}"), off, 1e-10);
-            }
-        }
+            })
+        };
+        assert_even(joint, &blocks(joint, [3, 4], 0.0, fill).solve(2, &[]), 1e-10);
     }
 }
 
@@ -268,39 +202,10 @@ fn what_pyramids_are_not_for_is_refused() {
     bench.write("cube.msh", &mesh);
     let (code, text) = said(&bench, &[]);
     assert!(code == 2 && text.contains("the mesh of body `cube` has linear tetrahedra"), "{code}\n{text}");
-    let below = msh::block([1, 1, 1], false, |[x, y, z]| [x, y, z - 1.0]);
-    let above = msh::block([1, 1, 1], true, |x| x);
-    bench.write("cube.msh", &merged(&below, &above));
-    let (code, text) = said(&bench, &[]);
+    let deck = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n5, 0, 0, 1\n6, 1, 0, 1\n7, 1, 1, 1\n8, 0, 1, 1\n9, 1, 0, 2\n\
+                *ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=C3D4\n2, 5, 6, 7, 9\n";
+    bench.write("cube.inp", deck);
+    let (code, text) = said(&bench, &["body.cube.mesh=\"cube.inp\""]);
     let told = "tetrahedra stand beside hexahedra on pyramids";
     assert!(code == 2 && text.contains("lies on a quadrilateral") && text.contains(told), "{code}\n{text}");
-}
-
-/// Two blocks of one element on each other as one mesh, which share the nodes between them.
-fn merged(below: &str, above: &str) -> String {
-    let parts = |mesh: &str| {
-        let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
-        let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
-        let lines = |text: &str| -> Vec<String> {
-            text.lines().skip(1).filter(|line| !line.starts_with('$')).map(String::from).collect()
-        };
-        (head.to_string(), lines(nodes), lines(elements))
-    };
-    let ((head, mut nodes, mut elements), (_, upper, others)) = (parts(below), parts(above));
-    nodes.extend(upper[4..].iter().zip(9..).map(|(line, k)| format!("{k} {}", line.split_once(' ').unwrap().1)));
-    for line in others {
-        let words: Vec<usize> = line.split(' ').map(|word| word.parse().unwrap()).collect();
-        let moved = words.iter().enumerate().map(|(k, word)| if k < 5 { *word } else { word + 4 });
-        elements.push(moved.map(|word| word.to_string()).collect::<Vec<_>>().join(" "));
-    }
-    for (k, line) in elements.iter_mut().enumerate() {
-        *line = format!("{} {}", k + 1, line.split_once(' ').unwrap().1);
-    }
-    format!(
-        "{head}$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n{}\n$EndElements\n",
-        nodes.len(),
-        nodes.join("\n"),
-        elements.len(),
-        elements.join("\n")
-    )
 }

@@ -3,50 +3,20 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close, assert_small, deck, msh};
-use std::f64::consts::PI;
+use common::fillers::{self, assert_even, assert_same_on_ranks_and_restarted, in_tube, tubes};
+use common::{Bench, assert_close, assert_small, deck, msh};
 use std::fmt::Write;
 
-/// A quarter of a tube of radii 1 and 2 in plane strain, under inner pressure; `u(r) = (1 + nu) p / 3E ((1 - 2 nu) r + 4 / r)`. With
-/// every eighth hexahedron as two wedges its error (rms) is at most twice that of hexahedra alone, and falls as that does.
+/// A tube under inner pressure. With every eighth hexahedron as two wedges its error (rms) is at most twice that of hexahedra alone, and falls as that does.
 #[test]
 fn a_filled_tube_converges_as_one_of_hexahedra() {
-    let (young, p) = (100.0, 0.01);
-    let place = |[r, t, z]: [f64; 3]| {
-        let (sine, cosine) = (0.5 * PI * t).sin_cos();
-        [(1.0 + r) * cosine, (1.0 + r) * sine, 0.2 * z].map(|x| if x.abs() < 1e-12 { 0.0 } else { x })
-    };
     for (element, poisson) in [("hex8", 0.3), ("hex8-fbar", 0.4999)] {
-        let mut scene = format!("[material.m]\nmodel = \"hooke\"\nyoung = {young:?}\npoisson = {poisson:?}\n");
-        let (mut fix, mut pressure) = (String::new(), String::new());
-        let sizes = [6, 12];
-        let bodies: Vec<String> = sizes.iter().flat_map(|n| ["hex", "mix"].map(|kind| format!("{kind}{n}"))).collect();
-        for body in &bodies {
-            let _ = writeln!(scene, "[body.{body}]\nmesh = \"{body}.msh\"\nmaterial = \"m\"\nelement = \"{element}\"");
-            for (side, axis) in [("ymin", "y"), ("ymax", "x"), ("zmin", "z"), ("zmax", "z")] {
-                let _ = write!(fix, "{{ set = \"{body}.{side}\", directions = \"{axis}\" }}, ");
-            }
-            let _ = write!(pressure, "{{ set = \"{body}.xmin\", value = {p:?} }}, ");
-        }
-        let bench = Bench::new(&format!("{scene}[[step]]\nincrements = 1\nfix = [{fix}]\npressure = [{pressure}]\n"));
-        for n in sizes {
-            let mesh = msh::block([n, n, 1], false, place);
-            bench.write(&format!("mix{n}.msh"), &msh::wedges(&mesh, |e| (3 * (e % n) + 5 * (e / n)).is_multiple_of(8)));
-            bench.write(&format!("hex{n}.msh"), &mesh);
-        }
-        let run = bench.solve(2, &[]);
-        let error = |body: &String| {
-            let grid = format!("body.{body}");
-            let (points, moved) = (run.points(&grid), run.vectors(1, &grid, "displacement"));
-            let off = |(x, u): (&[f64; 3], &[f64; 3])| {
-                let r = x[0].hypot(x[1]);
-                let exact = (1.0 + poisson) * p / (3.0 * young) * ((1.0 - 2.0 * poisson) * r + 4.0 / r);
-                ((x[0] * u[0] + x[1] * u[1]) / r / exact - 1.0).powi(2)
-            };
-            (points.iter().zip(&moved).map(off).sum::<f64>() / points.len() as f64).sqrt()
+        let of = |n: usize| {
+            let mesh = msh::block([n, n, 1], false, |x| in_tube(0.0, x));
+            let mixed = msh::wedges(&mesh, |e| (3 * (e % n) + 5 * (e / n)).is_multiple_of(8));
+            [(format!("hex{n}"), mesh), (format!("mix{n}"), mixed)]
         };
-        let found: Vec<f64> = bodies.iter().map(error).collect();
-        println!("{element}, {poisson}: {found:?}");
+        let (found, _) = tubes(element, poisson, &[of(6), of(12)].concat());
         let [hex, mix, fine_hex, fine_mix] = found[..] else { panic!() };
         assert!(mix < 2.0 * hex && fine_mix < 2.0 * fine_hex && fine_mix < 0.28 * mix, "{found:?}");
     }
@@ -94,59 +64,12 @@ fn filled_meshes_keep_their_volume_without_locking() {
         assert_small("balance", foot / mix + 1.0, 1e-8);
     }
     assert!(run.log().contains("body `mix-metal`: 55 % of its elements are wedges or pyramids"), "{}", run.log());
-    // Rounding decides on the last iteration.
-    let same = |what: &str, other: Run| {
-        assert_small(what, other.history().without("iterations").difference(&history), 1e-8);
-    };
-    same("two ranks", bench.solve(2, &[]));
-    let first = bench.solve(2, &["--steps", "1"]);
-    let (scene, out) = (bench.path("scene.toml"), first.out.to_str().unwrap());
-    let on = common::nagata(
-        &bench.path(""),
-        1,
-        &["run", scene.to_str().unwrap(), "--out", out, "--restart"],
-        first.out.clone(),
-    );
-    assert_eq!(on.code, 0, "{}", on.stderr);
-    same("restarted", on);
+    assert_same_on_ranks_and_restarted(&bench, &history);
 }
 
-/// Two blocks of unlike filled meshes between smooth walls, of which the seam has triangles and quadrilaterals on both sides,
-/// distorted within it by `most`.
-fn blocks(joint: &str, [lower, upper]: [usize; 2], most: f64) -> Bench {
-    let bench = Bench::new(&format!(
-        r#"
-        [body.lower]
-        mesh = "lower.msh"
-        material = "soft"
-        [body.upper]
-        mesh = "upper.msh"
-        material = "soft"
-        element = "hex8-sri"
-        [material.soft]
-        model = "neo-hookean"
-        young = 100.0
-        poisson = 0.3
-        {joint}
-        [[step]]
-        increments = 2
-        fix = [
-            {{ set = "lower.zmin", directions = "z" }},
-            {{ set = "lower.xmin", directions = "x" }}, {{ set = "lower.xmax", directions = "x" }},
-            {{ set = "upper.xmin", directions = "x" }}, {{ set = "upper.xmax", directions = "x" }},
-            {{ set = "lower.ymin", directions = "y" }}, {{ set = "lower.ymax", directions = "y" }},
-            {{ set = "upper.ymin", directions = "y" }}, {{ set = "upper.ymax", directions = "y" }},
-        ]
-        move = [{{ target = "upper.zmax", by = [0.0, 0.0, -1.0], directions = "z" }}]
-        "#
-    ));
-    let askew = |s: f64, t: f64| s + most * (PI * s).sin() * (2.0 * PI * t).sin();
-    for (name, n, from, odd) in [("lower", lower, 0.0, 0), ("upper", upper, 10.0, 1)] {
-        let place = |[s, t, r]: [f64; 3]| [10.0 * askew(s, t), 10.0 * askew(t, s), from + 10.0 * r];
-        let mesh = msh::block([n, n, 2], false, place);
-        bench.write(&format!("{name}.msh"), &msh::wedges(&mesh, |e| (e % n + e / n % n) % 2 == odd));
-    }
-    bench
+/// Two blocks with every other column of hexahedra as wedges, those of the seam distorted within it by `most`.
+fn blocks(joint: &str, sizes: [usize; 2], most: f64) -> Bench {
+    fillers::blocks(joint, sizes, most, |mesh, n, odd| msh::wedges(mesh, |e| (e % n + e / n % n) % 2 == odd))
 }
 
 /// Even stress passes through a seam of triangles and quadrilaterals over others, from segment to segment, and tied; but for
@@ -160,12 +83,7 @@ fn faces_of_three_and_four_nodes_pass_an_even_stress_on() {
         ("[tie.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.zmax\"".to_string(), [3, 4], 2, 0.05, 1e-10),
     ] {
         let run = blocks(&joint, meshes, distorted).solve(ranks, &[]);
-        let off = ["body.lower", "body.upper"].map(|grid| {
-            let moved = run.vectors(run.written(), grid, "displacement");
-            let off = |(x, u): (&[f64; 3], &[f64; 3])| u[0].abs().max(u[1].abs()).max((u[2] + 0.05 * x[2]).abs());
-            run.points(grid).iter().zip(&moved).map(off).fold(0.0, f64::max)
-        });
-        assert_small(&format!("{joint} {meshes:?}"), off[0].max(off[1]), tolerance);
+        assert_even(&format!("{joint} {meshes:?}"), &run, tolerance);
     }
 }
 

@@ -9,35 +9,17 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from wedges import COOK, CUBE, METAL, RUBBER, found, membrane
 
-from shared import arguments, say, study
+from shared import arguments, gmsh, say, study
 
-FACES = [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]
 BOTTOM = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 CORNERS = BOTTOM + [(i, j, 1) for i, j, _ in BOTTOM]
-SIDES = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
 COMPRESSIBLE = 'model = "hooke"\nyoung = 240.565\npoisson = 0.3'
 
 
-def write(path, points, elements):
-    """A file of Gmsh with these points by number, and elements as kind, group and nodes."""
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "7"]
-    lines += [f'2 {k + 1} "{name}"' for k, name in enumerate(SIDES)] + ['3 7 "solid"', "$EndPhysicalNames"]
-    lines += ["$Nodes", len(points)]
-    lines += ["{} {!r} {!r} {!r}".format(n, *x) for n, x in points.items()]
-    lines += ["$EndNodes", "$Elements", len(elements)]
-    lines += [
-        " ".join(map(str, [k + 1, kind, 2, group, group, *nodes])) for k, (kind, group, nodes) in enumerate(elements)
-    ]
-    path.write_text("\n".join(map(str, lines + ["$EndElements", ""])))
-
-
-def side_of(parts, outward, at):
-    """The parts of a free face with the number of the side of the unit cube that it is on."""
-    for axis in range(3):
-        for side in range(2):
-            if all(at[n][axis] == side for n in outward):
-                return [(len(part) - 1, 1 + 2 * axis + side, part) for part in parts(outward)]
-    return []
+def name_of(outward, at):
+    """The name of the side of the unit cube that a free face is on."""
+    sides = ((axis, end) for axis in range(3) for end in range(2))
+    return next("xyz"[axis] + ("min", "max")[end] for axis, end in sides if all(at[n][axis] == end for n in outward))
 
 
 def mesh(path, counts, place, cut):
@@ -51,7 +33,7 @@ def mesh(path, counts, place, cut):
     whole, sides = set(), {}
     for i, j, k in cells:
         nodes = [number(i + a, j + b, k + c) for a, b, c in CORNERS]
-        for face in FACES:
+        for face in gmsh.FACES:
             outward = [nodes[c] for c in face]
             key = frozenset(outward)
             if key in sides:
@@ -68,20 +50,17 @@ def mesh(path, counts, place, cut):
         a, b, c, d = outward[first:] + outward[:first]
         return [[a, b, c], [a, c, d]]
 
-    elements = []
-    for outward in sides.values():
-        elements += side_of(parts, outward, at)
+    elements = [(2, name_of(outward, at), part) for outward in sides.values() for part in parts(outward)]
     for i, j, k in cells:
         nodes = [number(i + a, j + b, k + c) for a, b, c in CORNERS]
         if not cut(i, j, k):
-            elements.append((5, 7, nodes))
+            elements.append((3, "solid", nodes))
             continue
         apex = len(at) + 1
         at[apex] = ((i + 0.5) / nx, (j + 0.5) / ny, (k + 0.5) / nz)
-        for face in FACES:
-            for part in parts([nodes[c] for c in face]):
-                elements.append((7 if len(part) == 4 else 4, 7, part[::-1] + [apex]))
-    write(path, {n: place(*x) for n, x in at.items()}, elements)
+        for face in gmsh.FACES:
+            elements += [(3, "solid", [*part[::-1], apex]) for part in parts([nodes[c] for c in face])]
+    path.write_text(gmsh.text([place(*x) for x in at.values()], elements))
 
 
 def rows(folder, counts, place, columns, steps, column):

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from shared import arguments, say, study
+from shared import arguments, gmsh, say, study
 
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 RUBBER = 'model = "neo-hookean"\nyoung = 240.565\npoisson = 0.4999'
@@ -49,25 +49,17 @@ def mesh(path, counts, place, every):
         for j in range(ny):
             for part in halves[i, j]:
                 ends = [[number(i + SQUARE[c][0], j + SQUARE[c][1], k) for c in part] for k in range(nz + 1)]
-                kind = 2 if len(part) == 3 else 3
-                elements += [(kind, 5, ends[0][::-1]), (kind, 6, ends[-1])]
-                elements += [(5 if kind == 3 else 6, 7, low + high) for low, high in zip(ends, ends[1:])]
+                elements += [(2, "zmin", ends[0][::-1]), (2, "zmax", ends[-1])]
+                elements += [(3, "solid", low + high) for low, high in zip(ends, ends[1:])]
     for k in range(nz):
-        for name, at in ((1, 0), (2, nx)):
-            elements += [(3, name, [number(at, j, k), number(at, j + 1, k), number(at, j + 1, k + 1),
+        for name, at in (("xmin", 0), ("xmax", nx)):
+            elements += [(2, name, [number(at, j, k), number(at, j + 1, k), number(at, j + 1, k + 1),
                                     number(at, j, k + 1)]) for j in range(ny)]
-        for name, at in ((3, 0), (4, ny)):
-            elements += [(3, name, [number(i, at, k), number(i + 1, at, k), number(i + 1, at, k + 1),
+        for name, at in (("ymin", 0), ("ymax", ny)):
+            elements += [(2, name, [number(i, at, k), number(i + 1, at, k), number(i + 1, at, k + 1),
                                     number(i, at, k + 1)]) for i in range(nx)]
-    names = ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
-    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", "7"]
-    lines += [f'2 {k + 1} "{name}"' for k, name in enumerate(names)] + ['3 7 "solid"', "$EndPhysicalNames"]
-    lines += ["$Nodes", len(points)] + [f"{k + 1} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(points)]
-    lines += ["$EndNodes", "$Elements", len(elements)]
-    lines += [" ".join(map(str, [k + 1, kind, 2, group, group, *nodes]))
-              for k, (kind, group, nodes) in enumerate(elements)]
-    path.write_text("\n".join(map(str, lines + ["$EndElements", ""])))
-    solids = [kind for kind, *_ in elements if kind > 4]
+    path.write_text(gmsh.text(points, elements))
+    solids = [len(nodes) for dimension, _, nodes in elements if dimension == 3]
     return solids.count(6) / len(solids)
 
 

@@ -1,6 +1,7 @@
 //! What of its contacts may be why an increment has no solution: roles, discretizations, methods and tangents that fail
 //! where others do not.
 
+use super::preflight::DEEP;
 use crate::Vec3;
 use crate::contact::{Discretization, Pair, Slave, Status, Tangent, guidance};
 use crate::failure::Cause;
@@ -81,23 +82,20 @@ fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<Strin
 /// Contacts of which nodes are deep inside the master at displacements `u`, where nothing has converged yet: a shorter increment pushes
 /// them out as far. Collective.
 pub fn overlapping(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
-    /// Over the facets of the slave.
-    const DEEP: f64 = 0.1;
     let of = |pair: &Pair| {
         let ground = model.masters.of(pair.master);
         let depth = |(s, slave): (usize, &Slave)| {
             let x = model.part.points[slave.node as usize] + u[slave.node as usize];
             Some(-ground.nearest(pair, s, &ground.seen_from(&x), pair.reach)?.gap)
         };
-        let deepest = pair.slaves.iter().enumerate().filter_map(depth).fold(0.0, f64::max);
-        let mut depth = [deepest];
-        max(comm, &mut depth);
-        (depth[0] > DEEP * pair.facet_size).then(|| {
+        let mut deepest = [pair.slaves.iter().enumerate().filter_map(depth).fold(0.0, f64::max)];
+        max(comm, &mut deepest);
+        (deepest[0] > DEEP * pair.facet_size).then(|| {
             format!(
                 "contact `{}` begins with nodes up to {:.3e} deep in {}, which the first increment pushes out however short it is: \
                  begin apart and move there, over a cone where that goes along the surface",
                 pair.name,
-                depth[0],
+                deepest[0],
                 model.master_name(pair)
             )
         })

@@ -17,6 +17,7 @@ use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
 use crate::parallel::{first_word, max, sum, word_of_largest};
+use crate::partition::parcels::{bounds, grown, hull, meets};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -497,21 +498,15 @@ impl Simulation<'_> {
 
     /// Whether the tool has moved away from where it touched, against its force, or along the slave to where none of it is. Collective.
     fn was_taken_away(&self, pair: &Pair, touch: &Touch) -> bool {
-        // The box around the slave: the negative of its lower corner, and its upper one.
-        let mut ends = [f64::NEG_INFINITY; 6];
-        for slave in &pair.slaves {
-            let x = self.model.part.points[slave.node as usize] + self.state.u[slave.node as usize];
-            (0..3).for_each(|d| (ends[d], ends[3 + d]) = (ends[d].max(-x[d]), ends[3 + d].max(x[d])));
-        }
-        max(self.comm, &mut ends);
-        let is_beside =
-            |x: &Vec3| (0..3).any(|d| -x[d] > ends[d] + pair.facet_size || x[d] > ends[3 + d] + pair.facet_size);
+        let place = |slave: &Slave| self.model.part.points[slave.node as usize] + self.state.u[slave.node as usize];
+        let around = hull(self.comm, bounds(pair.slaves.iter().map(place))).map(|b| grown(b, pair.facet_size));
+        let is_beside = |x: Vec3| around.is_none_or(|around| !meets(&around, &(x, x)));
         let now = |(t, point): (usize, Vec3)| self.model.masters.tools[t].committed.outward(&point);
         pair.master.tool().zip(touch.on_tool).map(now).is_some_and(|now| {
             let way = now - touch.middle;
             let into = way.dot(&touch.force);
             into < -STILL * way.norm() * touch.force.norm()
-                || is_beside(&now) && into < INTO * way.norm() * touch.force.norm()
+                || is_beside(now) && into < INTO * way.norm() * touch.force.norm()
         })
     }
 }

@@ -403,7 +403,8 @@ fn frictional(
     let path = place.point - place.origin;
     let slip = tangential * path;
     let way = slip.norm();
-    let friction = if law.glides { 0.0 } else { law.friction * lean * (1.0 + law.creep * way) };
+    let coefficient = if law.glides { 0.0 } else { law.friction };
+    let friction = coefficient * lean * (1.0 + law.creep * way);
     // Beyond the rounding of positions.
     let is_drawn = |d: &usize| guide.drawn[*d] && slip.dot(&guide.axes.column(*d)).abs() > 1e-12 * place.point.amax();
     let along = |d: usize| guide.axes.column(d) * guide.axes.column(d).transpose();
@@ -461,8 +462,7 @@ fn frictional(
             let leaning = t * n.transpose() * (friction * lambda_n * lean);
             // With what friction grows by with the slip; in the first iteration there may be none, but where it would go.
             let along = if way > 0.0 { slip / way } else { t };
-            let growth = t * along.transpose() * (-law.creep * law.friction * lean * lambda_n);
-            let growth = if law.glides { Mat3::zeros() } else { growth };
+            let growth = t * along.transpose() * (-law.creep * coefficient * lean * lambda_n);
             // With the penalty, too.
             let stretch = rotation * slip;
             let lead = lead.unwrap_or_default();

@@ -66,24 +66,14 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
         points[q] = kirchhoff.map(|s| s / sample.det_f);
     }
     let sum = |weights: &[f64]| std::array::from_fn(|k| weights.iter().zip(&points).map(|(w, s)| w * s[k]).sum());
+    let first = |values: &mut dyn Iterator<Item = Voigt>| std::array::from_fn(|_| values.next().unwrap_or_default());
     Ok(match (model.part.solids[e].shape, samples.len()) {
         (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
         (SolidShape::Tet10, _) => tet10::AT_NODES.map(|weights| sum(&weights)),
-        (SolidShape::Wedge6, _) => {
-            let mut at = [[0.0; 6]; MOST_NODES];
-            at.iter_mut().zip(&wedge6::AT_NODES).for_each(|(at, weights)| *at = sum(weights));
-            at
-        }
-        (SolidShape::Pyramid5, _) => {
-            let mut at = [[0.0; 6]; MOST_NODES];
-            at.iter_mut().zip(&pyramid5::AT_NODES).for_each(|(at, weights)| *at = sum(weights));
-            at
-        }
+        (SolidShape::Wedge6, _) => first(&mut wedge6::AT_NODES.iter().map(|weights| sum(weights))),
+        (SolidShape::Pyramid5, _) => first(&mut pyramid5::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Hex8, count) if model.section(&model.part.solids[e]).element == Formulation::Hex8Shell => {
-            let mut at = [[0.0; 6]; MOST_NODES];
-            let weights = |a: usize| hex8_shell::at_node(a, count / hex8_shell::POINTS);
-            at.iter_mut().zip(0..8).for_each(|(at, a)| *at = sum(&weights(a)));
-            at
+            first(&mut (0..8).map(|a| sum(&hex8_shell::at_node(a, count / hex8_shell::POINTS))))
         }
         (SolidShape::Hex8, count) => {
             // Points of a plane element stand for two above one another.
@@ -94,9 +84,7 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
                     _ => 0.0,
                 })
             };
-            let mut at = [[0.0; 6]; MOST_NODES];
-            at.iter_mut().zip(0..8).for_each(|(at, a)| *at = sum(&weights(a)));
-            at
+            first(&mut (0..8).map(|a| sum(&weights(a))))
         }
     })
 }

@@ -163,7 +163,8 @@ fn check_fit(mesh: &Mesh) -> Result<()> {
     }
 }
 
-fn repeats(nodes: &[u32]) -> bool {
+/// Whether a node occurs twice.
+pub(super) fn repeats(nodes: &[u32]) -> bool {
     nodes.iter().enumerate().any(|(at, node)| nodes[..at].contains(node))
 }
 

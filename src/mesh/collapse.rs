@@ -1,6 +1,8 @@
 //! Elements with nodes that occur twice as what they are: hexahedra as wedges, pyramids or tetrahedra, wedges as the latter two.
 
+use super::check::repeats;
 use super::{Solid, SolidShape, at_side};
+use smallvec::SmallVec;
 use std::collections::HashMap;
 
 /// No side.
@@ -51,26 +53,26 @@ impl Sides {
 }
 
 /// The nodes of a face in their order, each once; `None` where others stand between two of the same.
-fn once(nodes: &[u32]) -> Option<Vec<u32>> {
-    let mut all = nodes.to_vec();
+pub(super) fn once(nodes: &[u32]) -> Option<SmallVec<[u32; 4]>> {
+    let mut all = SmallVec::from_slice(nodes);
     all.dedup();
     while all.len() > 1 && all.first() == all.last() {
         all.pop();
     }
-    let twice = (1..all.len()).any(|k| all[..k].contains(&all[k]));
-    (!twice).then_some(all)
+    (!repeats(&all)).then_some(all)
 }
 
 /// An element with nodes that occur twice as the wedge, pyramid or tetrahedron that it is, and for each of its faces that of the
 /// found one. `None` where none occurs twice, or where it is none of these.
 fn collapse(solid: &Solid) -> Option<(Solid, Vec<u8>)> {
+    // Most do not.
+    if !repeats(solid.nodes()) || solid.shape == SolidShape::Tet10 {
+        return None;
+    }
     let mut distinct = solid.nodes().to_vec();
     distinct.sort_unstable();
     distinct.dedup();
-    if distinct.len() == solid.nodes().len() || solid.shape == SolidShape::Tet10 {
-        return None;
-    }
-    let faces: Vec<Vec<u32>> =
+    let faces: Vec<SmallVec<[u32; 4]>> =
         (0..solid.shape.face_count()).map(|k| once(solid.face(k).nodes())).collect::<Option<_>>()?;
     let with = |corners: usize| faces.iter().filter(move |face| face.len() == corners);
     let other = |face: &[u32]| distinct.iter().copied().find(|node| !face.contains(node));
@@ -78,7 +80,7 @@ fn collapse(solid: &Solid) -> Option<(Solid, Vec<u8>)> {
         (6, 2, 3) => {
             let [a, b, c] = *with(3).next()?.as_array()?;
             let above = |node: u32| {
-                let beside = |face: &Vec<u32>| {
+                let beside = |face: &SmallVec<[u32; 4]>| {
                     let at = face.iter().position(|own| *own == node)?;
                     [face[(at + 1) % 4], face[(at + 3) % 4]].into_iter().find(|next| ![a, b, c].contains(next))
                 };
@@ -104,7 +106,7 @@ fn collapse(solid: &Solid) -> Option<(Solid, Vec<u8>)> {
         nodes
     };
     let own: Vec<Vec<u32>> = (0..found.shape.face_count()).map(|k| sorted(found.face(k).nodes())).collect();
-    let face_of = |nodes: &Vec<u32>| match nodes.len() {
+    let face_of = |nodes: &SmallVec<[u32; 4]>| match nodes.len() {
         0..3 => Some(NONE),
         _ => own.iter().position(|face| *face == sorted(nodes)).map(|face| face as u8),
     };
@@ -118,17 +120,7 @@ mod tests {
     use super::*;
     use crate::Vec3;
     use crate::solid::element::{pyramid5, tet4, wedge6};
-
-    const CUBE: [[f64; 3]; 8] = [
-        [0.0, 0.0, 0.0],
-        [1.0, 0.0, 0.0],
-        [1.0, 1.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-        [1.0, 0.0, 1.0],
-        [1.0, 1.0, 1.0],
-        [0.0, 1.0, 1.0],
-    ];
+    use crate::solid::testing::CUBE;
 
     fn volume(solid: &Solid) -> f64 {
         let at = |k: usize| CUBE[solid.nodes[k] as usize];

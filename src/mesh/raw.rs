@@ -1,6 +1,6 @@
 //! A mesh as its file describes it: all of it, and before anything is selected, oriented or checked.
 
-use super::collapse::Sides;
+use super::collapse::{Sides, once};
 use super::halves::{Kind, Made, Splitter};
 use super::middles::four;
 use super::{Facet, Group, Mesh, Solid, SolidShape};
@@ -340,9 +340,9 @@ impl FileMesh {
             CellShape::Pyramid => SolidShape::Pyramid5,
             CellShape::Hex => SolidShape::Hex8,
             other => {
-                let corners =
-                    if other == CellShape::Quad { once(&nodes[..4]) } else { SmallVec::from_slice(&nodes[..3]) };
-                mesh.facets.push(Facet::new(&corners, cell.id));
+                let corners = &nodes[..if other == CellShape::Quad { 4 } else { 3 }];
+                let found = once(corners).filter(|found| found.len() >= 3);
+                mesh.facets.push(Facet::new(found.as_deref().unwrap_or(corners), cell.id));
                 return Slot::Facets { first: facets, count: 1 };
             }
         };
@@ -351,16 +351,6 @@ impl FileMesh {
         mesh.solids.push(solid);
         Slot::Solids { first: solids, count: 1 }
     }
-}
-
-/// The corners of a quadrilateral: three where two that follow each other are one.
-fn once(corners: &[u32]) -> SmallVec<[u32; 4]> {
-    let mut once = SmallVec::from_slice(corners);
-    once.dedup();
-    if once.len() == 4 && once.first() == once.last() {
-        once.pop();
-    }
-    if once.len() < 3 { SmallVec::from_slice(corners) } else { once }
 }
 
 /// The ends of a line of three nodes, then its middle: some formats, and versions of programs, have that second, some last.

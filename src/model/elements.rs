@@ -162,33 +162,24 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
             Reduction::Axisymmetric => ring4::samples(nodes, element)?.into(),
         });
     }
-    if solid.shape == SolidShape::Tet4 {
-        return Ok(tet4::samples(&gather(points, solid), &gather(u, solid))?.into());
-    }
-    if solid.shape == SolidShape::Tet10 {
-        let samples = if element == Formulation::Tet10 { tet10::samples } else { tet10_sri::samples };
-        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
-    }
-    if solid.shape == SolidShape::Wedge6 {
-        let samples = if element == Formulation::Wedge6 { wedge6::samples } else { wedge6_sri::samples };
-        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
-    }
-    if solid.shape == SolidShape::Pyramid5 {
-        let samples = if element == Formulation::Pyramid5 { pyramid5::samples } else { pyramid5_sri::samples };
-        return Ok(samples(&gather(points, solid), &gather(u, solid))?.into());
-    }
-    let (x, u) = (gather(points, solid), gather(u, solid));
-    let samples = match element {
+    Ok(match element {
+        Formulation::Hex8 => hex8::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Hex8Fbar => hex8_fbar::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Hex8Sri => hex8_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Hex8Eas => hex8_eas::samples(&gather(points, solid), &gather(u, solid), medium)?.into(),
         Formulation::Hex8Shell => {
-            let many = hex8_shell::samples((&x, &u), model.section(solid).layers, medium)?;
-            return Ok(Samples { few: [many[0]; hex8::POINTS], count: 0, many });
+            let nodes = (&gather(points, solid), &gather(u, solid));
+            let many = hex8_shell::samples(nodes, model.section(solid).layers, medium)?;
+            Samples { few: [many[0]; hex8::POINTS], count: 0, many }
         }
-        Formulation::Hex8Fbar => hex8_fbar::samples(&x, &u),
-        Formulation::Hex8Sri => hex8_sri::samples(&x, &u),
-        Formulation::Hex8Eas => hex8_eas::samples(&x, &u, medium),
-        _ => hex8::samples(&x, &u),
-    };
-    Ok(samples?.into())
+        Formulation::Wedge6 => wedge6::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Wedge6Sri => wedge6_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Pyramid5 => pyramid5::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Pyramid5Sri => pyramid5_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Tet4 => tet4::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Tet10 => tet10::samples(&gather(points, solid), &gather(u, solid))?.into(),
+        Formulation::Tet10Sri => tet10_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
+    })
 }
 
 /// Whether an element could be evaluated.

@@ -2,6 +2,18 @@
 
 use crate::{Mat3, Vec3};
 
+/// Corners of the unit cube as hexahedra have them.
+pub const CUBE: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+
 /// Derivative of `f` at 0 by the sixth-order central difference; `step` trades truncation (step^6) for rounding
 /// (1/step).
 pub fn derivative<const N: usize>(step: f64, f: impl Fn(f64) -> [f64; N]) -> [f64; N] {

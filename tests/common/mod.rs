@@ -2,6 +2,7 @@
 
 #![allow(dead_code)] // each test file uses its part
 
+pub mod fillers;
 pub mod hertz;
 pub mod jobs;
 pub mod keys;

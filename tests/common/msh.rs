@@ -69,18 +69,11 @@ pub fn block(n: [usize; 3], tetrahedra: bool, place: impl Fn([f64; 3]) -> [f64; 
 
 /// A mesh of hexahedra that is extruded along the third of their directions, with `some` of them, by their order, as two wedges.
 pub fn wedges(mesh: &str, some: impl Fn(usize) -> bool) -> String {
-    let (head, elements) = mesh.split_once("$Elements\n").unwrap();
-    let read = |line: &str| -> Vec<usize> { line.split(' ').map(|word| word.parse().unwrap()).collect() };
-    let rows: Vec<Vec<usize>> = elements.lines().skip(1).take_while(|line| !line.starts_with('$')).map(read).collect();
+    let (head, rows) = elements_of(mesh);
     let is_cut = |e: usize, row: &[usize]| row[1] == 5 && some(e);
     let hexahedra = || rows.iter().filter(|row| row[1] == 5).enumerate();
     let ends = |row: &[usize]| [row[5..9].to_vec(), row[9..13].to_vec()];
     // The diagonal of each end that is cut, by its sorted nodes.
-    let sorted = |nodes: &[usize]| {
-        let mut nodes = nodes.to_vec();
-        nodes.sort_unstable();
-        nodes
-    };
     let cut = hexahedra().filter(|(e, row)| is_cut(*e, row)).flat_map(|(_, row)| ends(row));
     let diagonals: std::collections::HashMap<_, _> = cut.map(|end| (sorted(&end), [end[0], end[2]])).collect();
     let mut parts: Vec<(usize, Vec<usize>, Vec<usize>)> = Vec::new();
@@ -105,12 +98,30 @@ pub fn wedges(mesh: &str, some: impl Fn(usize) -> bool) -> String {
             parts.push((5, tags, row[5..].to_vec()));
         }
     }
-    let mut text = format!("{head}$Elements\n{}\n", parts.len());
-    for (k, (kind, tags, nodes)) in parts.iter().enumerate() {
+    with_elements(head, &parts)
+}
+
+/// All before the elements of a mesh, and these: number, kind, three tags, nodes.
+fn elements_of(mesh: &str) -> (&str, Vec<Vec<usize>>) {
+    let (head, elements) = mesh.split_once("$Elements\n").unwrap();
+    let read = |line: &str| line.split(' ').map(|word| word.parse().unwrap()).collect();
+    (head, elements.lines().skip(1).take_while(|line| !line.starts_with('$')).map(read).collect())
+}
+
+/// A mesh of elements by kind, tags and nodes.
+fn with_elements(head: &str, elements: &[(usize, Vec<usize>, Vec<usize>)]) -> String {
+    let mut text = format!("{head}$Elements\n{}\n", elements.len());
+    for (k, (kind, tags, nodes)) in elements.iter().enumerate() {
         let words: Vec<String> = [&[k + 1, *kind], &tags[..], nodes].concat().iter().map(usize::to_string).collect();
         let _ = writeln!(text, "{}", words.join(" "));
     }
     text + "$EndElements\n"
+}
+
+fn sorted(nodes: &[usize]) -> Vec<usize> {
+    let mut nodes = nodes.to_vec();
+    nodes.sort_unstable();
+    nodes
 }
 
 /// What a hexahedron becomes in [`filled`].
@@ -127,18 +138,12 @@ pub enum Cut {
 pub fn filled(mesh: &str, cut: impl Fn(usize) -> Cut) -> String {
     use std::collections::HashMap;
     const FACES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
-    let (nodes, elements) = rest.split_once("$EndNodes\n$Elements\n").unwrap();
-    let mut nodes: Vec<String> = nodes.lines().skip(1).map(String::from).collect();
+    let (head, rows) = elements_of(mesh);
+    let (head, nodes) = head.split_once("$Nodes\n").unwrap();
+    let mut nodes: Vec<String> =
+        nodes.lines().skip(1).filter(|line| !line.starts_with('$')).map(String::from).collect();
     let place = |line: &String| -> Vec<f64> { line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect() };
     let points: Vec<Vec<f64>> = nodes.iter().map(place).collect();
-    let read = |line: &str| -> Vec<usize> { line.split(' ').map(|word| word.parse().unwrap()).collect() };
-    let rows: Vec<Vec<usize>> = elements.lines().skip(1).take_while(|line| !line.starts_with('$')).map(read).collect();
-    let sorted = |nodes: &[usize]| {
-        let mut nodes = nodes.to_vec();
-        nodes.sort_unstable();
-        nodes
-    };
     let hexahedra = || rows.iter().filter(|row| row[1] == 5).enumerate();
     // Of each face whether it stays whole.
     let mut whole: HashMap<Vec<usize>, bool> = HashMap::new();
@@ -181,13 +186,7 @@ pub fn filled(mesh: &str, cut: impl Fn(usize) -> Cut) -> String {
             }
         }
     }
-    let mut text =
-        format!("{head}$Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n", nodes.len(), nodes.join("\n"), parts.len());
-    for (k, (kind, tags, nodes)) in parts.iter().enumerate() {
-        let words: Vec<String> = [&[k + 1, *kind], &tags[..], nodes].concat().iter().map(usize::to_string).collect();
-        let _ = writeln!(text, "{}", words.join(" "));
-    }
-    text + "$EndElements\n"
+    with_elements(&format!("{head}$Nodes\n{}\n{}\n$EndNodes\n", nodes.len(), nodes.join("\n")), &parts)
 }
 
 /// A surface of `n` by `n` quadrilaterals whose normals are the cross product of the two directions of the unit square

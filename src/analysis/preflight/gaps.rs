@@ -12,7 +12,7 @@ use crate::scene::Contact;
 use mpi::topology::SimpleCommunicator;
 
 /// Depth over the size of a slave facet from which a node was hardly meant to start there.
-const DEEP: f64 = 0.1;
+pub const DEEP: f64 = 0.1;
 
 /// A line about each contact; warns of nodes that begin deep inside. Collective.
 ///

@@ -34,6 +34,8 @@ pub(super) mod support;
 mod tied;
 mod units;
 
+pub use gaps::DEEP;
+
 use super::conditions::Conditions;
 use super::probes;
 use super::strangers::Strangers;

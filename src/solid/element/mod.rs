@@ -383,6 +383,8 @@ pub fn advance(samples: &[Sample], material: &Material, states: &mut [State]) ->
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
+mod tests_on_fillers;
+#[cfg(test)]
 mod tests_on_pyramids;
 #[cfg(test)]
 mod tests_on_wedges;

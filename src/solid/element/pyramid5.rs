@@ -21,6 +21,9 @@ use crate::Vec3;
 /// Integration points.
 pub const POINTS: usize = hex8::POINTS;
 
+/// p and r of the nodes of the base, where t = 1.
+const BASE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+
 /// Values or derivatives of the functions of a hexahedron whose upper corners are one node.
 const fn collapse(of_hex: [f64; 8]) -> [f64; 5] {
     let [a, b, c, d, e, f, g, h] = of_hex;
@@ -67,10 +70,9 @@ pub const AT_NODES: [[f64; POINTS]; 5] = {
 
 /// Shape functions and their derivatives by p, r and t; the functions at the apex are those of the base's middle.
 pub fn shape(p: f64, r: f64, t: f64) -> ([f64; 5], Gradients<5>) {
-    const SIGNS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let [p_over, r_over] = [p, r].map(|along| if t == 0.0 { 0.0 } else { along / t });
     let (mut values, mut gradients) = ([0.0; 5], [[0.0; 5]; 3]);
-    for (a, [sp, sr]) in SIGNS.into_iter().enumerate() {
+    for (a, [sp, sr]) in BASE.into_iter().enumerate() {
         values[a] = 0.25 * (t + sp * p) * (1.0 + sr * r_over);
         gradients[0][a] = 0.25 * sp * (1.0 + sr * r_over);
         gradients[1][a] = 0.25 * sr * (1.0 + sp * p_over);
@@ -110,9 +112,8 @@ pub fn min_jacobian(x: &[[f64; 3]; 5]) -> f64 {
 /// Jacobians by p, r and t at the nodes of the base: the same along each edge from there to the apex. An element that is not
 /// positive at one is folded over there, and lies on itself.
 pub fn nodal_jacobians(x: &[[f64; 3]; 5]) -> [f64; 4] {
-    const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     // t runs from the apex down.
-    CORNERS.map(|[p, r]| -jacobian(x, &shape(p, r, 1.0).1).determinant())
+    BASE.map(|[p, r]| -jacobian(x, &shape(p, r, 1.0).1).determinant())
 }
 
 /// p, r and t of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.

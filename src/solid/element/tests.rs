@@ -1,20 +1,10 @@
-use super::super::testing::{Random, add, affine, derivative, relative_error, rotation};
+use super::super::testing::{CUBE, Random, add, affine, derivative, relative_error, rotation};
 use super::super::voigt::to_matrix;
 use super::*;
 use crate::Vec3;
 use crate::scene::{Hardening, Hill, Isochoric, MaterialModel};
 use nalgebra::{DMatrix, DVector};
 
-pub(super) const CUBE: [[f64; 3]; 8] = [
-    [0.0, 0.0, 0.0],
-    [1.0, 0.0, 0.0],
-    [1.0, 1.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [1.0, 0.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [0.0, 1.0, 1.0],
-];
 const CORNER: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 pub(super) type Nodes<const N: usize> = [[f64; 3]; N];

@@ -1,94 +1,20 @@
-use super::super::testing::{Random, add, affine, derivative, relative_error, rotation};
+use super::super::testing::{CUBE, Random, add, affine};
 use super::super::voigt::to_matrix;
-use super::tests::{CUBE, HEXES, Hex, Nodes, materials, matrices, moved, tangent_error};
+use super::tests::{HEXES, Hex, Nodes, materials, matrices};
+use super::tests_on_fillers::{Element, Samples};
 use super::*;
 use crate::Vec3;
 use crate::mesh::faces::{HEX_FACES, PYRAMID_BASE};
-use crate::scene::{Hardening, MaterialModel};
 
 const PYRAMID: Nodes<5> = [CUBE[0], CUBE[1], CUBE[2], CUBE[3], [0.5, 0.5, 0.6]];
 
-type Pyramid = fn(&Nodes<5>, &Nodes<5>, Medium, bool, &mut ElementMatrices<15>) -> Result<(), Inverted>;
-type PyramidSamples = fn(&Nodes<5>, &Nodes<5>) -> Result<[Sample; 8], Inverted>;
-const PYRAMIDS: [(Pyramid, PyramidSamples); 2] =
+type Pyramid = Element<5, 15>;
+pub(super) const PYRAMIDS: [(Pyramid, Samples<5, 8>); 2] =
     [(pyramid5::evaluate, pyramid5::samples), (pyramid5_sri::evaluate, pyramid5_sri::samples)];
 
 /// A distorted element and random displacements, none inverted.
-fn case(random: &mut Random) -> (Nodes<5>, Nodes<5>) {
+pub(super) fn case(random: &mut Random) -> (Nodes<5>, Nodes<5>) {
     (add(&PYRAMID, &random.points(0.08)), random.points(0.08))
-}
-
-/// Against differences of residuals, and these against differences of the energy; symmetric.
-#[test]
-fn forces_and_tangents_are_derivatives() {
-    let mut random = Random::new(51);
-    for material in &materials() {
-        let medium = Medium::virgin(material);
-        for (pyramid, samples) in PYRAMIDS {
-            let (x0, u) = case(&mut random);
-            let error = tangent_error(pyramid, &x0, &u, material, 5e-4);
-            assert!(error < 1e-10, "{material:?} {error}");
-            let out = matrices(pyramid, &x0, &u, material);
-            (0..15).for_each(|i| (0..i).for_each(|j| assert_eq!(out.tangent[i][j], out.tangent[j][i])));
-            let energy = |u: &Nodes<5>| stored_energy(&samples(&x0, u).unwrap(), medium).unwrap();
-            let differences: [f64; 15] =
-                std::array::from_fn(|dof| derivative(5e-4, |t| [energy(&moved(&u, dof, t))])[0]);
-            let error = relative_error(&out.residual, &differences);
-            assert!(error < 1e-10, "{material:?} {error}");
-        }
-    }
-}
-
-#[test]
-fn tangents_in_plastic_flow_are_the_derivative_of_the_residual() {
-    let mut random = Random::new(52);
-    let hardening = Hardening::Swift { k: 0.1, e0: 0.001, n: 0.3 };
-    let material = Material::new(&MaterialModel::Plastic { young: 10.0, poisson: 0.3, hill: None, hardening });
-    for (pyramid, samples) in PYRAMIDS {
-        let (x0, before) = case(&mut random);
-        let u = add(&before, &random.points(0.06));
-        let mut states = [State::VIRGIN; 8];
-        advance(&samples(&x0, &before).unwrap(), &material, &mut states).unwrap();
-        let mut after = states;
-        advance(&samples(&x0, &u).unwrap(), &material, &mut after).unwrap();
-        assert!((0..8).all(|q| after[q].equivalent > states[q].equivalent + 1e-3), "{states:?} {after:?}");
-        let element = |x0: &_, u: &_, medium: Medium, want, out: &mut _| {
-            pyramid(x0, u, Medium { states: &states, ..medium }, want, out)
-        };
-        let error = tangent_error(element, &x0, &u, &material, 5e-5);
-        assert!(error < 1e-7, "{error}");
-    }
-}
-
-/// Rigid motion leaves six modes and no others without stiffness; it turns forces, which balance.
-#[test]
-fn rigid_motion_gives_no_force_and_nothing_else_does_not() {
-    let mut random = Random::new(53);
-    for (material, (pyramid, _)) in materials().iter().flat_map(|m| PYRAMIDS.map(move |pyramid| (m, pyramid))) {
-        let (r, shift) = (rotation(random.vector(3.0)), random.vector(2.0));
-        let (x0, u) = case(&mut random);
-        let rigid = matrices(pyramid, &x0, &affine(&x0, &r, shift), material);
-        let stiffness = rigid.tangent.as_flattened().iter().fold(0f64, |m, k| m.max(k.abs()));
-        assert!(rigid.residual.iter().all(|f| f.abs() < 1e-14 * stiffness));
-        let mut modes: Vec<f64> = nalgebra::DMatrix::from_fn(15, 15, |i, j| rigid.tangent[i][j])
-            .symmetric_eigenvalues()
-            .iter()
-            .copied()
-            .collect();
-        modes.sort_by(f64::total_cmp);
-        assert!(modes[5].abs() < 1e-13 * stiffness && modes[6] > 1e-2 * material.initial_moduli().1 / stiffness);
-        let x = add(&x0, &u);
-        let after = add(&u, &affine(&x, &r, shift));
-        let (a, b) = (matrices(pyramid, &x0, &u, material), matrices(pyramid, &x0, &after, material));
-        let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
-        for n in 0..5 {
-            let f = Vec3::from_column_slice(&a.residual[3 * n..3 * n + 3]);
-            (0..3).for_each(|i| assert!(((r * f)[i] - b.residual[3 * n + i]).abs() < 1e-13 * stiffness));
-            force += f;
-            moment += Vec3::from(x[n]).cross(&f);
-        }
-        assert!(force.norm() < 1e-14 * stiffness && moment.norm() < 1e-14 * stiffness);
-    }
 }
 
 /// Eight distorted hexahedra around a node; the upper ones are cut into a pyramid on their lower face, and two tetrahedra on each

@@ -1,16 +1,15 @@
-use super::super::testing::{Random, add, affine, derivative, relative_error, rotation};
+use super::super::testing::{CUBE, Random, add, affine};
 use super::super::voigt::to_matrix;
-use super::tests::{CUBE, HEXES, Hex, Nodes, assert_edges_span, materials, matrices, moved, tangent_error};
+use super::tests::{HEXES, Hex, Nodes, assert_edges_span, materials, matrices};
+use super::tests_on_fillers::{Element, Samples};
 use super::*;
 use crate::Vec3;
-use crate::scene::{Hardening, MaterialModel};
 
 /// The half of [`CUBE`] below its diagonal plane, and that above.
 const HALVES: [[usize; 6]; 2] = [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]];
 
-type Wedge = fn(&Nodes<6>, &Nodes<6>, Medium, bool, &mut ElementMatrices<18>) -> Result<(), Inverted>;
-type WedgeSamples = fn(&Nodes<6>, &Nodes<6>) -> Result<[Sample; 6], Inverted>;
-const WEDGES: [(Wedge, WedgeSamples); 2] =
+type Wedge = Element<6, 18>;
+pub(super) const WEDGES: [(Wedge, Samples<6, 6>); 2] =
     [(wedge6::evaluate, wedge6::samples), (wedge6_sri::evaluate, wedge6_sri::samples)];
 
 fn half() -> Nodes<6> {
@@ -18,81 +17,8 @@ fn half() -> Nodes<6> {
 }
 
 /// A distorted element and random displacements, none inverted.
-fn case(random: &mut Random) -> (Nodes<6>, Nodes<6>) {
+pub(super) fn case(random: &mut Random) -> (Nodes<6>, Nodes<6>) {
     (add(&half(), &random.points(0.12)), random.points(0.12))
-}
-
-/// Against differences of residuals, and these against differences of the energy; symmetric.
-#[test]
-fn forces_and_tangents_are_derivatives() {
-    let mut random = Random::new(41);
-    for material in &materials() {
-        let medium = Medium::virgin(material);
-        for (wedge, samples) in WEDGES {
-            let (x0, u) = case(&mut random);
-            let error = tangent_error(wedge, &x0, &u, material, 5e-4);
-            assert!(error < 1e-10, "{material:?} {error}");
-            let out = matrices(wedge, &x0, &u, material);
-            (0..18).for_each(|i| (0..i).for_each(|j| assert_eq!(out.tangent[i][j], out.tangent[j][i])));
-            let energy = |u: &Nodes<6>| stored_energy(&samples(&x0, u).unwrap(), medium).unwrap();
-            let differences: [f64; 18] =
-                std::array::from_fn(|dof| derivative(5e-4, |t| [energy(&moved(&u, dof, t))])[0]);
-            let error = relative_error(&out.residual, &differences);
-            assert!(error < 1e-10, "{material:?} {error}");
-        }
-    }
-}
-
-#[test]
-fn tangents_in_plastic_flow_are_the_derivative_of_the_residual() {
-    let mut random = Random::new(42);
-    let hardening = Hardening::Swift { k: 0.1, e0: 0.001, n: 0.3 };
-    let material = Material::new(&MaterialModel::Plastic { young: 10.0, poisson: 0.3, hill: None, hardening });
-    for (wedge, samples) in WEDGES {
-        let (x0, before) = case(&mut random);
-        let u = add(&before, &random.points(0.06));
-        let mut states = [State::VIRGIN; 6];
-        advance(&samples(&x0, &before).unwrap(), &material, &mut states).unwrap();
-        let mut after = states;
-        advance(&samples(&x0, &u).unwrap(), &material, &mut after).unwrap();
-        assert!((0..6).all(|q| after[q].equivalent > states[q].equivalent + 1e-3), "{states:?} {after:?}");
-        let element = |x0: &_, u: &_, medium: Medium, want, out: &mut _| {
-            wedge(x0, u, Medium { states: &states, ..medium }, want, out)
-        };
-        let error = tangent_error(element, &x0, &u, &material, 5e-5);
-        assert!(error < 1e-7, "{error}");
-    }
-}
-
-/// Rigid motion leaves six modes and no others without stiffness; it turns forces, which balance.
-#[test]
-fn rigid_motion_gives_no_force_and_nothing_else_does_not() {
-    let mut random = Random::new(43);
-    for (material, (wedge, _)) in materials().iter().flat_map(|m| WEDGES.map(move |wedge| (m, wedge))) {
-        let (r, shift) = (rotation(random.vector(3.0)), random.vector(2.0));
-        let (x0, u) = case(&mut random);
-        let rigid = matrices(wedge, &x0, &affine(&x0, &r, shift), material);
-        let stiffness = rigid.tangent.as_flattened().iter().fold(0f64, |m, k| m.max(k.abs()));
-        assert!(rigid.residual.iter().all(|f| f.abs() < 1e-14 * stiffness));
-        let mut modes: Vec<f64> = nalgebra::DMatrix::from_fn(18, 18, |i, j| rigid.tangent[i][j])
-            .symmetric_eigenvalues()
-            .iter()
-            .copied()
-            .collect();
-        modes.sort_by(f64::total_cmp);
-        assert!(modes[5].abs() < 1e-13 * stiffness && modes[6] > 1e-2 * material.initial_moduli().1 / stiffness);
-        let x = add(&x0, &u);
-        let after = add(&u, &affine(&x, &r, shift));
-        let (a, b) = (matrices(wedge, &x0, &u, material), matrices(wedge, &x0, &after, material));
-        let (mut force, mut moment) = (Vec3::zeros(), Vec3::zeros());
-        for n in 0..6 {
-            let f = Vec3::from_column_slice(&a.residual[3 * n..3 * n + 3]);
-            (0..3).for_each(|i| assert!(((r * f)[i] - b.residual[3 * n + i]).abs() < 1e-13 * stiffness));
-            force += f;
-            moment += Vec3::from(x[n]).cross(&f);
-        }
-        assert!(force.norm() < 1e-14 * stiffness && moment.norm() < 1e-14 * stiffness);
-    }
 }
 
 /// Eight distorted hexahedra around a node, some of them cut into two wedges, of each formulation of hexahedra with that of the
