@@ -33,6 +33,7 @@
 //! normal there.
 
 mod motion;
+mod run;
 mod spread;
 #[cfg(test)]
 mod tests_on_patches;
@@ -137,7 +138,7 @@ pub struct Element {
     at_origin: Variation,
     columns: Vec<Column>,
     weights: Vec<Weight>,
-    sums: spread::Sums,
+    sums: run::Sums,
 }
 
 /// What changes with a node: dF, the residual of the multiplier and, along the free parameters, dξ (rows).
@@ -254,8 +255,8 @@ impl Element {
             Opposite::Patch(site) => {
                 site.patch.vary(site.positions, site.xi, &mut self.at_foot);
                 self.nodes.extend_from_slice(site.stencil);
-                let force = |j| -self.at_foot.weight(transfer, j)[0].tr_mul(&response.load);
-                self.forces.extend((0..site.stencil.len()).map(force));
+                let forces = site.patch.functions(site.xi).map(|[phi, ..]| response.load * phi);
+                self.forces.extend((0..site.stencil.len()).map(|j| -self.at_foot.force_on(transfer, j, &forces)));
             }
         }
     }
@@ -391,7 +392,7 @@ impl Element {
         let (patch, own) = (foot.patch, foot.stencil.len());
         let straight = patch.straight(foot.positions);
         let motion = Motion::new(&straight, &self.at_foot.local, contact.projection);
-        patch.bend(transfer, force, &mut self.at_foot);
+        patch.bend(transfer, &patch.functions(foot.xi).map(|[phi, ..]| force * phi), &mut self.at_foot);
         let change =
             |by: &Slopes, part: &Part| by.gap * part.gap.transpose() + by.normal * part.normal + by.path * part.point;
         let column = |part: Part| Column {
@@ -401,7 +402,7 @@ impl Element {
         };
         self.columns.push(column(motion.of_slave()));
         for j in 0..own {
-            self.columns.push(column(motion.of_node(self.at_foot.by_node(j))));
+            self.columns.push(column(motion.of_node(&self.at_foot.by_node(j))));
             let [weight, by_e, by_z] = self.at_foot.weight(transfer, j).map(|w| w.transpose());
             let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z) * force);
             self.weights.push(Weight { slopes, ..Weight::constant(weight) });

@@ -19,7 +19,7 @@ use crate::surface::{Local, Patch, Polygon, Projection};
 use crate::{Mat3, Vec3};
 
 /// Motion of the foot with one node.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Part {
     pub point: Mat3,
     /// dg, a row.
@@ -100,6 +100,15 @@ impl Motion {
     pub fn of_node(&self, [point, by_e, by_z]: &[Mat3; 3]) -> Part {
         let leans = self.directions.map(|[e, z]| by_e.tr_mul(&self.normal) * e + by_z.tr_mul(&self.normal) * z);
         self.part(-point, point, leans)
+    }
+
+    /// With dP along a handle of the patch, of which φ is the function, and with n·dτ_a of what its derivatives along the free
+    /// parameters are: what is to be multiplied by these.
+    pub fn of_handles(&self) -> [Part; 3] {
+        let leans = |a: usize| std::array::from_fn(|b| if a == b { self.normal } else { Vec3::zeros() });
+        let still = Mat3::zeros();
+        let of_point = self.part(-Mat3::identity(), &Mat3::identity(), [Vec3::zeros(); 2]);
+        [of_point, self.part(still, &still, leans(0)), self.part(still, &still, leans(1))]
     }
 
     /// From dx - dP, dP and the rows n·dτ_a.

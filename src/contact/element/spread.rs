@@ -13,11 +13,15 @@
 //! with F_n = F·n. The mean normal may have to have no component along directions that are held: with P the projector on the
 //! others dn = (I - nn)/|P m| P dm, m = Σ w_q n_q.
 //! A tangential force that is held goes with the tool; with a patch it stands still in the tangent.
+//!
+//! The points of a face on one patch are summed as [`super::run`] does.
 
-use super::motion::{Motion, Part};
+use super::motion::Motion;
+use super::run::{Run, Sums, by_patch};
 use super::{Element, Method, with_carried};
 use crate::contact::law::{self, Guide, Kinematics, Multiplier, Response, Status};
 use crate::contact::master::{Ground, SlipOrigin};
+use crate::surface::moving::variation::{EDGES, HANDLES, Variation};
 use crate::surface::{MovingPatch, Projection, Transfer};
 use crate::{Mat3, Vec3};
 
@@ -66,24 +70,6 @@ pub struct Spread<'a> {
     pub carried: Vec3,
 }
 
-/// Sums over points by node, the slave's before the master's.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Sums {
-    /// dg (a row), dm and dΔ.
-    gap: Vec<Vec3>,
-    normal: Vec<Mat3>,
-    path: Vec<Mat3>,
-    /// Σ w T B, Σ w T (n_q - n) and Σ w T.
-    bearing: Vec<Mat3>,
-    leaning: Vec<Vec3>,
-    share: Vec<Mat3>,
-    /// The last two terms of dR, rows by columns.
-    own: Vec<Mat3>,
-    positions: Vec<Vec3>,
-    columns: Vec<(usize, Part)>,
-    rows: Vec<(usize, Mat3)>,
-}
-
 impl Spread<'_> {
     fn place(&self) -> Kinematics {
         let mean = |of: &dyn Fn(&Portion) -> Vec3| self.portions.iter().map(|p| of(p) * p.weight).sum::<Vec3>();
@@ -92,7 +78,7 @@ impl Spread<'_> {
     }
 
     /// B_q F.
-    fn bears(&self, point: &Portion, force: &Vec3) -> Vec3 {
+    pub(super) fn bears(&self, point: &Portion, force: &Vec3) -> Vec3 {
         force + (point.at.normal - self.normal) * self.normal.dot(force)
     }
 }
@@ -153,32 +139,40 @@ impl Element {
         self.clear();
         self.own = Vec3::zeros();
         let Some(spread) = spread.filter(|_| response.status != Status::Gap) else { return response };
-        for point in spread.portions {
-            let force = spread.bears(point, &response.load) * point.weight;
-            for (node, shape) in point.nodes.iter().zip(point.shapes) {
-                let share = force * *shape;
-                if *node == spread.node {
-                    self.own += share;
-                    continue;
+        for points in by_patch(spread.portions) {
+            let with_patch = bed.patch(points[0].at.patch);
+            let mut on_handles = [Vec3::zeros(); HANDLES];
+            for point in points {
+                let force = spread.bears(point, &response.load) * point.weight;
+                for (node, shape) in point.nodes.iter().zip(point.shapes) {
+                    let share = force * *shape;
+                    if *node == spread.node {
+                        self.own += share;
+                        continue;
+                    }
+                    let k = index(&mut self.beside, *node);
+                    self.beside_forces.resize(self.beside.len(), Vec3::zeros());
+                    self.beside_forces[k] += share;
                 }
-                let k = index(&mut self.beside, *node);
-                self.beside_forces.resize(self.beside.len(), Vec3::zeros());
-                self.beside_forces[k] += share;
+                match with_patch {
+                    None => on_handles[0] += force,
+                    Some((patch, _)) => {
+                        let functions = patch.functions(point.at.xi);
+                        on_handles.iter_mut().zip(functions).for_each(|(sum, [phi, ..])| *sum += force * phi);
+                    }
+                }
             }
             let mut add = |node: u32, force: Vec3| {
                 let k = index(&mut self.nodes, node);
                 self.forces.resize(self.nodes.len(), Vec3::zeros());
-                self.forces[k] += force;
+                self.forces[k] -= force;
             };
-            match bed.patch(point.at.patch) {
-                None => add(0, -force),
+            match with_patch {
+                None => add(0, on_handles[0]),
                 Some((patch, stencil)) => {
-                    let positions = &mut self.sums.positions;
-                    positions.clear();
-                    positions.extend(stencil.iter().map(|&n| bed.position(n)));
-                    patch.vary(positions, point.at.xi, &mut self.at_foot);
+                    link(patch, stencil, bed, (&mut self.sums.positions, &mut self.at_foot));
                     for (j, &node) in stencil.iter().enumerate() {
-                        add(node, -self.at_foot.weight(method.transfer, j)[0].tr_mul(&force));
+                        add(node, self.at_foot.force_on(method.transfer, j, &on_handles));
                     }
                 }
             }
@@ -203,106 +197,68 @@ impl Element {
         let count = slaves + self.nodes.len();
         let mut sums = std::mem::take(&mut self.sums);
         sums.clear(count);
-        for point in spread.portions {
-            self.vary_point(transfer, response, (spread, point), bed, &mut sums);
+        for points in by_patch(spread.portions) {
+            self.add_run(transfer, response, (spread, points), bed, &mut sums);
         }
+        // Where the path begins, by patch the sums of the functions.
+        let mut starts: Vec<(u32, [f64; HANDLES])> = Vec::new();
         for (weight, id, xi) in origins {
-            let Some((patch, stencil)) = bed.patch(id) else { continue };
-            sums.positions.clear();
-            sums.positions.extend(stencil.iter().map(|&n| bed.position(n)));
-            patch.vary(&sums.positions, xi, &mut self.at_origin);
+            let Some((patch, _)) = bed.patch(id) else { continue };
+            let at = starts.iter().position(|(other, _)| *other == id).unwrap_or_else(|| {
+                starts.push((id, [0.0; HANDLES]));
+                starts.len() - 1
+            });
+            starts[at].1.iter_mut().zip(patch.functions(xi)).for_each(|(sum, [phi, ..])| *sum += weight * phi);
+        }
+        for (id, functions) in &starts {
+            let Some((patch, stencil)) = bed.patch(*id) else { continue };
+            link(patch, stencil, bed, (&mut sums.positions, &mut self.at_origin));
             for (j, node) in stencil.iter().enumerate() {
+                let own = if j < self.at_origin.corners() { functions[j] } else { 0.0 };
+                let turns = self.at_origin.turns(j).iter().zip(&functions[EDGES..]);
                 let k = slaves + index(&mut self.nodes, *node);
-                sums.path[k] -= self.at_origin.by_node(j)[0] * weight;
+                sums.path[k] -= turns.fold(Mat3::from_diagonal_element(own), |sum, (turn, phi)| sum + turn * *phi);
             }
         }
         self.sums = sums;
     }
 
-    /// Adds a point to the sums.
-    fn vary_point(
+    /// Adds points of a face on a patch to the sums.
+    fn add_run(
         &mut self,
         transfer: Transfer,
         response: &Response,
-        (spread, point): (&Spread, &Portion),
+        (spread, points): (&Spread, &[Portion]),
         bed: &dyn Bed,
         sums: &mut Sums,
     ) {
         let slaves = 1 + self.beside.len();
-        let (w, n, p) = (point.weight, spread.normal, point.at);
-        let normal_force = n.dot(&response.force);
-        let force = spread.bears(point, &response.force) * w;
-        let place_of = |beside: &[u32], node: u32| match node == spread.node {
-            true => 0,
-            false => 1 + beside.iter().position(|b| *b == node).unwrap_or_default(),
-        };
-        sums.columns.clear();
-        sums.rows.clear();
-        let with_patch = bed.patch(p.patch);
-        let of_slave = match with_patch {
+        sums.places.clear();
+        let mut run = Run::default();
+        let mut of_patch = None;
+        match bed.patch(points[0].at.patch) {
             None => {
-                let turn = p.normal_gradient;
-                let along = Mat3::identity() - p.normal * p.normal.transpose() - turn * p.gap;
-                let part = Part { point: along, gap: p.normal, normal: turn, parameters: [Vec3::zeros(); 2] };
-                sums.columns.push((slaves, part.times(-1.0)));
-                sums.rows.push((slaves, -Mat3::identity()));
-                part
+                sums.places.push(slaves);
+                points.iter().for_each(|point| run.add_on_tool((spread, point), response));
             }
             Some((patch, stencil)) => {
-                sums.positions.clear();
-                sums.positions.extend(stencil.iter().map(|&n| bed.position(n)));
-                patch.vary(&sums.positions, p.xi, &mut self.at_foot);
-                let motion = Motion::new(&patch.straight(&sums.positions), &self.at_foot.local, p);
-                patch.bend(transfer, &force, &mut self.at_foot);
-                let first = sums.columns.len();
-                for (j, node) in stencil.iter().enumerate() {
-                    let k = slaves + self.nodes.iter().position(|n| n == node).unwrap_or_default();
-                    sums.columns.push((k, motion.of_node(self.at_foot.by_node(j))));
-                    let weight = self.at_foot.weight(transfer, j);
-                    sums.rows.push((k, -weight[0].transpose()));
+                let place = |node| slaves + self.nodes.iter().position(|n| n == node).unwrap_or_default();
+                sums.places.extend(stencil.iter().map(place));
+                link(patch, stencil, bed, (&mut sums.positions, &mut self.at_foot));
+                let shape = self.at_foot.shape(patch);
+                for point in points {
+                    let motion = Motion::new(&shape, &shape.local(point.at.xi), point.at);
+                    run.add_on_patch((spread, point), response, &motion, &patch.functions(point.at.xi));
                 }
-                let of_slave = motion.of_slave();
-                // -(dW_j)^T f
-                for j in 0..stencil.len() {
-                    let row = sums.rows[first + j].0;
-                    let [_, by_e, by_z] = self.at_foot.weight(transfer, j);
-                    let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z).tr_mul(&force));
-                    let turned =
-                        |part: &Part| slopes.iter().zip(&part.parameters).map(|(s, d)| s * d.transpose()).sum::<Mat3>();
-                    for (k, (column, part)) in sums.columns[first..].iter().enumerate() {
-                        sums.own[row * sums.gap.len() + column] -= turned(part) + self.at_foot.second(j, k);
-                    }
-                    let by_slave = turned(&of_slave);
-                    for (node, shape) in point.nodes.iter().zip(point.shapes) {
-                        sums.own[row * sums.gap.len() + place_of(&self.beside, *node)] -= by_slave * *shape;
-                    }
-                }
-                of_slave
-            }
-        };
-        for (node, shape) in point.nodes.iter().zip(point.shapes).filter(|(_, shape)| **shape != 0.0) {
-            let k = place_of(&self.beside, *node);
-            sums.columns.push((k, of_slave.times(*shape)));
-            sums.rows.push((k, Mat3::from_diagonal_element(*shape)));
-        }
-        for (k, part) in &sums.columns {
-            sums.gap[*k] += part.gap * w;
-            sums.normal[*k] += part.normal * w;
-            sums.path[*k] += part.point * w;
-        }
-        let apart = p.normal - n;
-        for (k, share) in &sums.rows {
-            let leaning = share * apart * w;
-            sums.leaning[*k] += leaning;
-            sums.share[*k] += share * w;
-            sums.bearing[*k] += share * w + leaning * n.transpose();
-        }
-        for (row, share) in &sums.rows {
-            let bears = share * (w * normal_force);
-            for (column, part) in &sums.columns {
-                sums.own[row * sums.gap.len() + column] += bears * part.normal;
+                patch.bend(transfer, &run.forces, &mut self.at_foot);
+                of_patch = Some((&self.at_foot, transfer));
             }
         }
+        sums.places.extend(points[0].nodes.iter().map(|node| match *node == spread.node {
+            true => 0,
+            false => 1 + self.beside.iter().position(|b| b == node).unwrap_or_default(),
+        }));
+        sums.take(&run, of_patch);
     }
 
     /// The tangent from the sums.
@@ -330,9 +286,10 @@ impl Element {
         }
         for r in 0..count {
             let leans = sums.leaning[r] * response.force.transpose() - sums.share[r] * normal_force;
-            self.set(start(r), 3, [3, width], &(sums.bearing[r] * by.multiplier * epsilon));
+            let bearing = sums.share[r] + sums.leaning[r] * n.transpose();
+            self.set(start(r), 3, [3, width], &(bearing * by.multiplier * epsilon));
             for c in 0..count {
-                let block = sums.bearing[r] * by_column[c] + leans * turned[c] + sums.own[r * count + c];
+                let block = bearing * by_column[c] + leans * turned[c] + sums.own[r * count + c];
                 self.set(start(r), start(c), [3, 3], &block);
             }
         }
@@ -340,19 +297,11 @@ impl Element {
     }
 }
 
-impl Sums {
-    fn clear(&mut self, count: usize) {
-        self.gap.clear();
-        self.gap.resize(count, Vec3::zeros());
-        self.leaning.clear();
-        self.leaning.resize(count, Vec3::zeros());
-        for by_node in [&mut self.normal, &mut self.path, &mut self.bearing, &mut self.share] {
-            by_node.clear();
-            by_node.resize(count, Mat3::zeros());
-        }
-        self.own.clear();
-        self.own.resize(count * count, Mat3::zeros());
-    }
+/// Derivatives of the handles of a patch.
+fn link(patch: &MovingPatch, stencil: &[u32], bed: &dyn Bed, (positions, to): (&mut Vec<Vec3>, &mut Variation)) {
+    positions.clear();
+    positions.extend(stencil.iter().map(|&n| bed.position(n)));
+    patch.link(positions, to);
 }
 
 /// The response with the sum of what the points bear for the force.

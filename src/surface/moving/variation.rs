@@ -1,14 +1,21 @@
-//! Derivatives of a moving patch at a point of it, by the positions of its nodes.
+//! Derivatives of a moving patch at points of it, by the positions of its nodes.
 //!
-//! The patch is linear in its own nodes and in the coefficients of its edges; these depend on the own nodes and on the
-//! nodal normals, and each normal on nodes and on normals before it. The chain rule is applied from the last normal to the
-//! first: what has been differentiated by a normal is handed on to what that normal directly depends on. With first
-//! derivatives R_a of P and its tangents, and second derivatives H_ab of F.P for a given force F, by nodes and normals
-//! alike, a normal y with dy = sum_a J_a da gives
+//! The patch is linear in its handles y, which are its corners and the coefficients of its edges; the coefficients depend on the
+//! own nodes and on the nodal normals, and each normal on nodes and on normals before it:
 //!
 //! ```text
-//!     R_a += R_y J_a        H_ab += J_a^T H_yb + H_ay J_b + J_a^T H_yy J_b + F.R_y (d2y/da db)
+//!     P(xi) = sum_h phi_h(xi) y_h,     y = (x_0 .. x_3, c_0 .. c_3),     phi = (w_0 .. w_3, -b_0 .. -b_3)
 //! ```
+//!
+//! The chain rule is applied from the last normal to the first: what has been differentiated by a normal is handed on to what
+//! that normal directly depends on. With first derivatives C_a of the coefficients, and second derivatives H_ab of sum_h f_h.y_h
+//! for given forces f_h on the handles, by nodes and normals alike, a normal n with dn = sum_a J_a da gives
+//!
+//! ```text
+//!     C_a += C_n J_a        H_ab += J_a^T H_nb + H_an J_b + J_a^T H_nn J_b + sum_h f_h.C_n (d2n/da db)
+//! ```
+//!
+//! All that depends on the place in the patch are the phi_h: forces F_q on points of it are f_h = sum_q phi_h(xi_q) F_q.
 
 use super::super::smoothing::Transfer;
 use super::MovingPatch;
@@ -17,24 +24,36 @@ use super::normal::State;
 use crate::surface::{Edge, Local, Patch};
 use crate::{Mat3, Vec3};
 
-/// Derivatives of a patch at a point of it, by the nodes in the order of [`MovingPatch::nodes`]. Made by
-/// [`MovingPatch::vary`]; the buffers are used again.
+/// Corners and coefficients of edges; triangles leave the last of either out.
+pub const HANDLES: usize = 8;
+
+/// The first handle that is a coefficient.
+pub const EDGES: usize = 4;
+
+/// Coefficients that do not change.
+const AT_REST: [Mat3; 4] = [Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0); 4];
+
+/// The functions of the handles at a point, with their derivatives by xi.
+pub type Functions = [[f64; 3]; HANDLES];
+
+/// Derivatives of a patch by its nodes in the order of [`MovingPatch::nodes`]. Made by [`MovingPatch::vary`]; the buffers are used
+/// again.
 #[derive(Clone, Debug, Default)]
 pub struct Variation {
-    /// The patch there.
+    /// The patch at a point.
     pub local: Local,
+    functions: Functions,
     state: State,
     links: Vec<Link>,
-    /// Derivatives of P, tau_1 and tau_2 by the nodes, then by the normals.
-    rows: Vec<[Mat3; 3]>,
+    coefficients: [Vec3; 4],
+    /// Derivatives of the coefficients by the nodes, then by the normals.
+    turns: Vec<[Mat3; 4]>,
     /// Those by the own nodes at fixed normals.
-    direct: [[Mat3; 3]; 6],
-    /// How many nodes are the patch's own, and whether it has their quadratic shape.
+    direct: [[Mat3; 4]; 6],
+    /// How many nodes are corners, how many the patch's own, and whether it has their quadratic shape.
+    corners: usize,
     own: usize,
     is_quadratic: bool,
-    /// Weights of the own nodes and, with the share of the bulge, of the edge coefficients; their derivatives by xi.
-    weights: [[f64; 3]; 4],
-    bubbles: [[f64; 3]; 4],
     hessian: Hessian,
 }
 
@@ -51,6 +70,13 @@ pub(super) struct Link {
 impl MovingPatch {
     /// Derivatives of the patch with its nodes at `positions`, at the parameters `xi`.
     pub fn vary(&self, positions: &[Vec3], xi: [f64; 2], to: &mut Variation) {
+        self.link(positions, to);
+        to.functions = self.functions(xi);
+        to.local = to.shape(self).local(xi);
+    }
+
+    /// Derivatives of the handles with the nodes at `positions`: all that [`Self::vary`] makes but what is of one point.
+    pub fn link(&self, positions: &[Vec3], to: &mut Variation) {
         let (count, nodes) = (self.count as usize, self.nodes.len());
         to.state.positions.clear();
         to.state.positions.extend_from_slice(positions);
@@ -60,51 +86,45 @@ impl MovingPatch {
             rule.link(&mut to.state, link);
             to.state.normals.push(link.value);
         }
-        (to.weights, to.bubbles) = polynomials(self.count, xi);
-        to.bubbles.as_flattened_mut().iter_mut().for_each(|b| *b *= self.bulge);
-        to.rows.clear();
-        to.rows.resize(nodes + self.normals.len(), [Mat3::zeros(); 3]);
-        let mut shape = self.straight(positions);
-        for i in 0..count {
-            to.rows[i] = to.weights[i].map(Mat3::from_diagonal_element);
-        }
+        to.turns.clear();
+        to.turns.resize(nodes + self.normals.len(), [Mat3::zeros(); 4]);
+        to.coefficients = if self.is_quadratic { self.through_middles(positions) } else { [Vec3::zeros(); 4] };
         for k in (0..count).filter(|k| self.is_curved(*k)) {
             let [i, j] = self.ends(k);
             let [m, n] = self.end_normals(k);
             let c = edge::derivatives(&(positions[j] - positions[i]), &to.state.normals[m], &to.state.normals[n]);
-            shape.coefficients[k] = c.value * self.bulge;
-            for (a, bubble) in to.bubbles[k].into_iter().enumerate() {
-                let by_chord = c.by_chord * bubble;
-                to.rows[i][a] += by_chord;
-                to.rows[j][a] -= by_chord;
-                to.rows[nodes + m][a] -= c.by_normals[0] * bubble;
-                to.rows[nodes + n][a] -= c.by_normals[1] * bubble;
-            }
+            to.coefficients[k] = c.value * self.bulge;
+            to.turns[i][k] -= c.by_chord * self.bulge;
+            to.turns[j][k] += c.by_chord * self.bulge;
+            to.turns[nodes + m][k] += c.by_normals[0] * self.bulge;
+            to.turns[nodes + n][k] += c.by_normals[1] * self.bulge;
         }
-        if self.is_quadratic {
-            shape.coefficients = self.through_middles(positions);
-            for (k, bubble) in to.bubbles.iter().enumerate().take(count) {
-                let ends = self.ends(k).map(|i| (i, -2.0));
-                for (i, share) in ends.into_iter().chain([(count + k, 4.0)]) {
-                    (0..3).for_each(|a| to.rows[i][a] += Mat3::from_diagonal_element(share * bubble[a]));
-                }
-            }
+        for k in (0..count).filter(|_| self.is_quadratic) {
+            self.ends(k).iter().for_each(|&i| to.turns[i][k] += Mat3::from_diagonal_element(2.0));
+            to.turns[count + k][k] -= Mat3::from_diagonal_element(4.0);
         }
-        to.local = shape.local(xi);
-        (to.own, to.is_quadratic) = (self.own(), self.is_quadratic);
-        to.direct = [[Mat3::zeros(); 3]; 6];
-        to.direct[..to.own].copy_from_slice(&to.rows[..to.own]);
+        (to.corners, to.own, to.is_quadratic) = (count, self.own(), self.is_quadratic);
+        to.direct[..to.own].copy_from_slice(&to.turns[..to.own]);
         for (l, link) in to.links.iter().enumerate().rev() {
-            let rows = to.rows[nodes + l].map(|row| row * link.outer);
-            for (a, part) in &link.parts {
-                (0..3).for_each(|k| to.rows[*a][k] += rows[k] * part);
+            for k in 0..count {
+                let turn = to.turns[nodes + l][k];
+                if turn != Mat3::zeros() {
+                    let turn = turn * link.outer;
+                    link.parts.iter().for_each(|(a, part)| to.turns[*a][k] += turn * part);
+                }
             }
         }
     }
 
-    /// The second derivatives d(W_j^T F)/dx_k of the forces on the nodes at fixed `force` and xi, for
+    /// The functions of the handles at a point.
+    pub fn functions(&self, xi: [f64; 2]) -> Functions {
+        let (weights, bubbles) = polynomials(self.count, xi);
+        std::array::from_fn(|h| if h < EDGES { weights[h] } else { bubbles[h - EDGES].map(|b| -b) })
+    }
+
+    /// The second derivatives d(W_j^T F)/dx_k of the forces on the nodes at fixed `forces` on the handles, for
     /// [`Variation::second`], where `variation` is of this patch.
-    pub fn bend(&self, transfer: Transfer, force: &Vec3, variation: &mut Variation) {
+    pub fn bend(&self, transfer: Transfer, forces: &[Vec3; HANDLES], variation: &mut Variation) {
         let v = variation;
         let nodes = self.nodes.len();
         let hessian = &mut v.hessian;
@@ -112,13 +132,14 @@ impl MovingPatch {
         if transfer == Transfer::Bilinear {
             return;
         }
+        let on_coefficients = &forces[EDGES..];
         for k in (0..self.count as usize).filter(|k| self.is_curved(*k)) {
             let [i, j] = self.ends(k);
             let normals = self.end_normals(k);
             let [m, n] = normals.map(|l| nodes + l);
             let d = v.state.positions[j] - v.state.positions[i];
-            let on_coefficient = force * -v.bubbles[k][0];
-            let b = edge::bending(&d, &v.state.normals[normals[0]], &v.state.normals[normals[1]], &on_coefficient);
+            let force = on_coefficients[k] * self.bulge;
+            let b = edge::bending(&d, &v.state.normals[normals[0]], &v.state.normals[normals[1]], &force);
             for (end, by) in [m, n].into_iter().zip(&b.chord_normals) {
                 hessian.add_pair(j, end, by);
                 hessian.add_pair(i, end, &-by);
@@ -132,7 +153,7 @@ impl MovingPatch {
             if transfer == Transfer::Patch {
                 hessian.eliminate_columns(index, self.count as usize, link);
             } else {
-                let g = v.rows[index][0].tr_mul(force);
+                let g: Vec3 = v.turns[index].iter().zip(on_coefficients).map(|(turn, f)| turn.tr_mul(f)).sum();
                 self.normals[l].bend(index, &mut v.state, link, &g, hessian);
                 hessian.eliminate(index, &link.parts);
             }
@@ -174,24 +195,57 @@ impl MovingPatch {
 }
 
 impl Variation {
+    /// The patch.
+    pub fn shape(&self, patch: &MovingPatch) -> Patch {
+        Patch { coefficients: self.coefficients, ..patch.straight(&self.state.positions) }
+    }
+
     /// Derivatives by node j of P, tau_1 and tau_2, at fixed xi.
-    pub fn by_node(&self, j: usize) -> &[Mat3; 3] {
-        &self.rows[j]
+    pub fn by_node(&self, j: usize) -> [Mat3; 3] {
+        self.rows(j, self.turns(j))
     }
 
     /// W_j and its derivatives by xi.
     pub fn weight(&self, transfer: Transfer, j: usize) -> [Mat3; 3] {
+        self.rows(j, self.bearing(transfer, j))
+    }
+
+    fn rows(&self, j: usize, turns: &[Mat3; 4]) -> [Mat3; 3] {
+        std::array::from_fn(|d| {
+            let phi = |h: usize| self.functions[h][d];
+            let own = Mat3::from_diagonal_element(if j < self.corners { phi(j) } else { 0.0 });
+            (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k))
+        })
+    }
+
+    /// How many nodes are corners, and so handles of their own.
+    pub fn corners(&self) -> usize {
+        self.corners
+    }
+
+    /// dc_k/dx_j.
+    pub fn turns(&self, j: usize) -> &[Mat3; 4] {
+        &self.turns[j]
+    }
+
+    /// What takes the place of dc_k/dx_j in the weights W_j.
+    pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3; 4] {
         match transfer {
             // On a quadratic face linear weights would not be in balance with an even pressure.
-            _ if self.is_quadratic => self.rows[j],
-            Transfer::Variational => self.rows[j],
-            _ if j >= self.own => [Mat3::zeros(); 3],
-            Transfer::Patch => self.direct[j],
-            Transfer::Bilinear => self.weights[j].map(Mat3::from_diagonal_element),
+            _ if self.is_quadratic => &self.turns[j],
+            Transfer::Variational => &self.turns[j],
+            Transfer::Patch if j < self.own => &self.direct[j],
+            _ => &AT_REST,
         }
     }
 
-    /// d(W_j^T F)/dx_k for the transfer and force of the last [`MovingPatch::bend`].
+    /// W_j^T F of forces on the handles.
+    pub fn force_on(&self, transfer: Transfer, j: usize, forces: &[Vec3; HANDLES]) -> Vec3 {
+        let own = if j < self.corners { forces[j] } else { Vec3::zeros() };
+        self.bearing(transfer, j).iter().zip(&forces[EDGES..]).fold(own, |sum, (turn, f)| sum + turn.tr_mul(f))
+    }
+
+    /// d(W_j^T F)/dx_k for the transfer and forces of the last [`MovingPatch::bend`].
     pub fn second(&self, j: usize, k: usize) -> &Mat3 {
         self.hessian.get(j, k)
     }
