@@ -4,6 +4,7 @@
 mod common;
 
 use common::{Bench, Run, assert_close, assert_small, nagata};
+use nagata::Vec3;
 use std::path::Path;
 
 /// Cauchy stress of W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J in uniaxial strain: both cubes go from 10 to 9.5.
@@ -236,15 +237,47 @@ fn nodes_that_stick_to_nodes_make_one_body_of_two() {
     }
 }
 
+/// What turns as one, pressed together, bears the same force, which turns too, and none of it slips.
+#[test]
+fn forces_from_node_to_node_turn_with_the_bodies() {
+    let angle = 60.0f64;
+    for friction in [0.0, 0.3] {
+        let turned = format!("rotate = {{ point = [1.0, 1.5, 0.5], axis = [1.0, 0.0, 0.0], angle = {angle:.1} }}");
+        let run = Bench::new(&format!(
+            "{}{}{}[material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nincrements = 2\nfix = [{{ set = \"lower.zmin\" }}]\n\
+             move = [{{ target = \"upper.zmax\", by = [0.0, 0.0, -0.2] }}]\n\
+             [[step]]\nincrements = 6\n\
+             move = [{{ target = \"lower.zmin\", {turned} }}, {{ target = \"upper.zmax\", {turned} }}]\n\
+             [output]\nhistory = [\"lower.zmin\"]\n",
+            block("lower", 0.0, 2.0, 1),
+            block("upper", 2.0, 2.0, 1),
+            by_node(friction)
+        ))
+        .solve(2, &[]);
+        let history = run.history();
+        let [pressed, y, z] = [history.column("joint.fz")[1].abs(), history.last("joint.fy"), history.last("joint.fz")];
+        let (sin, cos) = angle.to_radians().sin_cos();
+        assert_close("across", y.abs(), pressed * sin, 1e-8);
+        assert_close("along", z.abs(), pressed * cos, 1e-8);
+        assert!(y * history.column("joint.fz")[1] < 0.0 && z * history.column("joint.fz")[1] > 0.0);
+        if friction > 0.0 {
+            assert_eq!(history.column("joint.slip")[1], history.last("joint.slip"));
+        }
+    }
+}
+
 #[test]
 fn nodes_that_slip_on_nodes_obey_coulomb() {
     let two = block("lower", 0.0, 2.0, 1) + &block("upper", 2.0, 2.0, 1);
     let run = sheared(&two, &by_node(0.1), "lower", 0.4);
     let (forces, statuses) = (run.vectors(1, "contact.joint", "force"), run.scalars(1, "contact.joint", "status"));
     assert_eq!(statuses, [2.0; 12]);
-    for [x, y, z] in forces {
-        assert_close("friction", x.hypot(y), 0.1 * z, 1e-8);
-        assert!(x < 0.0);
+    let normals = run.vectors(1, "contact.joint", "normal");
+    for (force, normal) in forces.into_iter().map(Vec3::from).zip(normals.into_iter().map(Vec3::from)) {
+        let pressing = force.dot(&normal);
+        assert_close("friction", (force - normal * pressing).norm(), 0.1 * pressing, 1e-8);
+        assert!(pressing > 0.0 && force.x - normal.x * pressing < 0.0);
     }
 }
 

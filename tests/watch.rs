@@ -995,3 +995,73 @@ force = [{{ target = "b.xmax", total = [0.001, 0.0, 0.0] }}]
     let pressed = pulled(2.0, -0.1);
     assert!(pressed.code == 0 && !pressed.log().contains("elastic energy in"), "{}", pressed.log());
 }
+
+/// A block of 10 x 10 x 5 between a floor and a plate, whose heights are given, with friction.
+fn resting(floor: &str, plate: &str, steps: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+[body.b]
+material = "m"
+[body.b.block]
+box = {{ size = [10.0, 10.0, 5.0] }}
+elements = [4, 4, 2]
+[material.m]
+model = "neo-hookean"
+young = 10.0
+poisson = 0.3
+[tool.floor]
+plane = {{ point = [0.0, 0.0, {floor}], normal = [0.0, 0.0, 1.0] }}
+[tool.plate]
+plane = {{ point = [0.0, 0.0, {plate}], normal = [0.0, 0.0, -1.0] }}
+[contact.below]
+slave = "b.zmin"
+master = "floor"
+friction = 0.3
+[contact.above]
+slave = "b.zmax"
+master = "plate"
+friction = 0.3
+{steps}
+"#
+    ))
+}
+
+/// Whether what rests and bears nothing is off its support by a rounding, or in it, makes no difference, nor whether it bore before.
+#[test]
+fn what_rests_may_be_off_by_a_rounding() {
+    let press = "[[step]]\nincrements = 10\nmove = [{ target = \"plate\", by = [0.0, 0.0, -1.3] }]\n";
+    let runs = ["0.0", "1e-14", "-1e-14", "-1e-5"].map(|floor| resting(floor, "6.0", press).solve(1, &[]));
+    for run in &runs {
+        let summary = run.summary();
+        assert_eq!(
+            (&summary["increments"], &summary["cutbacks"], &summary["jumps"]),
+            (&10.into(), &0.into(), &0.into())
+        );
+        assert_close("force", run.history().last("floor.fz"), runs[0].history().last("floor.fz"), 1e-4);
+    }
+    assert_close("force", runs[1].history().last("floor.fz"), runs[0].history().last("floor.fz"), 1e-9);
+    let again = format!(
+        "{press}[[step]]\nincrements = 4\nkeep = true\nmove = [{{ target = \"plate\", by = [0.0, 0.0, 2.0] }}]\n\
+         [[step]]\nincrements = 4\nkeep = true\nmove = [{{ target = \"plate\", by = [0.0, 0.0, -2.0] }}]\n"
+    );
+    let run = resting("0.0", "6.0", &again).solve(2, &[]);
+    // The increment that lets it go may be cut, as rounding has it; those in which it rests need none.
+    assert!(run.history().len() <= 40, "{}", run.history().len());
+    // Nothing slips that did not when it was first pressed, but by what it did on the way.
+    assert_close("force", run.history().last("floor.fz"), runs[0].history().last("floor.fz"), 1e-4);
+}
+
+/// A plate in a block by no more than what rounds in its mesh: what that bears is inexact, told of, and ends no run.
+#[test]
+fn forces_of_overlaps_as_small_as_rounding_are_told_of() {
+    let steps = "[[step]]\nincrements = 1\n[[step]]\nincrements = 5\nkeep = true\n\
+                 move = [{ target = \"plate\", by = [0.0, 0.0, -0.3] }]\n";
+    let [touching, little, more] =
+        ["5.0", "4.99999999999", "4.999999"].map(|plate| resting("0.0", plate, steps).solve(1, &[]));
+    let told = "what acts on it was so little";
+    let is_told = |run: &common::Run| run.summary()["warnings"].to_string().contains(told);
+    assert_eq!([&touching, &little, &more].map(is_told), [false, true, false]);
+    let [first, last] =
+        [0, 5].map(|k| touching.history().column("floor.fz")[k].abs() - little.history().column("floor.fz")[k].abs());
+    assert!(first.abs() < 1e-8 && last.abs() < 1e-6, "{first} {last}");
+}

@@ -5,7 +5,7 @@ use super::preflight::rigid::{Free, RigidMotions, Side};
 use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
-use crate::contact::{Slave, Status, Trial};
+use crate::contact::{Pair, Slave, Status, Trial};
 use crate::failure::Cause;
 use crate::parallel::any;
 
@@ -36,8 +36,9 @@ impl Simulation<'_> {
         !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
     }
 
-    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says; without friction what is near
-    /// counts as touching. Collective.
+    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. What is near and has not moved
+    /// since the last converged increment counts as touching: a body that rests and bears nothing may as well be off by a
+    /// rounding as in by one. Collective.
     fn held(
         &self,
         frame: &Frame,
@@ -53,11 +54,12 @@ impl Simulation<'_> {
                 let (trial, own) = (of(slave), self.model.part.component[slave.node as usize] as usize);
                 let Some(at) = trial.projection else { continue };
                 let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
-                let near = friction.is_none() && at.gap <= pair.controls.touching_gap * pair.facet_size;
-                if trial.status == Status::Gap && !near {
+                let n = slave.node as usize;
+                let near = at.gap <= pair.controls.touching_gap * pair.facet_size;
+                if trial.status == Status::Gap && !(near && self.rests(pair, slave, u)) {
                     continue;
                 }
-                let x = place(slave.node as usize);
+                let x = place(n);
                 let hold = friction.map_or(Hold::Normal, |friction| friction(p, slave));
                 motions.touch(own, side, &x, &at.normal, hold == Hold::Firm);
                 let across = at.normal.cross(&trial.traction());
@@ -67,6 +69,12 @@ impl Simulation<'_> {
             }
         }
         motions
+    }
+
+    /// Whether a slave node that nodes displaced by `u` belong to has moved by less than the shape of the body is known to.
+    fn rests(&self, pair: &Pair, slave: &Slave, u: &[Vec3]) -> bool {
+        let n = slave.node as usize;
+        (u[n] - self.state.u[n]).norm() <= pair.controls.watch_deep * pair.facet_size
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
@@ -79,15 +87,13 @@ impl Simulation<'_> {
         // than the shape of the body is known to has not been let go.
         let bears = |p: usize, slave: &Slave| {
             let (pair, n) = (&self.model.pairs[p], slave.node as usize);
-            let moved = (converged.u[n] - self.state.u[n]).norm();
             let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
-            moved <= pair.controls.watch_deep * pair.facet_size
-                || slave.trial.force.norm() > rounding.max(converged.limits[p])
+            self.rests(pair, slave, &converged.u) || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
         let rubs = |p: usize| self.model.pairs[p].rules.friction > 0.0;
         let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {
             _ if !rubs(p) || !bears(p, slave) => Hold::Normal,
-            Status::Stick => Hold::Firm,
+            Status::Stick | Status::Gap => Hold::Firm,
             // What has slipped far may have been let go.
             _ if slave.law.creep > 0.0 && slave.trial.slip.norm() <= self.model.pairs[p].facet_size => Hold::Firm,
             _ => Hold::Across,

@@ -428,7 +428,7 @@ impl Recorder<'_> {
             iterations: *iterations,
             note: &note,
         });
-        if let Some(Rounded { of, residual, limit }) = &increment.rounded {
+        if let Some(Rounded { of, residual, limit, .. }) = &increment.rounded {
             let text =
                 format!("    {of}: residual {residual:.1e} let through, of which rounding leaves up to {limit:.1e}");
             self.log.record(&text);

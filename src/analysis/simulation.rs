@@ -181,12 +181,13 @@ impl<'a> Simulation<'a> {
 
     /// Counts an increment that was let through above the tolerance.
     pub(super) fn note_rounded(&mut self, rounded: Option<&Rounded>) {
-        let Some(Rounded { of, residual, limit }) = rounded else { return };
+        let Some(Rounded { of, residual, limit, lost }) = rounded else { return };
         let told = self.summary.rounded.get_or_insert_default();
         told.increments += 1;
-        if *residual > told.residual {
+        if (*lost, *residual) > (told.lost, told.residual) {
             let (time, increments) = (self.state.time, told.increments);
-            *told = summary::Rounded { increments, time, of: of.clone(), residual: *residual, limit: *limit };
+            *told =
+                summary::Rounded { increments, time, of: of.clone(), residual: *residual, limit: *limit, lost: *lost };
         }
     }
 

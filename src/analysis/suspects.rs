@@ -7,7 +7,7 @@ use crate::contact::{Discretization, Pair, Slave, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::parallel::{max, sum, word_of_largest};
-use crate::scene::{Contact, Enforcement, Scene};
+use crate::scene::{Contact, Enforcement, Scene, Smoothing};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
 
@@ -173,8 +173,8 @@ fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cau
         remedies.push(match guidance::far_softer(scene, contact) {
             Some(softer) => format!("contact `{name}` has two passes: take one, with the far softer `{softer}` as the slave"),
             None => format!(
-                "contact `{name}` has two passes, whose conditions may contradict each other: take `discretization = \"segment\"`, or \
-                 between flat faces `smoothing = \"facet\"`"
+                "contact `{name}` has two passes, whose conditions may contradict each other: take `discretization = \"segment\"`{}",
+                if contact.surface.as_ref().is_some_and(|of| of.smoothing == Smoothing::Facet) { "" } else { ", or between flat faces `smoothing = \"facet\"`" }
             ),
         });
     }
@@ -183,7 +183,7 @@ fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cau
         remedies
             .push(format!("contact `{name}` has the method \"{method}\": take \"{best}\", which finds more solutions"));
     }
-    if contact.tangent == Tangent::FixedFrame && contact.discretization != Discretization::NodeToNode {
+    if contact.tangent == Tangent::FixedFrame {
         remedies.push(format!(
             "contact `{name}` has the tangent \"fixed-frame\", which converges slowly where contact slides: take \"exact\""
         ));

@@ -16,6 +16,7 @@ use crate::contact::{Ground, Movement, Pair, Sight, Slave, Status, mates, touchi
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::output::phases::Phase;
+use crate::output::summary;
 use crate::parallel::{first_word, max, sum, word_of_largest};
 use crate::partition::parcels::{bounds, grown, hull, meets};
 use crate::scene::Enforcement;
@@ -376,6 +377,12 @@ impl Simulation<'_> {
     /// nothing took the tool away. Collective.
     pub fn idle_contacts(&self) -> Vec<String> {
         let mut warnings = Vec::new();
+        if let Some(summary::Rounded { of, time, residual, lost: true, .. }) = &self.summary.rounded {
+            warnings.push(format!(
+                "{of}: what acts on it was so little, as what closes the rounding of a mesh, that rounding left {residual:.1e} of it \
+                 (time {time:.6}, the most): what of such forces is shown is no more exact"
+            ));
+        }
         let count = |side: watch::Side| {
             let of = |p: &Pair| p.slaves.iter().filter(|s| s.sight.side == side).count() as f64;
             let mut counts: Vec<f64> = self.model.pairs.iter().map(of).collect();

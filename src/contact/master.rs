@@ -587,7 +587,9 @@ impl<'a> Ground<'a> {
     /// Whether forces on it have a potential where there is no friction.
     pub fn has_potential(&self, tangent: Tangent) -> bool {
         match self {
-            Self::Tool(_) | Self::Surface(_, Meets::Nodes) => true,
+            Self::Tool(_) => true,
+            // The normal of a corner turns with nodes that bear nothing.
+            Self::Surface(_, Meets::Nodes) => false,
             // The derivatives of a facet by its own nodes are all that there are.
             Self::Surface(surface, Meets::Faces | Meets::Own) => {
                 let given = &surface.given;

@@ -1,15 +1,18 @@
 //! Contact from node to node: each slave node meets one node of the master for good, that at whose place it begins.
 //!
 //! It is the contact with a patch whose foot never leaves a corner: all of the force goes to the one node, the normal is
-//! that of the master there as it begins, and the gap and the path are the distance of the two nodes along and across it,
+//! that of the master there, and the gap and the path are the distance of the two nodes along and across it,
 //!
 //! ```text
-//!     g = n·(x_s - x_m)        x̄ = x_s - g n        x̃ = x_m + (x_s - x_m) at the last converged increment.
+//!     g = n·(x_s - x_m)        x̄ = x_s - g n        x̃ = x_m + R (x_s - x_m) at the last converged increment,
 //! ```
+//!
+//! where R turns as the master's frame there has since: what goes along with a body that turns has not slid.
 
+use super::element::upright;
 use super::{BodySurface, Slave};
-use crate::Vec3;
 use crate::surface::{Polygon, Projection};
+use crate::{Mat3, Vec3};
 
 /// How far from a slave node its mate may be, over the shortest edge of the master around it.
 pub const APART: f64 = 0.1;
@@ -20,19 +23,19 @@ pub struct Mate {
     pub patch: u32,
     pub corner: usize,
     pub xi: [f64; 2],
-    /// Of the master at the corner, where all begins.
-    pub normal: Vec3,
 }
 
 impl Mate {
     /// The contact of a node at `position`.
     pub fn project(&self, surface: &BodySurface, position: &Vec3) -> Option<Projection> {
-        let gap = self.normal.dot(&(position - self.place(surface, surface.positions())?));
+        let (place, frame) = self.stand(surface, surface.positions())?;
+        let normal: Vec3 = frame.column(2).into();
+        let gap = normal.dot(&(position - place));
         Some(Projection {
             gap,
-            point: position - self.normal * gap,
-            normal: self.normal,
-            normal_gradient: crate::Mat3::zeros(),
+            point: position - normal * gap,
+            normal,
+            normal_gradient: Mat3::zeros(),
             patch: self.patch,
             xi: self.xi,
         })
@@ -40,19 +43,23 @@ impl Mate {
 
     /// x̃ for a slave node that was at `before` at the last converged increment.
     pub fn slip_origin(&self, surface: &BodySurface, before: &Vec3) -> Option<Vec3> {
-        let (now, then) = (self.place(surface, surface.positions())?, self.place(surface, &surface.before)?);
-        Some(now + before - then)
+        let (now, frame) = self.stand(surface, surface.positions())?;
+        let (then, before_that) = self.stand(surface, &surface.before)?;
+        Some(now + frame * before_that.tr_mul(&(before - then)))
     }
 
     /// How far a node at `position` has slid from it.
     pub fn aside(&self, surface: &BodySurface, position: &Vec3) -> Option<f64> {
-        let away = position - self.place(surface, surface.positions())?;
-        Some((away - self.normal * self.normal.dot(&away)).norm())
+        let (place, frame) = self.stand(surface, surface.positions())?;
+        Some(frame.tr_mul(&(position - place)).xy().norm())
     }
 
-    fn place(&self, surface: &BodySurface, positions: &[Vec3]) -> Option<Vec3> {
-        let (_, stencil) = surface.patch(self.patch)?;
-        Some(positions[stencil[self.corner] as usize])
+    /// Where the node of the master is, and the frame of its patch there, with the normal as the last column.
+    fn stand(&self, surface: &BodySurface, positions: &[Vec3]) -> Option<(Vec3, Mat3)> {
+        let (patch, stencil) = surface.patch(self.patch)?;
+        let nodes: Vec<Vec3> = stencil.iter().map(|&n| positions[n as usize]).collect();
+        let local = patch.shape(&nodes).local(self.xi);
+        Some((nodes[self.corner], upright(&local)?))
     }
 }
 
@@ -90,9 +97,7 @@ fn nearest(surface: &BodySurface, x: &Vec3) -> (Option<Mate>, f64) {
             }
             least = distance;
             if distance < APART * shortest {
-                let xi = patch.corners(&[0.0; 4])[corner];
-                let normal = patch.local(xi).area_vector().normalize();
-                found = Some(Mate { patch: patch.id, corner, xi, normal });
+                found = Some(Mate { patch: patch.id, corner, xi: patch.corners(&[0.0; 4])[corner] });
             }
         }
     }

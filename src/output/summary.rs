@@ -32,13 +32,17 @@ pub struct Rounded {
     pub of: String,
     pub residual: f64,
     pub limit: f64,
+    /// See [`crate::analysis::Rounded::lost`]; it is worse than what is not.
+    pub lost: bool,
 }
 
 impl Rounded {
     /// As it stands in `summary.json` and in checkpoints.
     pub fn to_json(&self) -> Value {
-        let Self { increments, time, of, residual, limit } = self;
-        json!({ "increments": increments, "time": time, "of": of, "residual": residual, "limit": limit })
+        let Self { increments, time, of, residual, limit, lost } = self;
+        json!({
+            "increments": increments, "time": time, "of": of, "residual": residual, "limit": limit, "lost": lost
+        })
     }
 
     /// What [`Self::to_json`] has written, if it has.
@@ -49,6 +53,7 @@ impl Rounded {
             of: value["of"].as_str()?.into(),
             residual: value["residual"].as_f64()?,
             limit: value["limit"].as_f64()?,
+            lost: value["lost"].as_bool()?,
         })
     }
 }

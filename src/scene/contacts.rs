@@ -111,8 +111,6 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("tangent").filter(|_| segments) {
         return Err(item.error("means nothing with \"segment\"", "its tangent is always exact; remove it"));
     }
-    // From node to node the frame does stand still.
-    let tangent = if discretization == Discretization::NodeToNode { Tangent::FixedFrame } else { Tangent::default() };
     Ok(Contact {
         name,
         surface: surface(&table, is_tool, discretization)?,
@@ -124,7 +122,7 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         penalty: penalty?.flatten(),
         tolerance: tolerance?.flatten(),
         reach: reach?,
-        tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or(tangent),
+        tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or_default(),
         thickness: thickness?.flatten(),
         second_of: None,
     })

@@ -306,7 +306,8 @@ impl Newton<'_> {
     fn rounded_by(&self, section: usize) -> String {
         let (first, Model { pairs, .. }) = (self.system.model.sections.len(), &*self.system.model);
         let of = |p: usize| self.found.balance.groups[first + p].penalty * self.found.balance.groups[first + p].far;
-        let touching = (0..pairs.len()).filter(|p| self.touches(*p, section));
+        let acts = |p: &usize| self.touches(*p, section) && self.found.balance.groups[first + p].force > 0.0;
+        let touching = (0..pairs.len()).filter(acts);
         let Some(p) = touching.max_by(|a, b| of(*a).total_cmp(&of(*b))) else { return String::new() };
         let (pair, far) = (&pairs[p], self.found.balance.groups[first + p].far);
         match pair.rules.asked.1 {
@@ -345,10 +346,11 @@ impl Newton<'_> {
     pub fn rounded(&self) -> Option<Rounded> {
         let (balance, tolerance) = (&self.found.balance, self.strategy.tolerance);
         let relative = |g: usize| balance.groups[g].residual / balance.scale(g);
+        let lost = |g: usize| balance.loaded[g] && relative(g) > self.system.model.controls.rounding_cap;
         let above = (0..balance.groups.len()).filter(|g| relative(*g) > tolerance);
-        let worst = above.max_by(|a, b| relative(*a).total_cmp(&relative(*b)))?;
+        let worst = above.max_by(|a, b| lost(*a).cmp(&lost(*b)).then(relative(*a).total_cmp(&relative(*b))))?;
         let limit = balance.limit(worst, tolerance) / balance.scale(worst);
-        Some(Rounded { of: self.name_of(worst), residual: relative(worst), limit })
+        Some(Rounded { of: self.name_of(worst), residual: relative(worst), limit, lost: lost(worst) })
     }
 
     /// A group in words.
@@ -395,12 +397,9 @@ impl Newton<'_> {
 
     /// Whether a contact bears more than its gaps round to, or a share of what drives its tool, however little that is.
     fn is_real(&self, p: usize) -> bool {
-        let (balance, Model { sections, pairs, masters, controls, .. }) = (&self.found.balance, &*self.system.model);
+        let (balance, Model { sections, controls, .. }) = (&self.found.balance, &*self.system.model);
         let Group { force, penalty, far, .. } = balance.groups[sections.len() + p];
-        let first = sections.len() + pairs.len();
-        let driving =
-            |t: usize| balance.groups[first + t].load.max(balance.groups[first + masters.tools.len() + t].load);
-        let driving = pairs[p].master.tool().map_or(0.0, driving);
+        let driving = self.driving(p);
         let rounding =
             (self.epsilon() * penalty * far).max(self.strategy.tolerance * balance.floors[sections.len() + p]);
         force > rounding || driving > 0.0 && force > controls.rounding_cap * driving
@@ -423,7 +422,7 @@ impl Newton<'_> {
         let (balance, model) = (&self.found.balance, &self.system.model);
         let sections = model.sections.len();
         if balance.loaded[group] {
-            return Some(balance.actual(group));
+            return Some(balance.actual(group)).filter(|_| self.is_of_interest(group));
         }
         if group >= sections {
             // A tool that floats between contacts, along which they bear nothing.
@@ -434,6 +433,27 @@ impl Newton<'_> {
         let acts = |p: usize| self.touches(p, group) && balance.groups[sections + p].force > 0.0;
         let is_strained = balance.groups[group].element > model.controls.strained * self.own_rounding(group);
         (is_strained && (0..model.pairs.len()).any(acts)).then(|| balance.actual(group))
+    }
+
+    /// Whether a load acts on a section or a tool, or a contact by more than the force that counts while nothing acts, or that a
+    /// force drives: what closing the rounding of a mesh bears, of a body that but rests, may be lost.
+    fn is_of_interest(&self, group: usize) -> bool {
+        let (balance, sections) = (&self.found.balance, self.system.model.sections.len());
+        let borne = |p: usize| {
+            self.is_real(p)
+                && (self.driving(p) > 0.0 || balance.groups[sections + p].force > balance.floors[sections + p])
+        };
+        balance.groups[group].load > 0.0
+            || (0..self.system.model.pairs.len()).any(|p| self.touches(p, group) && borne(p))
+    }
+
+    /// The force that drives the tool of a contact, N.
+    fn driving(&self, p: usize) -> f64 {
+        let (balance, Model { sections, pairs, masters, .. }) = (&self.found.balance, &*self.system.model);
+        let first = sections.len() + pairs.len();
+        let of_tool =
+            |t: usize| balance.groups[first + t].load.max(balance.groups[first + masters.tools.len() + t].load);
+        pairs[p].master.tool().map_or(0.0, of_tool)
     }
 
     /// Whether a section is strained by so much that its strains, other than its forces, are resolved to `rounding_cap`: the

@@ -80,6 +80,8 @@ pub enum Origin<'a> {
     /// A place in space. On a tool that point as the tool has carried it; on a patch, for a node that was out of reach then,
     /// where the node itself was.
     Fixed(Vec3),
+    /// A place beside the corner of the patch on which the foot is held, which turns with the [`upright`] frame there.
+    Beside(Vec3),
 }
 
 /// Where a slave node meets the master.
@@ -106,6 +108,13 @@ fn with_carried(multiplier: &Multiplier, carried: Vec3) -> Multiplier {
 /// Tangents and unit normal of a patch, as columns.
 pub fn frame(local: &Local) -> Mat3 {
     Mat3::from_columns(&[local.tangents[0], local.tangents[1], local.area_vector().normalize()])
+}
+
+/// The unit vector along the first tangent of a patch, that across it, and the normal, as columns.
+pub fn upright(local: &Local) -> Option<Mat3> {
+    let along = local.tangents[0].try_normalize(f64::MIN_POSITIVE)?;
+    let normal = local.area_vector().try_normalize(f64::MIN_POSITIVE)?;
+    Some(Mat3::from_columns(&[along, normal.cross(&along), normal]))
 }
 
 /// What the element does with a contact.
@@ -184,7 +193,7 @@ impl Contact<'_> {
         let p = self.projection;
         let origin = match &self.origin {
             Origin::Carried(site) => site.patch.shape(site.positions).point(site.xi),
-            Origin::Fixed(point) => *point,
+            Origin::Fixed(point) | Origin::Beside(point) => *point,
         };
         Kinematics { gap: p.gap, normal: p.normal, point: p.point, origin }
     }
@@ -192,7 +201,7 @@ impl Contact<'_> {
     fn carried(&self) -> Vec3 {
         match &self.origin {
             Origin::Carried(site) => site.frame() * self.carried,
-            Origin::Fixed(_) => self.opposite.frame() * self.carried,
+            Origin::Fixed(_) | Origin::Beside(_) => self.opposite.frame() * self.carried,
         }
     }
 }
@@ -390,8 +399,10 @@ impl Element {
     fn exact(&mut self, transfer: Transfer, response: &Response, (contact, foot): (&Contact, &Site)) {
         let Response { force, force_by, constraint_by, .. } = response;
         let (patch, own) = (foot.patch, foot.stencil.len());
-        let straight = patch.straight(foot.positions);
-        let motion = Motion::new(&straight, &self.at_foot.local, contact.projection);
+        let motion = match &contact.origin {
+            Origin::Beside(place) => Motion::held(&self.at_foot.local, contact.projection, place),
+            _ => Motion::new(&patch.straight(foot.positions), &self.at_foot.local, contact.projection),
+        };
         patch.bend(transfer, &patch.functions(foot.xi).map(|[phi, ..]| force * phi), &mut self.at_foot);
         let change =
             |by: &Slopes, part: &Part| by.gap * part.gap.transpose() + by.normal * part.normal + by.path * part.point;

@@ -14,6 +14,14 @@
 //!     inside          dn = -τ^a (n·dτ_a + b_ab dξ^b)
 //!     edge, corner    dn = (I - nn)(dx - dx̄)/g
 //! ```
+//!
+//! From node to node the foot stays on a corner x_m, n is the normal there, and slip counts from x̃ = x_m + r, where r turns as the
+//! frame (t, n × t, n) with t along τ_1 does:
+//!
+//! ```text
+//!     dn = -τ^a n·dτ_a        dg = n·(dx - dx_m) + (x - x_m)·dn        ω = n × dn + n (n × t)·dτ_1/|τ_1|
+//!     d(x̄ - x̃) = dx - dx_m - n dg - g dn - ω × r
+//! ```
 
 use crate::surface::{Local, Patch, Polygon, Projection};
 use crate::{Mat3, Vec3};
@@ -65,6 +73,12 @@ enum Kind {
     Border,
     /// On an edge or corner that x touches, where the normal stands still.
     Touching,
+    /// Held on a corner, with x - x_m, r, and (n × t)/|τ_1|.
+    Held {
+        away: Vec3,
+        start: Vec3,
+        spin: Vec3,
+    },
 }
 
 impl Motion {
@@ -91,13 +105,43 @@ impl Motion {
         Self { directions, gap, normal: n, tangents, dual, curvature, inverse: invert(a), kind }
     }
 
+    /// Motion of what `projection` has over the corner of a patch, which is `local` there, with slip from `origin` on. The point of
+    /// its parts is x̄ - x̃.
+    pub fn held(local: &Local, projection: &Projection, origin: &Vec3) -> Self {
+        let [t, u] = local.tangents;
+        let metric = [[t.dot(&t), t.dot(&u)], [t.dot(&u), u.dot(&u)]];
+        let raised = invert(metric);
+        let normal = projection.normal;
+        let kind = Kind::Held {
+            away: projection.slave() - local.point,
+            start: origin - local.point,
+            spin: normal.cross(&t) / t.norm_squared(),
+        };
+        Self {
+            directions: [[0.0; 2]; 2],
+            gap: projection.gap,
+            normal,
+            tangents: [Vec3::zeros(); 2],
+            dual: raised.map(|[a, b]| t * a + u * b),
+            curvature: [[0.0; 2]; 2],
+            inverse: [[0.0; 2]; 2],
+            kind,
+        }
+    }
+
     /// With the slave node.
     pub fn of_slave(&self) -> Part {
+        if let Kind::Held { .. } = self.kind {
+            return self.held_part(Mat3::identity(), [Vec3::zeros(); 2], Vec3::zeros());
+        }
         self.part(Mat3::identity(), &Mat3::zeros(), [Vec3::zeros(); 2])
     }
 
     /// With a node of the patch, by which P and its tangents have the derivatives `rows`.
     pub fn of_node(&self, [point, by_e, by_z]: &[Mat3; 3]) -> Part {
+        if let Kind::Held { spin, .. } = self.kind {
+            return self.held_part(-point, [by_e, by_z].map(|by| by.tr_mul(&self.normal)), by_e.tr_mul(&spin));
+        }
         let leans = self.directions.map(|[e, z]| by_e.tr_mul(&self.normal) * e + by_z.tr_mul(&self.normal) * z);
         self.part(-point, point, leans)
     }
@@ -109,6 +153,17 @@ impl Motion {
         let still = Mat3::zeros();
         let of_point = self.part(-Mat3::identity(), &Mat3::identity(), [Vec3::zeros(); 2]);
         [of_point, self.part(still, &still, leans(0)), self.part(still, &still, leans(1))]
+    }
+
+    /// From dx - dx_m and the rows n·dτ_a and (n × t)·dτ_1/|τ_1|, held on a corner.
+    fn held_part(&self, relative: Mat3, leans: [Vec3; 2], spins: Vec3) -> Part {
+        let Kind::Held { away, start, .. } = self.kind else { return Part::default() };
+        let n = &self.normal;
+        let normal = -(self.dual[0] * leans[0].transpose() + self.dual[1] * leans[1].transpose());
+        let gap = relative.tr_mul(n) + normal.tr_mul(&away);
+        let turn = n.cross_matrix() * normal + n * spins.transpose();
+        let point = relative - n * gap.transpose() - normal * self.gap + start.cross_matrix() * turn;
+        Part { point, gap, normal, parameters: [Vec3::zeros(); 2] }
     }
 
     /// From dx - dP, dP and the rows n·dτ_a.
@@ -129,7 +184,7 @@ impl Motion {
                 let apart = (relative - along) / self.gap;
                 apart - n * apart.tr_mul(n).transpose()
             }
-            Kind::Touching => Mat3::zeros(),
+            Kind::Touching | Kind::Held { .. } => Mat3::zeros(),
         };
         Part { point: point + along, gap: relative.tr_mul(n), normal, parameters }
     }

@@ -27,6 +27,8 @@ struct Pair {
     /// How λ, or σ, enters.
     kind: fn(Vec3) -> Multiplier,
     carried: Vec3,
+    /// Of a node that meets a node: where slip counts from in the frame there.
+    beside: Option<Vec3>,
 }
 
 /// Where the foot is.
@@ -76,6 +78,7 @@ impl Pair {
             inside: false,
             kind: Multiplier::Augmented,
             carried: Vec3::zeros(),
+            beside: None,
         };
         let size = pair.size();
         points.iter_mut().enumerate().for_each(|(i, x)| *x += Vec3::from_fn(|d, _| 0.03 * size * noise(3 * i + d)));
@@ -150,12 +153,29 @@ impl Pair {
         self
     }
 
+    /// The patch at the corner of a node that meets a node, and the frame there.
+    fn corner(&self) -> (Local, Mat3) {
+        let local = self.shape().local([1.0, 0.0]);
+        (local, upright(&local).unwrap())
+    }
+
     fn origin(&self) -> Vec3 {
+        if let Some(beside) = self.beside {
+            let (local, frame) = self.corner();
+            return local.point + frame * beside;
+        }
         self.patches[self.before].shape(&self.positions(self.before)).point(ORIGIN)
     }
 
     fn projection(&self) -> Projection {
         let (patch, x) = (self.shape(), &self.slave);
+        if self.beside.is_some() {
+            let (local, frame) = self.corner();
+            let normal: Vec3 = frame.column(2).into();
+            let gap = normal.dot(&(x - local.point));
+            let (point, normal_gradient) = (x - normal * gap, Mat3::zeros());
+            return Projection { gap, point, normal, normal_gradient, patch: patch.id, xi: [1.0, 0.0] };
+        }
         let foot = descend(&patch, x, &[0.0; 4], patch.center());
         let (gap, normal, normal_gradient) =
             if foot.limits == 0 { on_surface(x, &foot.local) } else { on_edge(x, &patch, &foot, self.inside) };
@@ -171,7 +191,8 @@ impl Pair {
     fn element(&self, width: usize, transfer: Transfer, tangent: Tangent) -> (Status, Element, DVector<f64>) {
         let projection = self.projection();
         let [now, before] = [self.now, self.before].map(|f| Stencil::new(self, f));
-        let (opposite, origin) = (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site(ORIGIN)));
+        let (opposite, carried) = (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site(ORIGIN)));
+        let origin = self.beside.map_or(carried, |_| Origin::Beside(self.origin()));
         let contact = Contact { projection: &projection, opposite, origin, carried: self.carried };
         let (mut method, mut e) = (self.method(transfer, tangent), Element::default());
         method.law.friction = if width == 3 { method.law.friction } else { 0.0 };
@@ -245,6 +266,26 @@ fn the_frictional_tangent_is_the_derivative_of_the_residual() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn the_tangent_from_node_to_node_is_the_derivative_of_the_residual() {
+    for (k, pair) in pairs().into_iter().enumerate() {
+        let size = pair.size();
+        let beside = Vec3::new(0.04, -0.03, 0.01) * size;
+        let (local, frame) = pair.corner();
+        let slave = local.point + frame * Vec3::new(-0.02, 0.05, -0.01) * size;
+        let pair = Pair { beside: Some(beside), slave, ..pair };
+        for status in [Status::Gap, Status::Stick, Status::Slip] {
+            let pair = pair.clone().with_status(status);
+            assert_eq!(pair.element(3, Transfer::Bilinear, Tangent::Exact).0, status);
+            let error = error(&pair, 3, Transfer::Bilinear);
+            assert!(error < 1e-8, "{k} {status:?}: {error:e}");
+        }
+        let pair = Pair { multiplier: Vec3::new(-7.0, 0.0, 0.0), ..pair };
+        let error = error(&pair, 1, Transfer::Bilinear);
+        assert!(error < 1e-8, "{k}: {error:e}");
     }
 }
 
