@@ -305,44 +305,6 @@ fn contacts_that_may_be_why_are_named() {
     }
 }
 
-/// The normals of nodes do not turn with them, which is told of what converges to something else.
-#[test]
-fn nodes_on_nodes_that_turn_are_told_to_be_for_small_sliding() {
-    let turned = |tool: &str| {
-        format!(
-            "{{ target = \"{tool}\", rotate = {{ point = [0.0, 0.0, 1.0], axis = [1.0, 0.0, 0.0], angle = 40.0 }} }}"
-        )
-    };
-    let scene = format!(
-        r#"
-body.low.block = {{ box = {{ origin = [-1.0, -1.0, 0.0], size = [2.0, 2.0, 0.5] }}, elements = [2, 2, 1] }}
-body.low.material = "rubber"
-body.high.block = {{ box = {{ origin = [-1.0, -1.0, 0.5], size = [2.0, 2.0, 0.5] }}, elements = [2, 2, 1] }}
-body.high.material = "rubber"
-material.rubber = {{ model = "neo-hookean", young = 100.0, poisson = 0.3 }}
-tool.lid.plane = {{ point = [0.0, 0.0, 1.0], normal = [0.0, 0.0, -1.0] }}
-tool.table.plane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}
-contact.above = {{ slave = "high.zmax", master = "lid", friction = 1.0 }}
-contact.below = {{ slave = "low.zmin", master = "table", friction = 1.0 }}
-contact.between = {{ slave = "high.zmin", master = "low.zmax", friction = 0.2, discretization = "node-to-node" }}
-[[step]]
-increments = 3
-move = [{{ target = "lid", by = [0.0, 0.0, -0.05] }}]
-[[step]]
-increments = 8
-move = [{}, {}]
-"#,
-        turned("lid"),
-        turned("table")
-    );
-    let bench = Bench::new(&scene);
-    let text = failure(&bench.run(2, &[]));
-    assert!(text.contains(" deep in `low.zmax` (contact `between`)"), "{text}");
-    let help = "help: contact `between` is \"node-to-node\", for small sliding: take another `discretization`\n";
-    assert!(text.contains(help), "{text}");
-    bench.solve(2, &["--set", "contact.between.discretization=\"one-pass\""]);
-}
-
 /// Kills a rank once the history has `rows` rows; returns how many there are in the end.
 fn kill_one(victim: usize, rows: usize) -> usize {
     let bench = Bench::new(&scene());
