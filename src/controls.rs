@@ -252,7 +252,7 @@ controls! {
         touching_gap: f64 = 1e-4, [1e-12, 0.01], "longest edge of the slave facets",
             "A gap below is but rounding of a mesh file, and closed in the first iteration of a step, and an active set begins with it: a body that only a force drives would have no support otherwise. Further iterations see the gap as it is.";
         no_gap: f64 = 1e-9, [1e-15, 1e-6], "longest edge of the slave facets",
-            "A gap below is none: a node no deeper behind a master is not behind it.";
+            "A gap below is none: a node no deeper behind a master is not behind it, and what closes such a gap may be lost in rounding.";
         slack: f64 = 1e-3, [1e-6, 0.1], "compliance over that of the automatic penalty",
             "Of constraints that give way: always in self-contact, where slave nodes that meet each other make the same condition twice. What is left of it when it is tightened there is an error: in the forces of the strip in inputs/ 2e-7 while it closes, up to 5e-4 where its legs are drawn along each other, and as much more as there is more of it. Half of it, or a third, costs the 54 strips of `wide_slack` 2.7 or 3.5 times the iterations, and 25 or 29 cuts instead of 6. With 3e-4 facets without friction slide off each other, tip from tip, long before they do with this; with 2e-3 nodes of the strip that meet each other are balanced on a point, and rounding decides to which side they slide.";
         wide_slack: f64 = 3e-2, [1e-6, 1.0], "compliance over that of the automatic penalty",

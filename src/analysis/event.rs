@@ -70,7 +70,7 @@ pub struct Rounded {
     /// Over the forces that it counts against; what was let through at most.
     pub residual: f64,
     pub limit: f64,
-    /// Contacts act there, by less than what counts while nothing does, and more of that is lost than of loads may be.
+    /// Contacts act there, by no more than what closes a gap that is none, and more of that is lost than of loads may be.
     pub lost: bool,
 }
 

@@ -1,7 +1,7 @@
 //! Contact from node to node: each slave node meets one node of the master for good, that at whose place it begins.
 //!
 //! It is the contact with a patch whose foot never leaves a corner: all of the force goes to the one node, the normal is
-//! that of the master there, and the gap and the path are the distance of the two nodes along and across it,
+//! the nodal one of the master there, and the gap and the path are the distance of the two nodes along and across it,
 //!
 //! ```text
 //!     g = n·(x_s - x_m)        x̄ = x_s - g n        x̃ = x_m + R (x_s - x_m) at the last converged increment,
@@ -54,52 +54,74 @@ impl Mate {
         Some(frame.tr_mul(&(position - place)).xy().norm())
     }
 
-    /// Where the node of the master is, and the frame of its patch there, with the normal as the last column.
+    /// Where the node of the master is, and the frame there, with the nodal normal as the last column.
     fn stand(&self, surface: &BodySurface, positions: &[Vec3]) -> Option<(Vec3, Mat3)> {
         let (patch, stencil) = surface.patch(self.patch)?;
         let nodes: Vec<Vec3> = stencil.iter().map(|&n| positions[n as usize]).collect();
-        let local = patch.shape(&nodes).local(self.xi);
-        Some((nodes[self.corner], upright(&local)?))
+        Some((nodes[self.corner], upright(patch, &nodes, self.corner)?))
     }
 }
 
-/// Finds the mates of all slave nodes, which `place` puts in space, on the surface as it is.
+/// Why a slave node has no mate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lonely {
+    /// The nearest node of the master is so far away.
+    Far(f64),
+    /// No face of the master at its node looks at those of the slave.
+    Averted,
+    /// The node of the master is on a sharp edge, of which both sides look at the slave.
+    OnEdge,
+}
+
+/// Finds the mates of all slave nodes, which `place` puts in space, on the surface as it is; `faces` are the normals of the slave's
+/// faces around a node.
 ///
 /// # Errors
-/// A node that has none, and how far it is from the nearest node of the master, in words.
-pub fn find(slaves: &mut [Slave], surface: &BodySurface, place: impl Fn(u32) -> Vec3) -> Result<(), (u32, String)> {
+/// A node that has none, and why.
+pub fn find<'a>(
+    slaves: &mut [Slave],
+    surface: &BodySurface,
+    place: impl Fn(u32) -> Vec3,
+    faces: impl Fn(u32) -> &'a [Vec3],
+) -> Result<(), (u32, Lonely)> {
     for slave in slaves {
-        let (found, distance) = nearest(surface, &place(slave.node));
-        if found.is_none() {
-            let told = match distance.is_finite() {
-                true => format!("the nearest is {distance:.3e} away"),
-                false => "there is none near".into(),
-            };
-            return Err((slave.node, told));
-        }
-        slave.mate = found;
+        let found = nearest(surface, &place(slave.node), faces(slave.node));
+        slave.mate = Some(found.map_err(|why| (slave.node, why))?);
     }
     Ok(())
 }
 
-/// The mate at `x`, on the first of the patches that share it, and the distance of the nearest node of the master.
-fn nearest(surface: &BodySurface, x: &Vec3) -> (Option<Mate>, f64) {
+/// The mate at `x`, on a patch that looks at one of the `faces` of the slave: around a node on an edge others do not.
+fn nearest(surface: &BodySurface, x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lonely> {
+    /// Over the shortest edge: nodes of patches that share one are as near as that.
+    const SAME: f64 = 1e-6;
+    /// Least cosine of the angle between normals that look at each other.
+    const FACING: f64 = 0.5;
     let (shapes, around) = (surface.shapes(), Vec3::repeat(surface.facet_size));
-    let (mut found, mut least) = (None, f64::INFINITY);
+    let mut near = Vec::new();
     for patch in shapes.within(&(x - around), &(x + around)).into_iter().map(|k| &shapes.pieces()[k as usize]) {
         let count = patch.count as usize;
         let edge = |k: usize| (patch.nodes[(k + 1) % count] - patch.nodes[k % count]).norm();
         let shortest = (0..count).map(edge).fold(f64::INFINITY, f64::min);
         for corner in 0..count {
-            let distance = (patch.nodes[corner] - x).norm();
-            if distance >= least {
-                continue;
-            }
-            least = distance;
-            if distance < APART * shortest {
-                found = Some(Mate { patch: patch.id, corner, xi: patch.corners(&[0.0; 4])[corner] });
-            }
+            let mate = Mate { patch: patch.id, corner, xi: patch.corners(&[0.0; 4])[corner] };
+            near.push(((patch.nodes[corner] - x).norm(), shortest, mate));
         }
     }
-    (found, least)
+    let least = near.iter().map(|(distance, ..)| *distance).fold(f64::INFINITY, f64::min);
+    near.retain(|(distance, shortest, _)| *distance <= least + SAME * shortest && *distance < APART * shortest);
+    if near.is_empty() {
+        return Err(Lonely::Far(least));
+    }
+    let faces_it = |normal: &Vec3| faces.iter().map(|face| -face.dot(normal)).fold(0.0, f64::max);
+    let with_normal = |(.., mate): &(f64, f64, Mate)| {
+        let normal: Vec3 = mate.stand(surface, surface.positions())?.1.column(2).into();
+        Some((faces_it(&normal), normal, *mate))
+    };
+    let facing: Vec<_> = near.iter().filter_map(with_normal).filter(|(cosine, ..)| *cosine > FACING).collect();
+    let (_, normal, mate) = facing.iter().max_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Lonely::Averted)?;
+    match facing.iter().all(|(_, other, _)| (other - normal).norm() < SAME) {
+        true => Ok(*mate),
+        false => Err(Lonely::OnEdge),
+    }
 }

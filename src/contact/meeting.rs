@@ -326,8 +326,10 @@ impl Workspace {
                 _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
             };
             let origin = match *from {
-                SlipOrigin::Fixed(place) if slave.mate.is_some() => Origin::Beside(place),
-                SlipOrigin::Fixed(place) => Origin::Fixed(place),
+                SlipOrigin::Fixed(place) => match slave.mate {
+                    Some(mate) => Origin::Beside(place, mate.corner),
+                    None => Origin::Fixed(place),
+                },
                 SlipOrigin::Carried(id, xi) => Origin::Carried(site(ground, id, xi, origin)?),
             };
             Some(Contact { projection, opposite, origin, carried: meeting.carried })

@@ -48,7 +48,12 @@ fn of_master(
     let facets = &set.facets;
     let (surface, nodes) = surface(mesh, facets, &master.value);
     let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-    let smoothing = if is_quadratic(mesh, facets) { Smoothing::Facet } else { given.smoothing };
+    let smoothing = match contact.discretization {
+        _ if is_quadratic(mesh, facets) => Smoothing::Facet,
+        // Nodes have nodal normals, whatever is between them.
+        Discretization::NodeToNode => Smoothing::Nagata,
+        _ => given.smoothing,
+    };
     let mirrored = mirrors(scene, planes, &master.value, &surface);
     let mut patches =
         MovingPatch::all(&surface, &of_corners, smoothing, given.feature_angle, &mirrored, &scene.controls)?;

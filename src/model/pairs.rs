@@ -1,9 +1,12 @@
 //! The contact pairs of a rank, from the contacts of the scene.
 
 use super::{Model, Section};
+use crate::Vec3;
+use crate::contact::mates::{self, Lonely};
 use crate::contact::stiffness::{Backing, contact_stiffness};
-use crate::contact::{Avoided, Faces, Master, Meets, Pair, Pass, Rules, Side, Slave, Within, mates};
+use crate::contact::{Avoided, Faces, Master, Meets, Pair, Pass, Rules, Side, Slave, Within};
 use crate::error::{Error, Result};
+use crate::mortar::Corners;
 use crate::parallel::{agree, max, sum};
 use crate::partition::{Gather, PartSet};
 use crate::scene::{self, Discretization, Enforcement, Scene, body_of};
@@ -202,25 +205,54 @@ impl Model {
         }
     }
 
+    /// The unit normals of the faces of a set around each of its nodes of this rank.
+    fn faces_around(&self, set: &str) -> BTreeMap<u32, Vec<Vec3>> {
+        let mut faces: BTreeMap<u32, Vec<Vec3>> = BTreeMap::new();
+        for facet in &self.set(set).facets {
+            let nodes = &facet.nodes[..facet.count as usize];
+            let normal = Corners::new(nodes).map(|n| self.part.points[n as usize]).area_vector().normalize();
+            nodes.iter().for_each(|&n| faces.entry(self.part.tie[n as usize]).or_default().push(normal));
+        }
+        faces
+    }
+
     /// Pairs the nodes of contacts from node to node where they stand. Collective.
     fn find_mates(&mut self, comm: &SimpleCommunicator, scene: &Scene) -> Result<()> {
+        const ALIKE: &str = "mesh both sides alike, or use another `discretization`";
+        let contact_of = |pair: &Pair| match pair.master {
+            Master::Surface(k, Meets::Nodes) => Some((k, scene.contacts.iter().find(|c| c.name.value == pair.name)?)),
+            _ => None,
+        };
+        let faces_of = |pair: &Pair| contact_of(pair).map(|(_, contact)| self.faces_around(&contact.slave.value));
+        let faces: Vec<_> = self.pairs.iter().map(faces_of).collect();
         let Self { part, masters, pairs, .. } = self;
         let place = |n: u32| part.points[n as usize];
         masters.follow(comm, pairs, place);
-        for pair in pairs.iter_mut() {
-            let (Master::Surface(k, Meets::Nodes), Some(contact)) =
-                (pair.master, scene.contacts.iter().find(|c| c.name.value == pair.name))
-            else {
-                continue;
-            };
-            let lonely = mates::find(&mut pair.slaves, &masters.surfaces[k], place).err();
-            let told = lonely.map(|(node, distance)| {
-                let (x, id) = (place(node), part.id[node as usize]);
-                let what = format!(
-                    "node {id} of `{}` at ({:.6}, {:.6}, {:.6}) has no node of `{}` at its place: {distance}",
-                    contact.slave.value, x.x, x.y, x.z, contact.master.value
-                );
-                Error::input(&contact.slave.at, what, "mesh both sides alike, or use another `discretization`")
+        for (pair, faces) in pairs.iter_mut().zip(&faces) {
+            let (Some((k, contact)), Some(faces)) = (contact_of(pair), faces) else { continue };
+            let around = |n: u32| faces.get(&n).map_or(&[][..], Vec::as_slice);
+            let lonely = mates::find(&mut pair.slaves, &masters.surfaces[k], place, around).err();
+            let told = lonely.map(|(node, why)| {
+                let (x, id, master) = (place(node), part.id[node as usize], &contact.master.value);
+                let (lacks, help) = match why {
+                    Lonely::Far(distance) if distance.is_finite() => {
+                        (format!("has no node of `{master}` at its place: the nearest is {distance:.3e} away"), ALIKE)
+                    }
+                    Lonely::Far(_) => (format!("has no node of `{master}` at its place: there is none near"), ALIKE),
+                    Lonely::Averted => (
+                        format!("is at a node of `{master}` where no face of that looks at it"),
+                        "name the faces that meet as slave and master, or use another `discretization`",
+                    ),
+                    Lonely::OnEdge => (
+                        format!(
+                            "is at a sharp edge of `{master}`, of which both sides look at it: a node has one normal"
+                        ),
+                        "raise `feature_angle`, if the edge is but a coarse mesh, or use another `discretization`",
+                    ),
+                };
+                let what =
+                    format!("node {id} of `{}` at ({:.6}, {:.6}, {:.6}) {lacks}", contact.slave.value, x.x, x.y, x.z);
+                Error::input(&contact.slave.at, what, help)
             });
             agree(comm, told.map_or(Ok(()), Err))?;
         }

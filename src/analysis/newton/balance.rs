@@ -435,16 +435,16 @@ impl Newton<'_> {
         (is_strained && (0..model.pairs.len()).any(acts)).then(|| balance.actual(group))
     }
 
-    /// Whether a load acts on a section or a tool, or a contact by more than the force that counts while nothing acts, or that a
-    /// force drives: what closing the rounding of a mesh bears, of a body that but rests, may be lost.
+    /// Whether a load acts on a section or a tool, or a contact by more than what closes a gap that is none, or that a force
+    /// drives: what is less, as that of a body that but rests where the mesh is rounded, may be lost.
     fn is_of_interest(&self, group: usize) -> bool {
-        let (balance, sections) = (&self.found.balance, self.system.model.sections.len());
-        let borne = |p: usize| {
-            self.is_real(p)
-                && (self.driving(p) > 0.0 || balance.groups[sections + p].force > balance.floors[sections + p])
+        let (balance, Model { sections, pairs, .. }) = (&self.found.balance, &*self.system.model);
+        let bears = |p: usize| {
+            let Group { force, measure, .. } = balance.groups[sections.len() + p];
+            let trifle = measure * pairs[p].controls.no_gap * pairs[p].facet_size;
+            self.is_real(p) && (self.driving(p) > 0.0 || force > trifle)
         };
-        balance.groups[group].load > 0.0
-            || (0..self.system.model.pairs.len()).any(|p| self.touches(p, group) && borne(p))
+        balance.groups[group].load > 0.0 || (0..pairs.len()).any(|p| self.touches(p, group) && bears(p))
     }
 
     /// The force that drives the tool of a contact, N.

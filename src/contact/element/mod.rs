@@ -45,10 +45,11 @@ mod tests_on_tools;
 use super::law::{self, Guide, Kinematics, Law, Multiplier, Response, Slopes, Status};
 use super::method::Tangent;
 use super::pose::Axle;
+use crate::surface::moving::variation::HANDLES;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
-use motion::{Motion, Part};
+use motion::{Held, Motion, Part};
 pub use spread::{Bed, Portion, Spread};
 
 /// A point that moves with a patch.
@@ -80,8 +81,8 @@ pub enum Origin<'a> {
     /// A place in space. On a tool that point as the tool has carried it; on a patch, for a node that was out of reach then,
     /// where the node itself was.
     Fixed(Vec3),
-    /// A place beside the corner of the patch on which the foot is held, which turns with the [`upright`] frame there.
-    Beside(Vec3),
+    /// A place beside the corner of the patch on which the foot is held, and that corner: it turns with the [`upright`] frame there.
+    Beside(Vec3, usize),
 }
 
 /// Where a slave node meets the master.
@@ -110,10 +111,12 @@ pub fn frame(local: &Local) -> Mat3 {
     Mat3::from_columns(&[local.tangents[0], local.tangents[1], local.area_vector().normalize()])
 }
 
-/// The unit vector along the first tangent of a patch, that across it, and the normal, as columns.
-pub fn upright(local: &Local) -> Option<Mat3> {
-    let along = local.tangents[0].try_normalize(f64::MIN_POSITIVE)?;
-    let normal = local.area_vector().try_normalize(f64::MIN_POSITIVE)?;
+/// At a corner of a patch with nodes at `positions` the unit vectors along the edge from there on, across it, and of the nodal
+/// normal, as columns.
+pub fn upright(patch: &MovingPatch, positions: &[Vec3], corner: usize) -> Option<Mat3> {
+    let normal = patch.normal(positions, corner)?;
+    let edge = positions[(corner + 1) % patch.count as usize] - positions[corner];
+    let along = (edge - normal * normal.dot(&edge)).try_normalize(f64::MIN_POSITIVE)?;
     Some(Mat3::from_columns(&[along, normal.cross(&along), normal]))
 }
 
@@ -158,6 +161,18 @@ struct Column {
     parameters: [Vec3; 2],
 }
 
+impl Column {
+    /// Of what moves so with the node.
+    fn new(response: &Response, part: &Part) -> Self {
+        let change = |by: &Slopes| by.gap * part.gap.transpose() + by.normal * part.normal + by.path * part.point;
+        Self {
+            force: change(&response.force_by),
+            constraint: change(&response.constraint_by),
+            parameters: part.parameters,
+        }
+    }
+}
+
 /// W_i^T and the derivatives of W_i^T F by the free parameters.
 #[derive(Clone, Copy, Debug)]
 struct Weight {
@@ -193,7 +208,7 @@ impl Contact<'_> {
         let p = self.projection;
         let origin = match &self.origin {
             Origin::Carried(site) => site.patch.shape(site.positions).point(site.xi),
-            Origin::Fixed(point) | Origin::Beside(point) => *point,
+            Origin::Fixed(point) | Origin::Beside(point, _) => *point,
         };
         Kinematics { gap: p.gap, normal: p.normal, point: p.point, origin }
     }
@@ -201,7 +216,7 @@ impl Contact<'_> {
     fn carried(&self) -> Vec3 {
         match &self.origin {
             Origin::Carried(site) => site.frame() * self.carried,
-            Origin::Fixed(_) | Origin::Beside(_) => self.opposite.frame() * self.carried,
+            Origin::Fixed(_) | Origin::Beside(..) => self.opposite.frame() * self.carried,
         }
     }
 }
@@ -399,21 +414,23 @@ impl Element {
     fn exact(&mut self, transfer: Transfer, response: &Response, (contact, foot): (&Contact, &Site)) {
         let Response { force, force_by, constraint_by, .. } = response;
         let (patch, own) = (foot.patch, foot.stencil.len());
-        let motion = match &contact.origin {
-            Origin::Beside(place) => Motion::held(&self.at_foot.local, contact.projection, place),
-            _ => Motion::new(&patch.straight(foot.positions), &self.at_foot.local, contact.projection),
-        };
+        if let Origin::Beside(place, corner) = contact.origin {
+            let corners = [corner, (corner + 1) % patch.count as usize];
+            let turns = self.at_foot.normal_by(patch.corners[corner] as usize);
+            let held = Held::new(contact.projection, (foot.positions, corners), &place, turns);
+            self.columns.push(Column::new(response, &held.of_slave()));
+            for j in 0..own {
+                self.columns.push(Column::new(response, &held.of_node(j)));
+                self.weights.push(Weight::constant(self.at_foot.weight(transfer, j)[0].transpose()));
+            }
+            patch.bend(Transfer::Bilinear, &[Vec3::zeros(); HANDLES], &mut self.at_foot);
+            return;
+        }
+        let motion = Motion::new(&patch.straight(foot.positions), &self.at_foot.local, contact.projection);
         patch.bend(transfer, &patch.functions(foot.xi).map(|[phi, ..]| force * phi), &mut self.at_foot);
-        let change =
-            |by: &Slopes, part: &Part| by.gap * part.gap.transpose() + by.normal * part.normal + by.path * part.point;
-        let column = |part: Part| Column {
-            force: change(force_by, &part),
-            constraint: change(constraint_by, &part),
-            parameters: part.parameters,
-        };
-        self.columns.push(column(motion.of_slave()));
+        self.columns.push(Column::new(response, &motion.of_slave()));
         for j in 0..own {
-            self.columns.push(column(motion.of_node(&self.at_foot.by_node(j))));
+            self.columns.push(Column::new(response, &motion.of_node(&self.at_foot.by_node(j))));
             let [weight, by_e, by_z] = self.at_foot.weight(transfer, j).map(|w| w.transpose());
             let slopes = motion.directions.map(|[e, z]| (by_e * e + by_z * z) * force);
             self.weights.push(Weight { slopes, ..Weight::constant(weight) });

@@ -15,11 +15,11 @@
 //!     edge, corner    dn = (I - nn)(dx - dx̄)/g
 //! ```
 //!
-//! From node to node the foot stays on a corner x_m, n is the normal there, and slip counts from x̃ = x_m + r, where r turns as the
-//! frame (t, n × t, n) with t along τ_1 does:
+//! From node to node the foot stays on a corner x_m, n is the nodal normal there, and slip counts from x̃ = x_m + r, where r turns
+//! as the frame (t, n × t, n) does, with t along d_t = (I - nn) d of the edge d from the corner on:
 //!
 //! ```text
-//!     dn = -τ^a n·dτ_a        dg = n·(dx - dx_m) + (x - x_m)·dn        ω = n × dn + n (n × t)·dτ_1/|τ_1|
+//!     dg = n·(dx - dx_m) + (x - x_m)·dn        ω = n × dn + n (n × t)·(dd - (n·d) dn)/|d_t|
 //!     d(x̄ - x̃) = dx - dx_m - n dg - g dn - ω × r
 //! ```
 
@@ -73,12 +73,6 @@ enum Kind {
     Border,
     /// On an edge or corner that x touches, where the normal stands still.
     Touching,
-    /// Held on a corner, with x - x_m, r, and (n × t)/|τ_1|.
-    Held {
-        away: Vec3,
-        start: Vec3,
-        spin: Vec3,
-    },
 }
 
 impl Motion {
@@ -105,43 +99,13 @@ impl Motion {
         Self { directions, gap, normal: n, tangents, dual, curvature, inverse: invert(a), kind }
     }
 
-    /// Motion of what `projection` has over the corner of a patch, which is `local` there, with slip from `origin` on. The point of
-    /// its parts is x̄ - x̃.
-    pub fn held(local: &Local, projection: &Projection, origin: &Vec3) -> Self {
-        let [t, u] = local.tangents;
-        let metric = [[t.dot(&t), t.dot(&u)], [t.dot(&u), u.dot(&u)]];
-        let raised = invert(metric);
-        let normal = projection.normal;
-        let kind = Kind::Held {
-            away: projection.slave() - local.point,
-            start: origin - local.point,
-            spin: normal.cross(&t) / t.norm_squared(),
-        };
-        Self {
-            directions: [[0.0; 2]; 2],
-            gap: projection.gap,
-            normal,
-            tangents: [Vec3::zeros(); 2],
-            dual: raised.map(|[a, b]| t * a + u * b),
-            curvature: [[0.0; 2]; 2],
-            inverse: [[0.0; 2]; 2],
-            kind,
-        }
-    }
-
     /// With the slave node.
     pub fn of_slave(&self) -> Part {
-        if let Kind::Held { .. } = self.kind {
-            return self.held_part(Mat3::identity(), [Vec3::zeros(); 2], Vec3::zeros());
-        }
         self.part(Mat3::identity(), &Mat3::zeros(), [Vec3::zeros(); 2])
     }
 
     /// With a node of the patch, by which P and its tangents have the derivatives `rows`.
     pub fn of_node(&self, [point, by_e, by_z]: &[Mat3; 3]) -> Part {
-        if let Kind::Held { spin, .. } = self.kind {
-            return self.held_part(-point, [by_e, by_z].map(|by| by.tr_mul(&self.normal)), by_e.tr_mul(&spin));
-        }
         let leans = self.directions.map(|[e, z]| by_e.tr_mul(&self.normal) * e + by_z.tr_mul(&self.normal) * z);
         self.part(-point, point, leans)
     }
@@ -153,17 +117,6 @@ impl Motion {
         let still = Mat3::zeros();
         let of_point = self.part(-Mat3::identity(), &Mat3::identity(), [Vec3::zeros(); 2]);
         [of_point, self.part(still, &still, leans(0)), self.part(still, &still, leans(1))]
-    }
-
-    /// From dx - dx_m and the rows n·dτ_a and (n × t)·dτ_1/|τ_1|, held on a corner.
-    fn held_part(&self, relative: Mat3, leans: [Vec3; 2], spins: Vec3) -> Part {
-        let Kind::Held { away, start, .. } = self.kind else { return Part::default() };
-        let n = &self.normal;
-        let normal = -(self.dual[0] * leans[0].transpose() + self.dual[1] * leans[1].transpose());
-        let gap = relative.tr_mul(n) + normal.tr_mul(&away);
-        let turn = n.cross_matrix() * normal + n * spins.transpose();
-        let point = relative - n * gap.transpose() - normal * self.gap + start.cross_matrix() * turn;
-        Part { point, gap, normal, parameters: [Vec3::zeros(); 2] }
     }
 
     /// From dx - dP, dP and the rows n·dτ_a.
@@ -184,9 +137,70 @@ impl Motion {
                 let apart = (relative - along) / self.gap;
                 apart - n * apart.tr_mul(n).transpose()
             }
-            Kind::Touching | Kind::Held { .. } => Mat3::zeros(),
+            Kind::Touching => Mat3::zeros(),
         };
         Part { point: point + along, gap: relative.tr_mul(n), normal, parameters }
+    }
+}
+
+/// Motion of what a slave node has over the corner of a patch that it meets for good.
+#[derive(Clone, Debug)]
+pub struct Held {
+    gap: f64,
+    normal: Vec3,
+    /// x - x_m, r, (n × t)/|d_t|, and n·d.
+    away: Vec3,
+    start: Vec3,
+    spin: Vec3,
+    lean: f64,
+    /// The corner, the one after it, and dn by the nodes of the patch.
+    corners: [usize; 2],
+    turns: Vec<Mat3>,
+}
+
+impl Held {
+    /// Of what `projection` has over the corner of a patch with nodes at `positions`, whose normal there has the derivatives `turns`,
+    /// with slip from `origin` on.
+    pub fn new(
+        projection: &Projection,
+        (positions, corners): (&[Vec3], [usize; 2]),
+        origin: &Vec3,
+        turns: Vec<Mat3>,
+    ) -> Self {
+        let (n, [here, next]) = (projection.normal, corners.map(|k| positions[k]));
+        let edge = next - here;
+        let along = edge - n * n.dot(&edge);
+        Self {
+            gap: projection.gap,
+            normal: n,
+            away: projection.slave() - here,
+            start: origin - here,
+            spin: n.cross(&along) / along.norm_squared().max(f64::MIN_POSITIVE),
+            lean: n.dot(&edge),
+            corners,
+            turns,
+        }
+    }
+
+    /// With the slave node; the point of a part is x̄ - x̃.
+    pub fn of_slave(&self) -> Part {
+        self.part(Mat3::identity(), &Mat3::zeros(), 0.0)
+    }
+
+    /// With node j of the patch.
+    pub fn of_node(&self, j: usize) -> Part {
+        let [here, next] = self.corners.map(|k| f64::from(u8::from(k == j)));
+        self.part(Mat3::from_diagonal_element(-here), &self.turns[j], next - here)
+    }
+
+    /// From dx - dx_m, dn, and dd, a multiple of the identity.
+    fn part(&self, relative: Mat3, normal: &Mat3, along: f64) -> Part {
+        let n = &self.normal;
+        let gap = relative.tr_mul(n) + normal.tr_mul(&self.away);
+        let spins = self.spin * along - normal.tr_mul(&self.spin) * self.lean;
+        let turn = n.cross_matrix() * normal + n * spins.transpose();
+        let point = relative - n * gap.transpose() - normal * self.gap + self.start.cross_matrix() * turn;
+        Part { point, gap, normal: *normal, parameters: [Vec3::zeros(); 2] }
     }
 }
 

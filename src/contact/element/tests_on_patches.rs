@@ -153,16 +153,16 @@ impl Pair {
         self
     }
 
-    /// The patch at the corner of a node that meets a node, and the frame there.
-    fn corner(&self) -> (Local, Mat3) {
-        let local = self.shape().local([1.0, 0.0]);
-        (local, upright(&local).unwrap())
+    /// Where the corner is of a node that meets a node, and the frame there.
+    fn corner(&self) -> (Vec3, Mat3) {
+        let positions = self.positions(self.now);
+        (positions[1], upright(&self.patches[self.now], &positions, 1).unwrap())
     }
 
     fn origin(&self) -> Vec3 {
         if let Some(beside) = self.beside {
-            let (local, frame) = self.corner();
-            return local.point + frame * beside;
+            let (place, frame) = self.corner();
+            return place + frame * beside;
         }
         self.patches[self.before].shape(&self.positions(self.before)).point(ORIGIN)
     }
@@ -170,9 +170,9 @@ impl Pair {
     fn projection(&self) -> Projection {
         let (patch, x) = (self.shape(), &self.slave);
         if self.beside.is_some() {
-            let (local, frame) = self.corner();
+            let (place, frame) = self.corner();
             let normal: Vec3 = frame.column(2).into();
-            let gap = normal.dot(&(x - local.point));
+            let gap = normal.dot(&(x - place));
             let (point, normal_gradient) = (x - normal * gap, Mat3::zeros());
             return Projection { gap, point, normal, normal_gradient, patch: patch.id, xi: [1.0, 0.0] };
         }
@@ -192,7 +192,7 @@ impl Pair {
         let projection = self.projection();
         let [now, before] = [self.now, self.before].map(|f| Stencil::new(self, f));
         let (opposite, carried) = (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site(ORIGIN)));
-        let origin = self.beside.map_or(carried, |_| Origin::Beside(self.origin()));
+        let origin = self.beside.map_or(carried, |_| Origin::Beside(self.origin(), 1));
         let contact = Contact { projection: &projection, opposite, origin, carried: self.carried };
         let (mut method, mut e) = (self.method(transfer, tangent), Element::default());
         method.law.friction = if width == 3 { method.law.friction } else { 0.0 };
@@ -271,11 +271,11 @@ fn the_frictional_tangent_is_the_derivative_of_the_residual() {
 
 #[test]
 fn the_tangent_from_node_to_node_is_the_derivative_of_the_residual() {
-    for (k, pair) in pairs().into_iter().enumerate() {
+    for (k, pair) in pairs().into_iter().enumerate().filter(|(_, pair)| !pair.patches[pair.now].normals.is_empty()) {
         let size = pair.size();
         let beside = Vec3::new(0.04, -0.03, 0.01) * size;
-        let (local, frame) = pair.corner();
-        let slave = local.point + frame * Vec3::new(-0.02, 0.05, -0.01) * size;
+        let (place, frame) = pair.corner();
+        let slave = place + frame * Vec3::new(-0.02, 0.05, -0.01) * size;
         let pair = Pair { beside: Some(beside), slave, ..pair };
         for status in [Status::Gap, Status::Stick, Status::Slip] {
             let pair = pair.clone().with_status(status);

@@ -90,12 +90,22 @@ impl MovingPatch {
         if self.is_quadratic { 6 } else { self.count as usize }
     }
 
-    /// The patch with its nodes at `positions`.
-    pub fn shape(&self, positions: &[Vec3]) -> Patch {
+    /// The nodal normal at a corner, with the nodes at `positions`; `None` of a facet, and where there is no area around the node.
+    pub fn normal(&self, positions: &[Vec3], corner: usize) -> Option<Vec3> {
+        self.nodal_normals(positions).get(self.corners[corner] as usize)?.try_normalize(f64::MIN_POSITIVE)
+    }
+
+    fn nodal_normals(&self, positions: &[Vec3]) -> Vec<Vec3> {
         let mut normals = Vec::with_capacity(self.normals.len());
         for rule in &self.normals {
             normals.push(rule.value(positions, &normals));
         }
+        normals
+    }
+
+    /// The patch with its nodes at `positions`.
+    pub fn shape(&self, positions: &[Vec3]) -> Patch {
+        let normals = self.nodal_normals(positions);
         let mut patch = self.straight(positions);
         if self.is_quadratic {
             patch.coefficients = self.through_middles(positions);

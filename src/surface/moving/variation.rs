@@ -228,6 +228,19 @@ impl Variation {
         &self.turns[j]
     }
 
+    /// dn_l/dx_j of a normal by the nodes.
+    pub fn normal_by(&self, l: usize) -> Vec<Mat3> {
+        let nodes = self.state.positions.len();
+        let mut turns = vec![Mat3::zeros(); nodes + self.links.len()];
+        turns[nodes + l] = Mat3::identity();
+        for (k, link) in self.links.iter().enumerate().take(l + 1).rev() {
+            let turn = turns[nodes + k] * link.outer;
+            link.parts.iter().for_each(|(a, part)| turns[*a] += turn * part);
+        }
+        turns.truncate(nodes);
+        turns
+    }
+
     /// What takes the place of dc_k/dx_j in the weights W_j.
     pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3; 4] {
         match transfer {
