@@ -267,6 +267,28 @@ fn forces_from_node_to_node_turn_with_the_bodies() {
     }
 }
 
+/// A node on an edge of the master has the normal of the side that looks at the slave, whichever faces the master has.
+#[test]
+fn nodes_on_edges_meet_the_side_that_looks_at_them() {
+    let force = |master: &str, discretization: &str| {
+        let run = Bench::new(&format!(
+            "{}faces = {{ top = \"zmax\", round = [\"xmin\", \"zmax\", \"xmax\", \"ymin\", \"ymax\"] }}\n{}\
+             [contact.joint]\nslave = \"upper.zmin\"\nmaster = \"lower.{master}\"\n\
+             discretization = \"{discretization}\"\nfriction = 0.1\n\
+             [material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nincrements = 2\nfix = [{{ set = \"lower.zmin\" }}]\n\
+             move = [{{ target = \"upper.zmax\", by = [0.0, 0.0, -0.2] }}]\n[output]\nhistory = [\"lower.zmin\"]\n",
+            block("lower", 0.0, 2.0, 1),
+            block("upper", 2.0, 2.0, 1)
+        ))
+        .solve(2, &[]);
+        run.history().last("lower.zmin.fz")
+    };
+    let alone = force("top", "node-to-node");
+    assert_close("round", force("round", "node-to-node"), alone, 1e-9);
+    assert_close("one pass", force("top", "one-pass"), alone, 1e-3);
+}
+
 #[test]
 fn nodes_that_slip_on_nodes_obey_coulomb() {
     let two = block("lower", 0.0, 2.0, 1) + &block("upper", 2.0, 2.0, 1);
