@@ -32,16 +32,17 @@ struct Group {
     force: f64,
     element: f64,
     residual: f64,
-    /// Largest displacement or coordinate; penalty; and by what penalty gaps count in the residual.
+    /// Largest displacement or coordinate; penalty; by what penalty gaps count in the residual; and the automatic one.
     far: f64,
     penalty: f64,
     measure: f64,
+    automatic: f64,
     /// Largest load on a section, or force that drives a tool; contact force on nodes of a section.
     load: f64,
     contact: f64,
 }
 
-const FIELDS: usize = 8;
+const FIELDS: usize = 9;
 
 /// Forces and residuals of an iterate, by sections of bodies, then contacts, then tools, then the torques of tools over their
 /// levers.
@@ -244,6 +245,7 @@ impl Newton<'_> {
                 let measure = if pair.rules.method.holds_multipliers() { penalty } else { slave.measure() };
                 own.far = own.far.max(x.amax());
                 (own.penalty, own.measure) = (own.penalty.max(penalty), own.measure.max(measure));
+                own.automatic = own.automatic.max(slave.automatic);
             }
         }
         self.share();
@@ -258,14 +260,15 @@ impl Newton<'_> {
         let broken: Vec<bool> = groups.iter().map(|g| g.residual.is_nan()).collect();
         let one = |g: &Group| {
             let residual = if g.residual.is_nan() { f64::INFINITY } else { g.residual };
-            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.load, g.contact]
+            [g.force, g.element, residual, g.far, g.penalty, g.measure, g.automatic, g.load, g.contact]
         };
         let mut flat: Vec<f64> = groups.iter().flat_map(one).collect();
         max(self.system.comm, &mut flat);
         for ((group, all), broken) in groups.iter_mut().zip(flat.chunks_exact(FIELDS)).zip(broken) {
             let residual = if broken { f64::INFINITY } else { all[2] };
-            let [force, element, _, far, penalty, measure, load, contact] = all.try_into().unwrap_or_default();
-            *group = Group { force, element, residual, far, penalty, measure, load, contact };
+            let [force, element, _, far, penalty, measure, automatic, load, contact] =
+                all.try_into().unwrap_or_default();
+            *group = Group { force, element, residual, far, penalty, measure, automatic, load, contact };
         }
     }
 
@@ -440,8 +443,8 @@ impl Newton<'_> {
     fn is_of_interest(&self, group: usize) -> bool {
         let (balance, Model { sections, pairs, .. }) = (&self.found.balance, &*self.system.model);
         let bears = |p: usize| {
-            let Group { force, measure, .. } = balance.groups[sections.len() + p];
-            let trifle = measure * pairs[p].controls.no_gap * pairs[p].facet_size;
+            let Group { force, automatic, .. } = balance.groups[sections.len() + p];
+            let trifle = automatic * pairs[p].controls.no_gap * pairs[p].facet_size;
             self.is_real(p) && (self.driving(p) > 0.0 || force > trifle)
         };
         balance.groups[group].load > 0.0 || (0..pairs.len()).any(|p| self.touches(p, group) && bears(p))
