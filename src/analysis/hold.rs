@@ -54,12 +54,11 @@ impl Simulation<'_> {
                 let (trial, own) = (of(slave), self.model.part.component[slave.node as usize] as usize);
                 let Some(at) = trial.projection else { continue };
                 let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
-                let n = slave.node as usize;
                 let near = at.gap <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !(near && self.rests(pair, slave, u)) {
                     continue;
                 }
-                let x = place(n);
+                let x = place(slave.node as usize);
                 let hold = friction.map_or(Hold::Normal, |friction| friction(p, slave));
                 motions.touch(own, side, &x, &at.normal, hold == Hold::Firm);
                 let across = at.normal.cross(&trial.traction());

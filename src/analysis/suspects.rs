@@ -170,11 +170,12 @@ fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cau
         remedies.push(format!("exchange slave and master of contact `{name}`: {reason}"));
     }
     if two_passes {
+        let is_flat = contact.surface.as_ref().is_some_and(|of| of.smoothing == Smoothing::Facet);
+        let or = if is_flat { "" } else { ", or between flat faces `smoothing = \"facet\"`" };
         remedies.push(match guidance::far_softer(scene, contact) {
             Some(softer) => format!("contact `{name}` has two passes: take one, with the far softer `{softer}` as the slave"),
             None => format!(
-                "contact `{name}` has two passes, whose conditions may contradict each other: take `discretization = \"segment\"`{}",
-                if contact.surface.as_ref().is_some_and(|of| of.smoothing == Smoothing::Facet) { "" } else { ", or between flat faces `smoothing = \"facet\"`" }
+                "contact `{name}` has two passes, whose conditions may contradict each other: take `discretization = \"segment\"`{or}"
             ),
         });
     }

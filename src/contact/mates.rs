@@ -10,6 +10,7 @@
 //! where R turns as the master's frame there has since: what goes along with a body that turns has not slid.
 
 use super::element::upright;
+use super::segment::ends::STRAIGHT;
 use super::{BodySurface, Slave};
 use crate::surface::{Polygon, Projection};
 use crate::{Mat3, Vec3};
@@ -95,8 +96,6 @@ pub fn find<'a>(
 fn nearest(surface: &BodySurface, x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lonely> {
     /// Over the shortest edge: nodes of patches that share one are as near as that.
     const SAME: f64 = 1e-6;
-    /// Least cosine of the angle between normals that look at each other.
-    const FACING: f64 = 0.5;
     let (shapes, around) = (surface.shapes(), Vec3::repeat(surface.facet_size));
     let mut near = Vec::new();
     for patch in shapes.within(&(x - around), &(x + around)).into_iter().map(|k| &shapes.pieces()[k as usize]) {
@@ -118,7 +117,7 @@ fn nearest(surface: &BodySurface, x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lone
         let normal: Vec3 = mate.stand(surface, surface.positions())?.1.column(2).into();
         Some((faces_it(&normal), normal, *mate))
     };
-    let facing: Vec<_> = near.iter().filter_map(with_normal).filter(|(cosine, ..)| *cosine > FACING).collect();
+    let facing: Vec<_> = near.iter().filter_map(with_normal).filter(|(cosine, ..)| *cosine > STRAIGHT).collect();
     let (_, normal, mate) = facing.iter().max_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Lonely::Averted)?;
     match facing.iter().all(|(_, other, _)| (other - normal).norm() < SAME) {
         true => Ok(*mate),

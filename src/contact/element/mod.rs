@@ -26,7 +26,7 @@
 //! ```
 //!
 //! From segment to segment the slave node meets the master in many points, and the element has the other nodes of its faces,
-//! too: `spread`.
+//! too: `spread`, with the sums of `run`. From node to node it stays on a corner of the patch.
 //!
 //! Geometry always has the full dependence on the nodes, whatever the transfer. A tangential force that is held is carried
 //! along by the tool, or by the patch of the slip origin: its components stand still in the frame of the tangents and the
@@ -45,7 +45,6 @@ mod tests_on_tools;
 use super::law::{self, Guide, Kinematics, Law, Multiplier, Response, Slopes, Status};
 use super::method::Tangent;
 use super::pose::Axle;
-use crate::surface::moving::variation::HANDLES;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
@@ -279,7 +278,7 @@ impl Element {
             Opposite::Patch(site) => {
                 site.patch.vary(site.positions, site.xi, &mut self.at_foot);
                 self.nodes.extend_from_slice(site.stencil);
-                let forces = site.patch.functions(site.xi).map(|[phi, ..]| response.load * phi);
+                let forces = self.at_foot.on_handles(&response.load);
                 self.forces.extend((0..site.stencil.len()).map(|j| -self.at_foot.force_on(transfer, j, &forces)));
             }
         }
@@ -295,6 +294,9 @@ impl Element {
         if let Some(contact) = contact {
             match (&contact.opposite, method.tangent) {
                 (Opposite::Tool(_, axle), tangent) => self.rigid(tangent, response, (contact, axle.as_ref())),
+                (Opposite::Patch(site), _) if let Origin::Beside(place, corner) = &contact.origin => {
+                    self.held(method.transfer, response, contact, site, (place, *corner));
+                }
                 (Opposite::Patch(site), Tangent::Exact) => {
                     bends = true;
                     self.exact(method.transfer, response, (contact, site));
@@ -410,24 +412,32 @@ impl Element {
         self.weights.push(Weight { by_place, ..Weight::constant(first_row(&by_angle)) });
     }
 
+    /// Columns and weights where the foot stays on a corner, which bears all: its nodal normal turns with the nodes of the patch.
+    fn held(
+        &mut self,
+        transfer: Transfer,
+        response: &Response,
+        contact: &Contact,
+        foot: &Site,
+        (origin, corner): (&Vec3, usize),
+    ) {
+        let patch = foot.patch;
+        let corners = [corner, (corner + 1) % patch.count as usize];
+        let turns = self.at_foot.normal_by(patch.corners[corner] as usize);
+        let held = Held::new(contact.projection, (foot.positions, corners), origin, turns);
+        self.columns.push(Column::new(response, &held.of_slave()));
+        for j in 0..foot.stencil.len() {
+            self.columns.push(Column::new(response, &held.of_node(j)));
+            self.weights.push(Weight::constant(self.at_foot.weight(transfer, j)[0].transpose()));
+        }
+    }
+
     /// Columns and weights of the exact tangent; adds the nodes of the slip origin's patch.
     fn exact(&mut self, transfer: Transfer, response: &Response, (contact, foot): (&Contact, &Site)) {
         let Response { force, force_by, constraint_by, .. } = response;
         let (patch, own) = (foot.patch, foot.stencil.len());
-        if let Origin::Beside(place, corner) = contact.origin {
-            let corners = [corner, (corner + 1) % patch.count as usize];
-            let turns = self.at_foot.normal_by(patch.corners[corner] as usize);
-            let held = Held::new(contact.projection, (foot.positions, corners), &place, turns);
-            self.columns.push(Column::new(response, &held.of_slave()));
-            for j in 0..own {
-                self.columns.push(Column::new(response, &held.of_node(j)));
-                self.weights.push(Weight::constant(self.at_foot.weight(transfer, j)[0].transpose()));
-            }
-            patch.bend(Transfer::Bilinear, &[Vec3::zeros(); HANDLES], &mut self.at_foot);
-            return;
-        }
         let motion = Motion::new(&patch.straight(foot.positions), &self.at_foot.local, contact.projection);
-        patch.bend(transfer, &patch.functions(foot.xi).map(|[phi, ..]| force * phi), &mut self.at_foot);
+        patch.bend(transfer, &self.at_foot.on_handles(force), &mut self.at_foot);
         self.columns.push(Column::new(response, &motion.of_slave()));
         for j in 0..own {
             self.columns.push(Column::new(response, &motion.of_node(&self.at_foot.by_node(j))));

@@ -21,7 +21,7 @@ use super::run::{Run, Sums, by_patch};
 use super::{Element, Method, with_carried};
 use crate::contact::law::{self, Guide, Kinematics, Multiplier, Response, Status};
 use crate::contact::master::{Ground, SlipOrigin};
-use crate::surface::moving::variation::{EDGES, HANDLES, Variation};
+use crate::surface::moving::variation::{HANDLES, Variation};
 use crate::surface::{MovingPatch, Projection, Transfer};
 use crate::{Mat3, Vec3};
 
@@ -214,10 +214,8 @@ impl Element {
             let Some((patch, stencil)) = bed.patch(*id) else { continue };
             link(patch, stencil, bed, (&mut sums.positions, &mut self.at_origin));
             for (j, node) in stencil.iter().enumerate() {
-                let own = if j < self.at_origin.corners() { functions[j] } else { 0.0 };
-                let turns = self.at_origin.turns(j).iter().zip(&functions[EDGES..]);
                 let k = slaves + index(&mut self.nodes, *node);
-                sums.path[k] -= turns.fold(Mat3::from_diagonal_element(own), |sum, (turn, phi)| sum + turn * *phi);
+                sums.path[k] -= self.at_origin.by_node_of(j, functions);
             }
         }
         self.sums = sums;

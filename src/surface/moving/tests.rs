@@ -115,11 +115,6 @@ fn difference<const N: usize>(
 
 const XI: [f64; 2] = [0.63, 0.27];
 
-/// What a force at XI is on the handles of a patch.
-fn on_handles(patch: &MovingPatch, force: Vec3) -> [Vec3; variation::HANDLES] {
-    patch.functions(XI).map(|[phi, ..]| force * phi)
-}
-
 /// The samples have every rule: means, and ends with one and two directions, one and more neighbours.
 #[test]
 fn the_samples_have_every_rule() {
@@ -167,7 +162,7 @@ fn rare_ends_have_their_derivatives() {
         let force = Vec3::new(0.3, -0.5, 0.8);
         let mut variation = Variation::default();
         patch.vary(&x, XI, &mut variation);
-        patch.bend(Transfer::Variational, &on_handles(&patch, force), &mut variation);
+        patch.bend(Transfer::Variational, &variation.on_handles(&force), &mut variation);
         let other = std::cell::RefCell::new(Variation::default());
         for (j, d) in (0..6).flat_map(|j| (0..3).map(move |d| (j, d))) {
             let by = difference::<3>(&x, j, d, |x| patch.shape(x).point(XI));
@@ -220,7 +215,7 @@ fn second_derivatives_match_differences() {
             let size = (x[1] - x[0]).norm();
             for transfer in [Transfer::Variational, Transfer::Patch, Transfer::Bilinear] {
                 patch.vary(&x, XI, &mut variation);
-                patch.bend(transfer, &on_handles(&patch, force), &mut variation);
+                patch.bend(transfer, &variation.on_handles(&force), &mut variation);
                 for j in 0..x.len() {
                     for k in 0..x.len() {
                         for d in 0..3 {
@@ -379,7 +374,7 @@ fn flat_surfaces_stay_flat_and_their_derivatives_finite() {
             assert!(patch.shape(&x).coefficients.iter().all(|c| c.norm() < 1e-15));
             let mut variation = Variation::default();
             patch.vary(&x, XI, &mut variation);
-            patch.bend(Transfer::Variational, &on_handles(&patch, Vec3::z()), &mut variation);
+            patch.bend(Transfer::Variational, &variation.on_handles(&Vec3::z()), &mut variation);
             for j in 0..x.len() {
                 let w = variation.weight(Transfer::Bilinear, j)[0];
                 // In the plane the patch is bilinear; out of it, its normals bend it.

@@ -211,11 +211,23 @@ impl Variation {
     }
 
     fn rows(&self, j: usize, turns: &[Mat3; 4]) -> [Mat3; 3] {
-        std::array::from_fn(|d| {
-            let phi = |h: usize| self.functions[h][d];
-            let own = Mat3::from_diagonal_element(if j < self.corners { phi(j) } else { 0.0 });
-            (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k))
-        })
+        std::array::from_fn(|d| self.combined(j, turns, |h| self.functions[h][d]))
+    }
+
+    /// The derivative by node j of what is so linear in the handles, whose coefficients change as `turns` say.
+    fn combined(&self, j: usize, turns: &[Mat3; 4], phi: impl Fn(usize) -> f64) -> Mat3 {
+        let own = Mat3::from_diagonal_element(if j < self.corners { phi(j) } else { 0.0 });
+        (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k))
+    }
+
+    /// The derivative by node j of the sum of the handles times these.
+    pub fn by_node_of(&self, j: usize, functions: &[f64; HANDLES]) -> Mat3 {
+        self.combined(j, self.turns(j), |h| functions[h])
+    }
+
+    /// What a force at the point is on the handles.
+    pub fn on_handles(&self, force: &Vec3) -> [Vec3; HANDLES] {
+        self.functions.map(|[phi, ..]| force * phi)
     }
 
     /// How many nodes are corners, and so handles of their own.
