@@ -320,7 +320,7 @@ fn the_residual_stands_beside_its_own_limit() {
 /// What rounding excuses stands in the summary and the log, of the increment in which it was most.
 #[test]
 fn what_rounding_excuses_is_told() {
-    for (by, of) in [("10.0", None), ("100.0", Some("body `stiff`"))] {
+    for (by, of) in [("1.0", None), ("100.0", Some("body `stiff`"))] {
         let run = Bench::new(&SOFT_AND_STIFF.replace("[10.0, 5.0, 0.0]", &format!("[{by}, 5.0, 0.0]"))).solve(1, &[]);
         let (told, log) = (&run.summary()["rounded"], run.log());
         assert_eq!((told["of"].as_str(), told.is_null()), (of, of.is_none()), "{told}");
