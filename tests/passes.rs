@@ -325,6 +325,35 @@ fn nodes_that_slide_far_from_their_counterparts_are_told_of_and_refused() {
     );
 }
 
+/// Faces that look the same way do not meet, and on an edge that looks at a slave from both sides a node has no one normal.
+#[test]
+fn nodes_at_sides_that_look_elsewhere_are_named() {
+    let refused = |upper: &str, side: &str, words: &str| {
+        let body = |name: &str, origin: &str, faces: &str| {
+            format!(
+                "body.{name}.material = \"soft\"\nbody.{name}.block = {{ box = {{ origin = {origin}, \
+                 size = [1.0, 1.0, 1.0] }}, elements = [2, 2, 2], faces = {{ sides = {faces} }} }}\n"
+            )
+        };
+        let run = Bench::new(&format!(
+            "{}{}contact.joint = {{ slave = \"upper.{side}\", master = \"lower.{side}\", \
+             discretization = \"node-to-node\" }}\n\
+             material.soft = {{ model = \"neo-hookean\", young = 100.0, poisson = 0.3 }}\n\
+             [[step]]\nincrements = 1\nfix = [{{ set = \"lower.zmin\" }}, {{ set = \"upper.zmax\" }}]\n",
+            body("lower", "[0.0, 0.0, 0.0]", "[\"xmax\", \"zmax\"]"),
+            body("upper", upper, "[\"xmin\", \"zmin\"]")
+        ))
+        .run(2, &[]);
+        assert!(run.code == 2 && run.stderr.contains(words), "{}", run.stderr);
+    };
+    refused(
+        "[0.0, 0.0, 0.0]",
+        "xmax",
+        "of `upper.xmax` at (1.000000, 0.000000, 0.000000) is at a node of `lower.xmax` where no",
+    );
+    refused("[1.0, 0.0, 1.0]", "sides", "is at a sharp edge of `lower.sides`, of which both sides look at it");
+}
+
 #[test]
 fn nodes_without_a_counterpart_are_named() {
     let bench = Bench::new(&std::fs::read_to_string("inputs/patch-test.toml").unwrap());
