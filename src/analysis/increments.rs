@@ -15,6 +15,10 @@ pub struct Increments {
     /// Fractions that none steps over, besides the grid.
     corners: Vec<f64>,
     size: f64,
+    /// The length and the iterations of the last hard increment after which a shorter one was taken.
+    shortened: Option<(f64, usize)>,
+    /// The length of the last that failed, or was shortened so: what is not easy does not grow up to it.
+    limit: f64,
     min: f64,
     max: f64,
     controls: Controls,
@@ -26,7 +30,16 @@ const SLIVER: f64 = 0.25;
 impl Increments {
     pub fn new(bounds: &Increment, duration: f64, controls: &Controls) -> Self {
         let [size, min, max] = [bounds.initial, bounds.min, bounds.max].map(|time| time / duration);
-        Self { done: 0.0, corners: Vec::new(), size, min, max, controls: *controls }
+        Self {
+            done: 0.0,
+            corners: Vec::new(),
+            size,
+            shortened: None,
+            limit: f64::INFINITY,
+            min,
+            max,
+            controls: *controls,
+        }
     }
 
     /// The same, which end at these fractions, too, at which loads turn; in their order.
@@ -39,14 +52,16 @@ impl Increments {
         self.corners.contains(&self.done)
     }
 
-    /// What is done, and how long the next is to be.
-    pub fn course(&self) -> [f64; 2] {
-        [self.done, self.size]
+    /// What is done, how long the next is to be, the length and the iterations of the one that was shortened, and the limit.
+    pub fn course(&self) -> [f64; 5] {
+        let (longer, iterations) = self.shortened.unwrap_or_default();
+        [self.done, self.size, longer, iterations as f64, self.limit]
     }
 
     /// Goes on from there.
-    pub fn go_on(&mut self, [done, size]: [f64; 2]) {
-        (self.done, self.size) = (done, size);
+    pub fn go_on(&mut self, [done, size, longer, iterations, limit]: [f64; 5]) {
+        (self.done, self.size, self.limit) = (done, size, limit);
+        self.shortened = (longer > 0.0).then_some((longer, iterations as usize));
     }
 
     /// The fraction of the step at the end of the next increment; `None` at the end of the step.
@@ -68,14 +83,36 @@ impl Increments {
         Some(if self.done + size > stop - sliver { stop } else { self.done + size })
     }
 
-    /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed.
+    /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed. After an easy one the next
+    /// is longer, and after others that are not hard up to what was. After a hard one it is shorter, unless that was tried, and the
+    /// iterations fell by less than half of what the increments became more by: then its length is not why.
     pub fn accept(&mut self, end: f64, iterations: usize, busy: bool) {
-        self.done = end;
+        let length = end - std::mem::replace(&mut self.done, end);
         let Controls { easy_iterations, hard_iterations, increment_growth, increment_cut, .. } = self.controls;
-        if iterations <= easy_iterations && !busy {
-            self.size = (increment_growth * self.size).min(self.max);
-        } else if iterations > hard_iterations {
-            self.size = (increment_cut * self.size).max(self.min);
+        let is_cut = |longer: f64| length <= increment_cut * longer * (1.0 + 1e-9);
+        let is_as_long = |longer: f64| length >= longer * (1.0 - 1e-9);
+        let serves = |then: usize| iterations as f64 <= 0.5 * (1.0 + increment_cut) * then as f64;
+        let grown = (increment_growth * self.size).min(self.max);
+        match self.shortened {
+            _ if busy && iterations <= hard_iterations => {}
+            _ if iterations <= easy_iterations => {
+                (self.size, self.shortened, self.limit) = (grown, None, f64::INFINITY);
+            }
+            _ if iterations <= hard_iterations => {
+                self.size = if grown < self.limit * (1.0 - 1e-9) { grown } else { self.size };
+            }
+            Some((longer, then)) if is_cut(longer) && !serves(then) => {
+                (self.size, self.limit) = (longer.min(self.max), f64::INFINITY);
+            }
+            Some((longer, then)) if is_as_long(longer) && iterations <= then => {}
+            // It had grown too far.
+            Some((longer, _)) if !is_cut(longer) && !is_as_long(longer) => {
+                (self.size, self.limit) = ((increment_cut * longer).max(self.min), length);
+            }
+            _ => {
+                self.size = (increment_cut * self.size).max(self.min);
+                (self.shortened, self.limit) = (Some((length, iterations)), length);
+            }
         }
     }
 
@@ -92,6 +129,7 @@ impl Increments {
     /// The increment to `end` has failed: cuts it, or cuts it twice where it was cut before, to no less than the minimum, and to that
     /// where what is left over would be taken along again.
     pub fn cut(&mut self, end: f64, twice: bool) {
+        (self.shortened, self.limit) = (None, end - self.done);
         let part = self.controls.increment_cut.powi(if twice { 2 } else { 1 });
         self.size = (part * (end - self.done)).max(self.min);
         if self.next().is_none_or(|shorter| shorter >= end) {
@@ -210,6 +248,29 @@ mod tests {
         assert!((increments.next(), increments.is_short(0.05)) == (Some(0.05), false));
         increments.cut(0.05, true);
         assert!((increments.next(), increments.is_short(0.04)) == (Some(0.04), true));
+    }
+
+    /// Increments that take many iterations however short they are stay long; those that take fewer when they are shorter
+    /// do not.
+    #[test]
+    fn increments_are_shortened_while_that_saves_iterations() {
+        let count = |initial: f64, iterations: fn(f64) -> usize| {
+            let mut increments = Increments::new(&bounds(initial, 1e-4, 0.1), 1.0, &Controls::default());
+            let mut count = 0;
+            while let Some(end) = increments.next() {
+                increments.accept(end, iterations(end - increments.done), false);
+                count += 1;
+            }
+            count
+        };
+        // One half, and the rest of what it was cut from.
+        assert_eq!(count(0.1, |_| 12), 11);
+        assert_eq!(count(0.1, |length| if length > 0.06 { 15 } else { 14 }), 11);
+        // All but the first.
+        assert_eq!(count(0.1, |length| if length > 0.06 { 14 } else { 8 }), 19);
+        assert_eq!(count(0.1, |length| if length > 0.06 { 30 } else { 20 }), 20);
+        // It grows to the largest.
+        assert_eq!(count(0.05, |_| 8), 11);
     }
 
     #[test]

@@ -71,7 +71,7 @@ struct Common {
     start: f64,
     start_poses: Vec<Pose>,
     offsets: Vec<Vec3>,
-    course: [f64; 2],
+    course: [f64; 5],
     tries: Tries,
     /// Fractions of the step of the past unknowns, and those of the tools.
     past: Vec<(f64, Vec<Vec3>)>,
