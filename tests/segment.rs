@@ -270,6 +270,44 @@ fn round_fits_bear_what_they_bear() {
     }
 }
 
+/// Meshes that match node on node over a curved joint, but for the slivers by which bodies move along it: what these make of the
+/// integrals is as small as they are, whatever the elements.
+#[test]
+fn slivers_of_matching_meshes_do_not_count() {
+    for tetrahedra in [false, true] {
+        for (friction, overlap) in [(0.0, 0.0), (0.0, 1e-9), (0.0, 1e-4), (0.01, 0.0)] {
+            let ring = |name: &str, [inner, outer]: [f64; 2]| {
+                let place = |[r, t, z]: [f64; 3]| {
+                    let (radius, angle) = (inner + (outer - inner) * r, 0.5 * std::f64::consts::PI * t);
+                    [radius * angle.cos(), radius * angle.sin(), 10.0 * z].map(|x| if x.abs() < 1e-9 { 0.0 } else { x })
+                };
+                (format!("{name}.msh"), common::msh::block([4, 6, 3], tetrahedra, place))
+            };
+            let body = |name: &str| {
+                format!(
+                    "body.{name} = {{ mesh = \"{name}.msh\", material = \"m\", symmetry = [\"ymin\", \"ymax\"] }}\n"
+                )
+            };
+            let bench = Bench::new(&format!(
+                "{}{}material.m = {{ model = \"hooke\", young = 2e5, poisson = 0.3 }}\n\
+                 contact.c = {{ slave = \"shaft.xmax\", master = \"hub.xmin\", discretization = \"segment\", \
+                 friction = {friction:?} }}\n\
+                 [[step]]\nincrements = 2\npressure = [{{ set = \"shaft.xmin\", value = 20.0 }}]\n\
+                 fix = [{{ set = \"shaft.zmin\", directions = \"z\" }}, {{ set = \"hub.zmin\", directions = \"z\" }}]\n",
+                body("shaft"),
+                body("hub")
+            ));
+            for (name, mesh) in [ring("shaft", [5.0, 20.0 + overlap]), ring("hub", [20.0, 40.0])] {
+                bench.write(&name, &mesh);
+            }
+            let run = bench.solve(2, &[]);
+            let what = format!("{tetrahedra}, {friction}, {overlap}: {}", run.log());
+            assert_eq!((run.history().len(), run.history().last("failures")), (2, 0.0), "{what}");
+            assert!(run.history().column("iterations").iter().all(|n| *n <= 12.0), "{what}");
+        }
+    }
+}
+
 /// A tool presses a block evenly, whether the slave has the block's sides or not: these see the tool as soon as they bulge, from all
 /// up their height, and would keep its edges off. So does another block, and as by nodes.
 #[test]
