@@ -284,6 +284,17 @@ fn a_rigid_body_is_a_tool() {
     }
 }
 
+/// Interference that shrinks over the first step is that of its contact.
+#[test]
+fn interference_is_taken_over() {
+    let card = "*CONTACT INTERFERENCE, SHRINK\ndepConstraintContact, INDCONSTRAINTCONTACT\n*STATIC";
+    let (bench, found) = converted(&FRICTION.replacen("*STATIC", card, 1));
+    let contact = scene(&bench).split_once("[contact.").unwrap().1.to_string();
+    assert!(contact.split("\n\n").next().unwrap().contains("interference = \"ramped\""), "{contact}");
+    assert!(!found.notes.iter().any(|note| note.contains("INTERFERENCE")), "{:?}", found.notes);
+    assert!(!scene(&converted(FRICTION).0).contains("interference"));
+}
+
 /// What a scene cannot say is refused at its line.
 #[test]
 fn what_cannot_be_converted_is_refused() {
@@ -305,6 +316,24 @@ fn what_cannot_be_converted_is_refused() {
         (CARDS, "OGDEN, N=3", "OGDEN, N=4", "N is not 1, 2 or 3"),
         (CARDS, "REDUCED POLYNOMIAL", "POLYNOMIAL", "POLYNOMIAL, N=2 or 3"),
         (FRICTION, "*CONTACT PAIR", "*CLEARANCE, VALUE=1\n*CONTACT PAIR", "*CLEARANCE cannot be converted"),
+        (
+            FRICTION,
+            "*STEP",
+            "*CONTACT INTERFERENCE, SHRINK\nDEPConstraintContact,INDConstraintContact\n*STEP",
+            "SHRINK, in the first step",
+        ),
+        (
+            FRICTION,
+            "*STATIC",
+            "*CONTACT INTERFERENCE\nDEPConstraintContact,INDConstraintContact\n*STATIC",
+            "SHRINK, in the first step",
+        ),
+        (
+            FRICTION,
+            "*STATIC",
+            "*CONTACT INTERFERENCE, SHRINK\nINDConstraintContact,DEPConstraintContact\n*STATIC",
+            "that are no *CONTACT PAIR",
+        ),
         (FRAMES, "NSET=FOOT, TYPE=R", "NSET=FOOT, TYPE=S", "*TRANSFORM, TYPE=S cannot be converted"),
         (FRAMES, "NSET=FOOT, TYPE=R", "NSET=BORE, TYPE=R", "is of two *TRANSFORM"),
         (

@@ -146,6 +146,32 @@ fn self_contact_goes_on() {
     assert_same(&stopped(&bench, [2, 1], 30), &whole);
 }
 
+/// A shaft that is too large for its hub is pushed out of it, little by little as the scene says, with penalties and with forces
+/// that are held.
+#[test]
+fn a_fit_that_is_ramped_goes_on() {
+    for how in ["friction = 0.3", "method = \"uzawa\""] {
+        let ring = |name: &str, [inner, outer]: [f64; 2], around: usize| {
+            format!(
+                "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
+                 body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
+                 elements = [5, {around}, 1] }}\n"
+            )
+        };
+        let bench = Bench::new(&format!(
+            "{}{}material.m = {{ model = \"hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             contact.c = {{ slave = \"hub.rmin\", master = \"shaft.rmax\", {how}, interference = \"ramped\" }}\n\
+             [[step]]\nincrements = 100\n[output]\nevery = 10\n",
+            ring("shaft", [0.5, 1.1], 6),
+            ring("hub", [1.0, 2.0], 9)
+        ));
+        let whole = bench.solve(2, &[]).history();
+        let run = stopped(&bench, [2, 1], 20);
+        assert_eq!(run.code, 0, "{}\n{}", run.stdout, run.stderr);
+        assert_small(how, run.history().difference(&whole), 1e-10);
+    }
+}
+
 /// A die with kinks between its patches is drawn along a block, and stops again and again. Nodes that keep to their side of a kink
 /// as it stops do so when it goes on; they would not be in equilibrium on the other.
 #[test]

@@ -153,6 +153,8 @@ pub struct Conditions {
     pub pressures: BTreeMap<String, Ramp<f64>>,
     /// Force on each tool, N; then for each the torque about its axis over its lever, in the first place.
     pub tool_forces: Vec<Ramp<Vec3>>,
+    /// Of overlaps that are taken back little by little: 1 before the first step, and like any load that ends 0 after it.
+    pub overlaps: Ramp<f64>,
     /// Springs and dashpots between owned nodes and the ground.
     pub springs: BTreeMap<u32, Footing>,
     /// Owned nodes that are in a set which something supports or moves; another node may move as one with them.
@@ -182,6 +184,7 @@ impl Conditions {
         Self {
             loads: vec![Ramp::default(); model.part.owned],
             tool_forces: vec![Ramp::default(); 2 * model.masters.tools.len()],
+            overlaps: Ramp { to: 1.0, ..Ramp::default() },
             ..Self::default()
         }
     }
@@ -203,6 +206,7 @@ impl Conditions {
                 .map(|(set, p)| (set.clone(), p.fading()))
                 .collect(),
             tool_forces: last.tool_forces.iter().map(Ramp::fading).collect(),
+            overlaps: last.overlaps.fading(),
             springs: BTreeMap::new(),
             supported: vec![false; model.part.owned],
             duration: step.duration,
@@ -399,6 +403,7 @@ impl Conditions {
         self.loads.iter_mut().chain(&mut self.tool_forces).for_each(|ramp| ramp.end_at(s));
         self.pressures.values_mut().for_each(|ramp| ramp.end_at(s));
         self.spins.iter_mut().for_each(|spin| spin.square.end_at(s));
+        self.overlaps.end_at(s);
         self
     }
 

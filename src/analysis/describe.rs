@@ -285,6 +285,14 @@ pub fn rates(rates: &Rates, kept: std::result::Result<&Path, &Error>) -> String 
     text
 }
 
+/// A contact whose overlap, up to so deep, is pushed out over a step.
+pub fn ramped(step: &str, contact: &str, deepest: f64) -> String {
+    format!(
+        "contact `{contact}`: no increment was found that pushes its overlap of up to {deepest:.3e} out at once, so that this is done \
+         over the step `{step}`: until its end nodes are inside by what is left of it"
+    )
+}
+
 /// What is done about an increment that failed.
 pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
     let next = match remedy {
@@ -299,6 +307,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Central => "along the central path",
         Remedy::Settle => "with contacts that stick until they settle",
         Remedy::Glide => "with friction once all is in balance without it",
+        Remedy::Ramp => "with what overlaps pushed out over the step",
         Remedy::Jump => "as a jump",
     };
     format!("  {step}: {reason} with increment {size:.3e}; again {next}")

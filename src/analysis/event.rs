@@ -58,6 +58,8 @@ pub enum Remedy {
     Settle,
     /// What begins to touch has friction once all is in balance without it.
     Glide,
+    /// What overlaps is pushed out over the step.
+    Ramp,
     /// A jump.
     Jump,
 }

@@ -54,7 +54,7 @@ impl Simulation<'_> {
                 let (trial, own) = (of(slave), self.model.part.component[slave.node as usize] as usize);
                 let Some(at) = trial.projection else { continue };
                 let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
-                let near = at.gap <= pair.controls.touching_gap * pair.facet_size;
+                let near = slave.law.gap(at.gap) <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !(near && self.rests(pair, slave, u)) {
                     continue;
                 }

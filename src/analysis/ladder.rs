@@ -38,6 +38,8 @@
 //!    lies on a sheet, nodes that bear nothing touch all the same, and each rotation of an iteration sends some of them to and
 //!    fro. There sets come first, for they take a third of the iterations of the path. They have the unknowns and the solution
 //!    of the augmented Lagrangian; what has helped is kept.
+//!    Where nothing has converged yet and bodies overlap, the first increment is to push that out however short it is: what fails so,
+//!    with both kinds of penalties, is sought with overlaps that are *ramped*, over the step.
 //!    Where nothing has converged yet and some contact has friction, what begins to touch *glides* before that: its friction comes
 //!    when all is in balance without it. Where much begins to touch at once with no force and is to slip, as a belt around a pulley, the
 //!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length.
@@ -134,6 +136,8 @@ pub struct Means {
     pub settle: bool,
     /// Friction that comes later: some contact has friction, nothing flows, and no surface meets itself.
     pub glide: bool,
+    /// Overlaps that are pushed out over the step: nothing has converged yet, and some contact begins with one.
+    pub ramp: bool,
     /// Multipliers that are held: nodes touch several masters with friction and multipliers that are unknowns.
     pub hold: bool,
     /// Jumps that may fail.
@@ -317,6 +321,12 @@ impl Ladder {
 
     /// The increment to `end` has failed: what to do. `None` when nothing is left.
     pub fn fail(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
+        // As deep as it is, whatever the increment: no cut makes it shallower.
+        let may_ramp = cause == Cause::Watch || cause.is_of_iteration() && (self.tries.turned || !self.means.soften);
+        if may_ramp && std::mem::take(&mut self.means.ramp) {
+            (self.tries.soft, self.tries.turned) = (false, false);
+            return Some(Remedy::Ramp);
+        }
         if cause == Cause::Watch {
             return self.refuse(increments, end);
         }

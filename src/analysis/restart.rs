@@ -15,7 +15,7 @@ use super::state::State;
 use super::step::{Frame, Running};
 use super::watch::Touch;
 use crate::Vec3;
-use crate::contact::{Committed, Manner, Pair, Pose, Sight, Slave, Trial};
+use crate::contact::{Committed, Interference, Manner, Pair, Pose, Sight, Slave, Trial};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::ties::Joint;
@@ -79,6 +79,8 @@ struct Common {
     held: Vec<bool>,
     /// Of each pair, see [`crate::contact::Rules::eased`].
     eased: Vec<f64>,
+    /// Of each pair, whether its overlap is pushed out over the first step.
+    ramped: Vec<bool>,
     /// The most states of an element, and whether any has enhanced strain.
     points: (usize, bool),
 }
@@ -101,6 +103,7 @@ crate::words!(Common {
     past,
     held,
     eased,
+    ramped,
     points,
 });
 
@@ -192,6 +195,7 @@ impl<'a> Simulation<'a> {
             past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
             held: self.model.pairs.iter().map(|pair| pair.rules.method != pair.rules.asked.0).collect(),
             eased: self.model.pairs.iter().map(|pair| pair.rules.eased).collect(),
+            ramped: (self.model.pairs.iter()).map(|pair| pair.rules.interference == Interference::Ramped).collect(),
             points,
         }
     }
@@ -275,6 +279,9 @@ impl<'a> Simulation<'a> {
                 pair.rules.eased = *eased;
                 pair.enforce(Enforcement::Uzawa);
             }
+        }
+        for (pair, _) in self.model.pairs.iter_mut().zip(&common.ramped).filter(|(_, ramped)| **ramped) {
+            pair.rules.interference = Interference::Ramped;
         }
         let pairs = self.restore_slaves(stored, layout, past)?;
         let ties = self.restore_ties(stored, layout, past)?;
@@ -451,6 +458,7 @@ impl<'a> Simulation<'a> {
         newton.start_behind(&mut here);
         let (mut x, mut r) = (here.clone(), vec![0.0; here.len()]);
         newton.start_ahead(&here, &mut x);
+        newton.allow_overlaps();
         let uzawa = newton.system.model.pairs.iter_mut().filter(|pair| pair.rules.method == Enforcement::Uzawa);
         uzawa.flat_map(|pair| &mut pair.slaves).for_each(Slave::hand_back);
         let broken = !matches!(newton.residual(&x, &mut r), Ok(petsc::Evaluation::Done));

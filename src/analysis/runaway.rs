@@ -16,7 +16,7 @@ use super::Simulation;
 use super::conditions::Conditions;
 use super::step::Frame;
 use crate::Vec3;
-use crate::contact::Axle;
+use crate::contact::{Axle, Interference};
 use crate::failure::{Cause, Failure};
 use crate::parallel::{any, sum};
 use std::fmt::Write;
@@ -117,9 +117,17 @@ fn only_torques_change(simulation: &Simulation, conditions: &Conditions) -> bool
     let tools = simulation.model.masters.tools.len();
     let moves = conditions.prescribed.iter().flatten().any(|motion| !motion.stays())
         || conditions.motions.iter().any(|motion| motion.by != Vec3::zeros() || motion.rotation.is_some());
+    let overlaps = simulation.model.pairs.iter().any(|pair| pair.rules.interference == Interference::Ramped);
     let spins = conditions.spins.iter().any(|spin| !spin.square.stays());
     let loads = conditions.loads.iter().chain(&conditions.tool_forces[..tools]).any(|load| !load.stays());
-    !any(simulation.comm, moves || loads || spins || conditions.pressures.values().any(|pressure| !pressure.stays()))
+    !any(
+        simulation.comm,
+        moves
+            || loads
+            || spins
+            || (overlaps && !conditions.overlaps.stays())
+            || conditions.pressures.values().any(|pressure| !pressure.stays()),
+    )
 }
 
 fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) -> String {

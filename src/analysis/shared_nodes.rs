@@ -36,7 +36,8 @@ impl<'a> Simulation<'a> {
         let is_held = |pair: &Pair, slave: &Slave| {
             // One that bears nothing, for others do, may have any status.
             let near = pair.controls.touching_gap * pair.facet_size;
-            let touching = slave.trial.projection.filter(|at| slave.trial.status != Status::Gap || at.gap <= near);
+            let touching =
+                slave.trial.projection.filter(|at| slave.trial.status != Status::Gap || slave.law.gap(at.gap) <= near);
             pair.master.tool().zip(touching).is_some_and(|(t, at)| {
                 tools[t].along(&at.normal).is_nan() && !conditions.movement(slave.node).along(&at.normal).is_nan()
             })

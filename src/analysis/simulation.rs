@@ -350,6 +350,7 @@ impl<'a> Simulation<'a> {
                 slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));
                 slave.pieces = pieces_of(&even);
                 // An active set begins with what touches; nothing else may hold a body.
+                slave.overlap = projection.map_or(0.0, |at| (-at.gap).max(0.0));
                 let touches = projection.is_some_and(|p| p.gap <= pair.controls.touching_gap * pair.facet_size);
                 if touches && pair.rules.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;

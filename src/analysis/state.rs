@@ -7,7 +7,7 @@ use super::ladder::Ladder;
 use super::strays::Strays;
 use super::watch::Touch;
 use crate::Vec3;
-use crate::contact::{Avoided, Committed, Enforcement, Pair, Pose, Sight, Trial};
+use crate::contact::{Avoided, Committed, Enforcement, Interference, Pair, Pose, Sight, Trial};
 use crate::model::Model;
 use crate::scene::Step;
 use crate::solid;
@@ -102,6 +102,7 @@ pub(super) struct Memory {
 struct OfPair {
     method: Enforcement,
     eased: f64,
+    interference: Interference,
     /// Of the last converged increment; the iterate; what was seen.
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
     /// Within a body where slave nodes looked, and what they were not to meet.
@@ -114,6 +115,7 @@ impl Memory {
         let of_pair = |pair: &Pair| OfPair {
             method: pair.rules.method,
             eased: pair.rules.eased,
+            interference: pair.rules.interference,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
             within: pair.within.as_ref().map(|within| (within.outward.clone(), within.avoided.clone())),
         };
@@ -144,6 +146,7 @@ impl Memory {
                 pair.rules.eased = memory.eased;
                 pair.enforce(memory.method);
             }
+            pair.rules.interference = memory.interference;
             for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {
                 (slave.committed, slave.accepted, slave.trial, slave.sight) = (*committed, *accepted, *trial, *sight);
             }

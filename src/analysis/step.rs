@@ -18,13 +18,13 @@ use super::newton::Share;
 use super::state::Progress;
 use super::{Event, Increment, Observer, Remedy, Retried, Simulation, cost, describe, ending};
 use crate::Vec3;
-use crate::contact::{Pair, Pose};
+use crate::contact::{Interference, Pair, Pose};
 use crate::error::Result;
 use crate::failure::Cause;
 use crate::interrupt;
 use crate::model::{Model, elements};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, word_of_largest};
+use crate::parallel::{agree, any, first_word, max, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
@@ -143,6 +143,7 @@ impl<'a> Simulation<'a> {
             settle: frictional || given,
             // What flows does so on the way, and surfaces that meet themselves have a remedy of their own.
             glide: frictional && !self.model.can_flow() && !self.model.pairs.iter().any(Pair::is_self),
+            ramp: self.state.increments == 0 && any(self.comm, self.model.pairs.iter().any(overlaps)),
             hold: false,
             jumps,
         };
@@ -298,15 +299,33 @@ impl<'a> Simulation<'a> {
                     frame.progress.past.clear();
                     observer(&Event::Detail("    again, not ahead of the last state"))?;
                 }
-                Attempt::Failed(failed) => {
-                    if self.retry(frame, failed, duration, observer)? == Remedy::Hold {
+                Attempt::Failed(failed) => match self.retry(frame, failed, duration, observer)? {
+                    Remedy::Hold => {
                         self.hold_multipliers(running)?;
                         return self.seek(running, observer);
                     }
-                }
+                    Remedy::Ramp => self.ramp_overlaps(frame.name(), observer)?,
+                    _ => {}
+                },
             }
         }
         Ok(None)
+    }
+
+    /// Has overlaps of contacts that leave it to the run pushed out over the step. Collective.
+    fn ramp_overlaps(&mut self, step: &str, observer: &mut Observer) -> Result<()> {
+        let mut told = Vec::new();
+        for pair in &mut self.model.pairs {
+            let mut deepest = [pair.slaves.iter().map(|slave| slave.overlap).fold(0.0, f64::max)];
+            max(self.comm, &mut deepest);
+            if pair.rules.interference == Interference::Auto && !pair.is_self() {
+                pair.rules.interference = Interference::Ramped;
+            }
+            if pair.rules.interference == Interference::Ramped && deepest[0] > pair.controls.no_gap * pair.facet_size {
+                told.push(describe::ramped(step, &pair.name, deepest[0]));
+            }
+        }
+        told.into_iter().try_for_each(|told| self.warn(told, observer))
     }
 
     /// Says what has come to be in each other in the last increment while no contact is between. Collective.
@@ -380,6 +399,14 @@ impl<'a> Simulation<'a> {
         self.phases.add(Phase::Assembly, begun.elapsed());
         Ok(pattern)
     }
+}
+
+/// Whether a contact that leaves it to the run begins with an overlap by more than the shape of bodies is known to.
+fn overlaps(pair: &Pair) -> bool {
+    let deep = pair.controls.watch_deep * pair.facet_size;
+    pair.rules.interference == Interference::Auto
+        && !pair.is_self()
+        && pair.slaves.iter().any(|slave| slave.overlap > deep)
 }
 
 /// Whether contacts may be sought along the central path: two tools press on a body, or bodies on each other, and all contacts

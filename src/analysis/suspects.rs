@@ -3,7 +3,7 @@
 
 use super::preflight::DEEP;
 use crate::Vec3;
-use crate::contact::{Discretization, Pair, Slave, Status, Tangent, guidance};
+use crate::contact::{Discretization, Interference, Pair, Slave, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
 use crate::parallel::{max, sum, word_of_largest};
@@ -93,14 +93,14 @@ pub fn overlapping(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<
         (deepest[0] > DEEP * pair.facet_size).then(|| {
             format!(
                 "contact `{}` begins with nodes up to {:.3e} deep in {}, which the first increment pushes out however short it is: \
-                 begin apart and move there, over a cone where that goes along the surface",
+                 give it `interference = \"ramped\"`, or begin apart and move there, over a cone where that goes along the surface",
                 pair.name,
                 deepest[0],
                 model.master_name(pair)
             )
         })
     };
-    model.pairs.iter().filter_map(of).collect()
+    model.pairs.iter().filter(|pair| pair.rules.interference != Interference::Ramped).filter_map(of).collect()
 }
 
 /// Contacts of which nodes are in hollow edges of the master, at displacements `u`, which the master attends to: two sides press

@@ -319,8 +319,9 @@ impl Simulation<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared, let_go]);
         }
         sum(self.comm, &mut sums);
+        let depth = |slave: &Slave| slave.sight.depth - slave.law.allowed;
         let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
-            pair.slaves.iter().filter(|slave| of(slave)).map(|slave| slave.sight.depth).fold(0.0, f64::max)
+            pair.slaves.iter().filter(|slave| of(slave)).map(depth).fold(0.0, f64::max)
         };
         let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
         let farthest = |pair: &Pair| {

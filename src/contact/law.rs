@@ -24,6 +24,9 @@
 //!   way with what is left on the cone beside the part of λ_t across: else F = λ would hold with friction that pushes the
 //!   node on, as that of the way there on the way back, as long as ε_t |g_t| is less than the friction.
 //!
+//! A node that begins inside the master may be as deep as that at first, and less and less: g is its distance and what is left
+//! of that depth.
+//!
 //! Without friction one multiplier λ_n a node suffices, and F = λ̂_n n.
 //!
 //! A constraint that gives way, by s λ/ε about the rest ρ, has this law for the gap g - (s/ε_n)(λ_n - ρ_n) and the slip
@@ -106,6 +109,8 @@ pub struct Law {
     pub glides: bool,
     /// It touches, however far it is: an iteration that begins with this does not leave behind what a master goes away from.
     pub clings: bool,
+    /// How deep it may be inside the master: what is left of an overlap that is taken back little by little.
+    pub allowed: f64,
     /// By how much the constraint of a multiplier that is an unknown gives way.
     pub compliance: Compliance,
     /// θ of the central path, N; 0 for the law itself.
@@ -118,6 +123,11 @@ pub struct Law {
 }
 
 impl Law {
+    /// The gap g that counts where the master is so far.
+    pub fn gap(&self, distance: f64) -> f64 {
+        distance + self.allowed
+    }
+
     /// F_n of λ̂_n in contact, with its derivative.
     fn pressed(&self, augmented: f64) -> (f64, f64) {
         if self.barrier == 0.0 {
@@ -141,6 +151,7 @@ pub const LAW: Law = Law {
     rough: false,
     glides: false,
     clings: false,
+    allowed: 0.0,
     compliance: Compliance { slack: 0.0, rest: Vec3::new(0.0, 0.0, 0.0) },
     barrier: 0.0,
     creep: 0.0,
@@ -304,6 +315,8 @@ impl Section {
 
 /// The response of a slave node; without a `place` it is in the gap.
 pub fn respond(law: Law, multiplier: &Multiplier, place: Option<&Kinematics>, guide: &Guide) -> Response {
+    let counted = place.map(|p| Kinematics { gap: law.gap(p.gap), ..*p });
+    let place = counted.as_ref();
     let response = match *multiplier {
         Multiplier::Augmented(lambda) => yielding(law, &lambda, place, guide, None),
         Multiplier::Force(lambda, set) => {

@@ -16,6 +16,18 @@ pub enum Discretization {
     Segment,
 }
 
+/// What becomes of the overlap of bodies and tools with which a contact begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Interference {
+    /// At once, and where no increment is found so, ramped.
+    #[default]
+    Auto,
+    /// The first increment pushes it out.
+    AtOnce,
+    /// It is pushed out in proportion to the time of the first step.
+    Ramped,
+}
+
 /// How contact is enforced.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Enforcement {

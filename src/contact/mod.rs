@@ -41,7 +41,7 @@ pub use body_surface::BodySurface;
 pub use law::{Compliance, Guide, Law, Multiplier, Response, Status};
 pub use master::{Ground, Master, Masters, Meets, Receiver};
 pub use mates::Mate;
-pub use method::{Discretization, Enforcement, MasterSurface, Tangent};
+pub use method::{Discretization, Enforcement, Interference, MasterSurface, Tangent};
 pub use moves::Movement;
 pub use pose::{Axle, Pose, Rotation};
 pub use segment::{Faces, Segments};
@@ -79,6 +79,7 @@ pub struct Rules {
     pub asked: (Enforcement, Option<f64>),
     /// Share of Uzawa's automatic penalty: below 1 where rounding leaves too much of forces with all of it.
     pub eased: f64,
+    pub interference: Interference,
     /// With Uzawa's method: penetration and slip that may remain, a length; `None` is what the solver's tolerance lets through.
     pub tolerance: Option<f64>,
 }

@@ -48,6 +48,8 @@ pub struct Slave {
     pub repeats: bool,
     /// The automatic augmentation, force per length.
     pub automatic: f64,
+    /// How deep inside the master it begins.
+    pub overlap: f64,
     /// Penalties in the law at the start of an increment, and by what share they are lower in it.
     augmentation: f64,
     pub softness: f64,
@@ -189,6 +191,7 @@ impl Slave {
             rough: false,
             glides: false,
             clings: false,
+            allowed: 0.0,
             compliance,
             barrier: 0.0,
             creep: 0.0,
@@ -203,6 +206,7 @@ impl Slave {
             mate: None,
             repeats: false,
             automatic,
+            overlap: 0.0,
             augmentation,
             softness: 1.0,
             held,
@@ -305,7 +309,7 @@ impl Slave {
         match (self.trial.status, self.trial.projection) {
             (Status::Stick | Status::Slip, Some(p)) => {
                 let friction = if self.law.friction > 0.0 { self.trial.traction() } else { Vec3::zeros() };
-                Held { gap: self.held.gap + p.gap, tangential: friction, carried: Vec3::zeros() }
+                Held { gap: self.held.gap + self.law.gap(p.gap), tangential: friction, carried: Vec3::zeros() }
             }
             _ => Held::default(),
         }
@@ -363,7 +367,7 @@ impl Slave {
     /// of its end.
     pub fn hand_back(&mut self) {
         if let (Status::Stick | Status::Slip, Some(p)) = (self.accepted.status, self.accepted.projection) {
-            self.held.gap -= p.gap;
+            self.held.gap -= self.law.gap(p.gap);
         }
     }
 

@@ -59,6 +59,7 @@ fn fate(name: &str) -> Fate {
             "SUPPLEMENTARY CONSTRAINTS",
             "TRACKING",
         ]),
+        "CONTACT INTERFERENCE" => Fate::Read(&["SHRINK", "TYPE"]),
         "AMPLITUDE" => Fate::Read(&["NAME", "TIME", "DEFINITION", "VALUE"]),
         "BOUNDARY" => Fate::Read(&["OP", "AMPLITUDE", "FIXED", "TYPE"]),
         "CLOAD" | "DLOAD" | "DSLOAD" => Fate::Read(&["OP", "AMPLITUDE"]),
@@ -150,7 +151,6 @@ fn fate(name: &str) -> Fate {
         "TRANSFORM" => Fate::Read(&["NSET", "TYPE"]),
         "TEMPERATURE" | "CFLUX" | "DFLUX" | "FILM" | "RADIATE" => Fate::Refused(HEAT),
         "MODEL CHANGE"
-        | "CONTACT INTERFERENCE"
         | "CHANGE FRICTION"
         | "CHANGE SURFACE BEHAVIOR"
         | "CHANGE CONTACT TYPE"

@@ -5,7 +5,7 @@ use super::cards::Notes;
 use super::groups::{Face, Groups};
 use super::names::Namer;
 use super::scene::quoted;
-use crate::error::{Location, Result};
+use crate::error::{Error, Location, Result};
 use crate::mesh::abaqus::{Card, Row, no_set};
 use std::collections::BTreeMap;
 
@@ -46,7 +46,8 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
     let whole = groups.whole;
     let cards = &whole.cards;
     let mut interactions = interactions(cards, notes)?;
-    let mut pairs = Pairs { groups, bodies, namer, made: Contacts::default() };
+    let shrinking = shrinking(cards)?;
+    let mut pairs = Pairs { groups, bodies, namer, shrinking, met: Vec::new(), made: Contacts::default() };
     for card in cards.iter().filter(|card| card.keyword.name == "CONTACT PAIR") {
         let wanted = card.keyword.get("INTERACTION").unwrap_or_default();
         let found = interactions.iter_mut().find(|interaction| interaction.name.eq_ignore_ascii_case(wanted));
@@ -62,6 +63,10 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
             notes.at(&card.at, "ADJUST=NO is passed over: slave nodes are moved until both sides meet in the mean");
         }
         card.rows.iter().try_for_each(|row| pairs.tie(card, row))?;
+    }
+    if let Some((_, at)) = pairs.shrinking.iter().find(|(names, _)| !pairs.met.contains(names)) {
+        let what = "*CONTACT INTERFERENCE of surfaces that are no *CONTACT PAIR";
+        return Err(Error::input(at, what, "name its slave first, then its master"));
     }
     for interaction in interactions.iter().filter(|interaction| !interaction.is_used) {
         let what = format!("the interaction '{}' is of no *CONTACT PAIR: it is passed over", interaction.name);
@@ -107,11 +112,37 @@ pub(super) fn faces_by_body(
     Ok(found)
 }
 
+/// Slave and master, in capitals.
+type Names = [String; 2];
+
+/// The pairs whose overlap is pushed out over the first step, and where that is said.
+fn shrinking(cards: &[Card]) -> Result<Vec<(Names, Location)>> {
+    let (mut steps, mut pairs) = (0, Vec::new());
+    for card in cards {
+        match card.keyword.name.as_str() {
+            "STEP" => steps += 1,
+            "CONTACT INTERFERENCE" if steps != 1 || card.keyword.get("SHRINK").is_none() => {
+                let help =
+                    "give it the parameter SHRINK, in the first step: what overlaps at the start is pushed out over it";
+                return Err(card.error("no condition of a scene does this", help));
+            }
+            "CONTACT INTERFERENCE" => {
+                let named = |row: &Row| (row.fields().map(str::to_ascii_uppercase), row.at.clone());
+                pairs.extend(card.rows.iter().map(named));
+            }
+            _ => {}
+        }
+    }
+    Ok(pairs)
+}
+
 /// Pairs that are being converted.
 struct Pairs<'a, 'b> {
     groups: &'a mut Groups<'b>,
     bodies: &'a Bodies,
     namer: &'a mut Namer,
+    shrinking: Vec<(Names, Location)>,
+    met: Vec<Names>,
     made: Contacts,
 }
 
@@ -121,6 +152,9 @@ impl Pairs<'_, '_> {
         let [slave, master] = row.fields();
         // One surface alone meets itself.
         let master = if master.is_empty() { slave } else { master };
+        let names = [slave, master].map(str::to_ascii_uppercase);
+        let shrinks = self.shrinking.iter().any(|(shrinking, _)| *shrinking == names);
+        self.met.push(names);
         let slaves = self.parts(row, slave)?;
         let masters = self.parts(row, master)?;
         let many = slaves.len() * masters.len() > 1;
@@ -146,6 +180,7 @@ impl Pairs<'_, '_> {
                 let (slave, master) = (quoted(&slave_name), quoted(&master_name));
                 self.made.text += &format!("\n[contact.{name}]\nslave = {slave}\nmaster = {master}\n");
                 self.made.text += &format!("friction = {friction:?}\n");
+                self.made.text += if shrinks { "interference = \"ramped\"\n" } else { "" };
             }
         }
         Ok(())

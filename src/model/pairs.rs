@@ -83,6 +83,7 @@ impl Model {
                 method: contact.method,
                 asked: (contact.method, penalty),
                 eased: 1.0,
+                interference: contact.interference,
                 tolerance: contact.tolerance,
             },
             pass: Pass::Only,

@@ -3,12 +3,13 @@
 use super::reader::{Item, Table};
 use super::references::Names;
 use super::{
-    Contact, Discretization, Enforcement, Located, MasterSurface, Scene, Smoothing, Step, Tangent, Transfer, body_of,
+    Contact, Discretization, Enforcement, Interference, Located, MasterSurface, Scene, Smoothing, Step, Tangent,
+    Transfer, body_of,
 };
 use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
-const KEYS: [&str; 10] = [
+const KEYS: [&str; 11] = [
     "slave",
     "master",
     "discretization",
@@ -17,6 +18,7 @@ const KEYS: [&str; 10] = [
     "penalty",
     "tolerance",
     "reach",
+    "interference",
     "thickness",
     "tangent",
 ];
@@ -100,6 +102,12 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
     }
+    let interferences =
+        [("auto", Interference::Auto), ("at-once", Interference::AtOnce), ("ramped", Interference::Ramped)];
+    let interference = table.optional("interference", |item| item.choice(&interferences))?.unwrap_or_default();
+    if let Some(item) = table.get("interference").filter(|_| master.value == slave.value) {
+        return Err(item.error("means nothing in self-contact", "a surface cannot overlap itself; remove it"));
+    }
     let segments = discretization == Discretization::Segment;
     let is_within = body_of(&master.value) == body_of(&slave.value);
     if let Some(item) = table.get("discretization").filter(|_| segments && is_within) {
@@ -122,6 +130,7 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         penalty: penalty?.flatten(),
         tolerance: tolerance?.flatten(),
         reach: reach?,
+        interference,
         tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or_default(),
         thickness: thickness?.flatten(),
         second_of: None,

@@ -46,7 +46,7 @@ pub use torque::Torque;
 pub use trade::{Exact, Known, Trade, Varied, Vary};
 
 use crate::Vec3;
-pub use crate::contact::{Discretization, Enforcement, MasterSurface, Rotation, Tangent};
+pub use crate::contact::{Discretization, Enforcement, Interference, MasterSurface, Rotation, Tangent};
 use crate::controls::Controls;
 use crate::error::Location;
 pub use crate::output::quantity::Quantity;
@@ -240,6 +240,8 @@ pub struct Contact {
     pub tolerance: Option<f64>,
     /// How far a slave node may be from the master and still be watched; `None` chooses it from the meshes.
     pub reach: Option<f64>,
+    /// What becomes of the overlap with which it begins.
+    pub interference: Interference,
     pub tangent: Tangent,
     /// Of a sheet both of whose sides are in self-contact; `None` measures it.
     pub thickness: Option<f64>,

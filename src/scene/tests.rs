@@ -392,7 +392,7 @@ fn overrides_that_name_nothing_are_refused() {
         message_set("contact.top.fricton=0.1"),
         "--set contact.top.fricton=0.1: unknown key `fricton` in contact.top\n  \
          help: did you mean `friction`? (known: slave, master, discretization, friction, method, penalty, tolerance, \
-         reach, thickness, tangent, smoothing, feature_angle, transfer)"
+         reach, interference, thickness, tangent, smoothing, feature_angle, transfer)"
     );
     assert_eq!(
         message_set("body.slb.material=steel"),

@@ -543,7 +543,7 @@ fn violation(pair: &Pair, slave: &Slave) -> f64 {
         return trial.local;
     }
     let share = slave.measure() / slave.law.normal;
-    let gap = trial.projection.map_or(0.0, |p| p.gap.abs());
+    let gap = trial.projection.map_or(0.0, |p| slave.law.gap(p.gap).abs());
     let slip = if trial.status == Status::Stick { trial.slip.norm() } else { 0.0 };
     let gives = slave.law.compliance.slack > 0.0 || slave.law.barrier > 0.0;
     let open = if gives { 0.0 } else { slave.automatic * gap.max(slip) };

@@ -7,7 +7,7 @@
 use super::Newton;
 use crate::Vec3;
 use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
-use crate::contact::{Receiver, Segments, Status};
+use crate::contact::{Interference, Receiver, Segments, Status};
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{any, max, sum};
@@ -40,10 +40,20 @@ impl Touching {
 }
 
 impl Newton<'_> {
+    /// Lets slave nodes be as deep in their masters as what is left of overlaps that are ramped.
+    pub fn allow_overlaps(&mut self) {
+        let left = self.system.conditions.overlaps.at(self.s);
+        for pair in &mut self.system.model.pairs {
+            let left = if pair.rules.interference == Interference::Ramped { left } else { 0.0 };
+            pair.slaves.iter_mut().for_each(|slave| slave.law.allowed = left * slave.overlap);
+        }
+    }
+
     /// Contact elements of the owned slave nodes: their status, forces and residuals; with prescribed displacements that are
     /// still `ahead`, as if they were done. Collective.
     pub(super) fn add_contact(&mut self, x: &[f64], ahead: Option<&[Vec3]>, r: &mut [f64]) {
         self.follow(ahead);
+        self.allow_overlaps();
         let first = self.is_first();
         let Model { part, masters, pairs, sections, controls, .. } = &mut *self.system.model;
         let (dofs, balance, group) = (&*self.system.dofs, &mut self.found.balance, sections.len());

@@ -4,7 +4,7 @@
 
 use super::sight::Standing;
 use super::worst;
-use crate::contact::Pair;
+use crate::contact::{Interference, Pair};
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{max, sum};
@@ -39,7 +39,10 @@ pub fn check(
         sum(comm, &mut counts);
         max(comm, &mut ends);
         let ([inside, deep, touching], [nearest, depth]) = (counts, ends);
-        lines.push(format!("contact `{}` begins with {}", pair.name, told(-nearest, (inside, depth), touching)));
+        lines.push(
+            format!("contact `{}` begins with {}", pair.name, told(-nearest, (inside, depth), touching))
+                + ramped(pair, inside),
+        );
         let too_deep: Vec<(u32, f64)> = depths().filter(|(_, depth)| *depth > pair.reach).collect();
         if let Some(node) = worst(comm, model, &too_deep) {
             let what = format!(
@@ -51,7 +54,7 @@ pub fn check(
             );
             return Err(Error::input(&contact.name.at, what, advice(pair, contact)));
         }
-        if deep > 0.0 {
+        if deep > 0.0 && pair.rules.interference != Interference::Ramped {
             warnings.push(format!(
                 "contact `{}`: {deep} nodes start inside {}, up to {depth:.3e} deep; {}",
                 pair.name,
@@ -65,10 +68,20 @@ pub fn check(
 }
 
 fn advice(pair: &Pair, contact: &Contact) -> &'static str {
-    match contact.surface {
-        None => "move the tool out, or turn it over if it is inside out",
-        Some(_) if pair.is_within_body() => "give the `thickness` of the sheet",
-        Some(_) => "move the bodies apart",
+    match (&contact.surface, pair.rules.interference) {
+        (_, Interference::Ramped) => "give it a larger `reach`, if so much interference is meant",
+        (None, _) => {
+            "move the tool out, or turn it over if it is inside out; `interference = \"ramped\"` if a fit is meant"
+        }
+        (Some(_), _) if pair.is_within_body() => "give the `thickness` of the sheet",
+        (Some(_), _) => "move the bodies apart, or give the contact `interference = \"ramped\"` if a fit is meant",
+    }
+}
+
+fn ramped(pair: &Pair, inside: f64) -> &'static str {
+    match pair.rules.interference {
+        Interference::Ramped if inside > 0.0 => ", pushed out over the first step",
+        _ => "",
     }
 }
 
