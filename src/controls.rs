@@ -188,9 +188,9 @@ controls! {
     }
     "increments" {
         easy_iterations: usize = 6, [1, 1000], "iterations",
-            "After no more the next increment may grow.";
+            "After no more the next increment may grow; after more, up to these that shrink it, to below what was shortened or failed last.";
         hard_iterations: usize = 10, [1, 1000], "iterations",
-            "After more the next increment shrinks.";
+            "After more the next increment shrinks, unless that has saved too little: then length is not why.";
         increment_growth: f64 = 1.5, [1.0, 10.0], "times the increment",
             "How much an increment grows after an easy one, up to the scene's largest.";
         increment_cut: f64 = 0.5, [0.05, 0.9], "times the increment",

@@ -532,6 +532,24 @@ fn fits(schema: &Value, value: &Value, at: &str) -> Result<(), String> {
         }
         fits(of_key, inner, &format!("{at}.{key}"))?;
     }
+    let Some(table) = value.as_object() else {
+        let [least, most] = ["minimum", "maximum"].map(|key| schema[key].as_f64());
+        let is_out = |x: f64| least.is_some_and(|least| x < least) || most.is_some_and(|most| x > most);
+        return if value.as_f64().is_some_and(is_out) { wrong("out of its range") } else { Ok(()) };
+    };
+    let lacks = |schema: &Value| {
+        let mut needed = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        needed.find(|key| !table.contains_key(*key)).map(String::from)
+    };
+    if let Some(key) = lacks(schema) {
+        return Err(format!("{at}: lacks {key}"));
+    }
+    for choice in schema["allOf"].as_array().into_iter().flatten() {
+        let given = choice["oneOf"].as_array().unwrap().iter().filter(|keys| lacks(keys).is_none()).count();
+        if given != 1 {
+            return Err(format!("{at}: {given} of {choice}"));
+        }
+    }
     Ok(())
 }
 
@@ -566,6 +584,14 @@ fn the_schema_takes_all_scenes() {
         ("/step/0", serde_json::json!({ "gravity": { "accel": [0, 0, -1] } }), "none of its forms"),
         ("/output/probe/0", serde_json::json!({ "nam": "p" }), "no key nam"),
         ("/body/pad/block/box/size", 1.into(), "no list"),
+        (
+            "/body/pad",
+            serde_json::json!({ "block": { "box": { "size": [1, 1, 1] }, "elements": [1, 1, 1] } }),
+            "lacks material",
+        ),
+        ("/body/pad/block/box", serde_json::json!({}), "lacks size"),
+        ("/body/pad", serde_json::json!({ "material": "rubber" }), "0 of"),
+        ("/step/0", serde_json::json!({ "increments": 1, "increment": { "initial": 0.1 } }), "2 of"),
     ] {
         let mut changed = scene.clone();
         *changed.pointer_mut(place).unwrap() = value;

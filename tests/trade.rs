@@ -252,6 +252,11 @@ fn wrong_entries_are_refused() {
         ("[trade]\nexact = [{ of = \"roller.q\", value = 1 }]", "cannot be compared with something exact"),
         ("[trade]\nexact = [{ of = \"roller.fy\", value = 1, step = \"prss\" }]", "did you mean `press`?"),
         ("[trade]\nexact = [{ of = \"roller.fy\", curve = [[1, 1], [1, 2]] }]", "whose times increase"),
+        (
+            "[trade]\nexact = [{ of = \"roller.fy\", curve = [[5, 1], [6, 2]] }]",
+            "one of the run, which goes from 0 to 2",
+        ),
+        ("[trade]\nexact = [{ of = \"pad.plastic_strain_99\", value = 1 }]", "none of its materials flows"),
         ("[trade]\nsteps = 0", "must be 1 or more"),
     ];
     for (table, words) in cases {

@@ -28,6 +28,8 @@ pub fn begin(path: &Path) -> Result<()> {
 /// A key as the document has it.
 struct Row {
     key: &'static str,
+    /// It must be given.
+    is_needed: bool,
     kind: &'static str,
     default: &'static str,
     meaning: &'static str,
@@ -59,7 +61,9 @@ pub fn schema() -> String {
     }
     let control = |control: &Control| {
         let told = format!("{}; by default {:?}", control.unit, control.default);
-        (control.name.to_string(), json!({ "type": "number", "description": told }))
+        let (kind, [least, most]) = (if control.is_integer { "integer" } else { "number" }, control.range);
+        let value = json!({ "type": kind, "minimum": least, "maximum": most, "description": told });
+        (control.name.to_string(), value)
     };
     let controls: Map<String, Value> = Controls::TABLE.iter().map(control).collect();
     all.insert("controls".into(), closed(controls));
@@ -85,7 +89,8 @@ fn tables() -> Tables {
         let cells: Vec<&str> = rest.split(" |").map(str::trim).collect();
         if let ([first, kind, default, meaning, ..], Some((key, _))) = (cells.as_slice(), cells[0].split_once('`')) {
             debug_assert!(first.starts_with(key));
-            tables.entry(heading).or_default().push(Row { key, kind, default, meaning });
+            let is_needed = first.ends_with('*');
+            tables.entry(heading).or_default().push(Row { key, is_needed, kind, default, meaning });
         }
     }
     tables
@@ -105,7 +110,35 @@ fn table(tables: &Tables, heading: &str) -> Value {
         value["description"] = format!("{}: {}{default}", row.kind, row.meaning).into();
         (row.key.to_string(), value)
     };
-    closed(tables.get(heading).into_iter().flatten().map(value).collect())
+    let rows = || tables.get(heading).into_iter().flatten();
+    let mut closed = closed(rows().map(value).collect());
+    let (single, choices): (Vec<_>, Vec<_>) = needed(rows()).into_iter().partition(|keys| keys.len() == 1);
+    closed["required"] = single.concat().into();
+    if !choices.is_empty() {
+        closed["allOf"] = choices.iter().map(|keys| one_of(keys)).collect();
+    }
+    closed
+}
+
+/// The keys of which exactly one must be given, whatever else is; what depends on other keys the meaning of a key tells.
+fn needed<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<Vec<&'static str>> {
+    let depends = |row: &Row| {
+        let of_some = row.meaning.starts_with("`\"") && !row.kind.starts_with('`');
+        of_some || row.meaning.contains("not of") || row.meaning.starts_with("of a tool")
+    };
+    let mut needed: Vec<Vec<&'static str>> = Vec::new();
+    for row in rows.filter(|row| row.is_needed && !depends(row)) {
+        match needed.last_mut().filter(|_| row.meaning.starts_with("in its place")) {
+            Some(others) => others.push(row.key),
+            None => needed.push(vec![row.key]),
+        }
+    }
+    needed
+}
+
+fn one_of(keys: &[&str]) -> Value {
+    let required: Vec<Value> = keys.iter().map(|key| json!({ "required": [key] })).collect();
+    json!({ "oneOf": required })
 }
 
 /// The type of a value; of what has several forms, nothing is said.

@@ -3,7 +3,7 @@
 use super::fields::{self, Snapshot};
 use super::history::{DISPLACEMENT, FORCE, History, at, largest};
 use crate::error::{Error, Result};
-use crate::scene::{Exact, Known, Scene};
+use crate::scene::{Exact, Known, Located, MaterialModel, Scene};
 use std::path::Path;
 
 /// What errors are of. docs/trade.md has what each is.
@@ -271,6 +271,21 @@ pub fn check_exact(exact: &Exact, scene: &Scene) -> Result<Quantity> {
     if !sources.contains(&source) {
         let help = crate::scene::did_you_mean(source, sources);
         return Err(Error::input(&exact.of.at, format!("no run has `{name}`"), help));
+    }
+    let flows =
+        |material: &Located<String>| matches!(scene.material(&material.value), Some(MaterialModel::Plastic { .. }));
+    let body = scene.bodies.iter().find(|body| body.name.value == source);
+    if of == PeakStrain && !body.is_some_and(|body| body.sections().any(flows)) {
+        let what = format!("`{source}` has no plastic strain: none of its materials flows");
+        return Err(Error::input(&exact.of.at, what, "compare something else, or give it a plastic material"));
+    }
+    let ends: f64 = scene.steps.iter().map(|step| step.duration).sum();
+    if let Known::Curve(points) = &exact.known
+        && let [first, .., last] = &points[..]
+        && (first[0] > ends * (1.0 + 1e-9) || last[0] < 0.0)
+    {
+        let what = format!("no time of the curve of `{name}` is one of the run, which goes from 0 to {ends}");
+        return Err(Error::input(&exact.of.at, what, "its first numbers are times, in the order of the steps"));
     }
     if let Known::Value { step: Some(step), .. } = &exact.known
         && scene.steps.iter().all(|known| known.name.value != *step)
