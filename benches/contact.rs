@@ -39,6 +39,7 @@ fn contact(c: &mut Criterion) {
         rough: false,
         glides: false,
         clings: false,
+        allowed: 0.0,
         compliance: Compliance::default(),
         barrier: 0.0,
         creep: 0.0,

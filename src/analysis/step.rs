@@ -318,10 +318,11 @@ impl<'a> Simulation<'a> {
         for pair in &mut self.model.pairs {
             let mut deepest = [pair.slaves.iter().map(|slave| slave.overlap).fold(0.0, f64::max)];
             max(self.comm, &mut deepest);
-            if pair.rules.interference == Interference::Auto && !pair.is_self() {
-                pair.rules.interference = Interference::Ramped;
+            if pair.rules.interference != Interference::Auto || pair.is_self() {
+                continue;
             }
-            if pair.rules.interference == Interference::Ramped && deepest[0] > pair.controls.no_gap * pair.facet_size {
+            pair.rules.interference = Interference::Ramped;
+            if deepest[0] > pair.controls.no_gap * pair.facet_size {
                 told.push(describe::ramped(step, &pair.name, deepest[0]));
             }
         }
