@@ -925,6 +925,7 @@ discretization = "one-pass"
 method = "augmented-lagrangian"
 penalty = 10.0
 reach = 2.0
+interference = "ramped"
 tangent = "fixed-frame"
 [contact.s]
 slave = "ring.rmax"
