@@ -11,7 +11,7 @@
 //!    gets of each. A block that is pushed into a corner of three planes with friction takes some 15 iterations an increment
 //!    then; with constraints that give way it is cut without end, or comes out unlike in directions that are alike. So it is,
 //!    too, where Newton's method fails, if not in an increment that is cut first, and where it has converged to such nodes of
-//!    several masters, or with null pivots at nodes that bear a driven tool: rounding would give all to one of them.
+//!    several masters, or that cannot give way to a driven tool: rounding would give all to one of them.
 //!
 //!    Where rounding leaves too much of forces then, penalties of held multipliers are lowered by as much first.
 //!

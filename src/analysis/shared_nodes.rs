@@ -48,16 +48,10 @@ impl<'a> Simulation<'a> {
         held.into_iter().map(|held| held > 1.0).collect()
     }
 
-    /// Whether there are such pairs. Collective.
+    /// Whether there are such pairs: what a factorization gives to which of their nodes is up to rounding, whether it finds null
+    /// pivots or not. Collective.
     pub(super) fn shares_nodes(&self, conditions: &Conditions) -> bool {
-        self.leaves_open(conditions, true)
-    }
-
-    /// Whether what has converged may leave open what nodes bear: where they touch several masters in any case, for whether
-    /// they stick on the way, and what a factorization gives to which contact then, is up to rounding; of tools where it has
-    /// `left_out` equations, or does not tell. Collective.
-    pub(super) fn leaves_open(&self, conditions: &Conditions, left_out: bool) -> bool {
-        self.shared_by_nodes().contains(&true) || left_out && self.shared_by_tools(conditions).contains(&true)
+        self.shared_by_nodes().contains(&true) || self.shared_by_tools(conditions).contains(&true)
     }
 
     /// Holds the multipliers of the pairs that share nodes, from the last converged increment on, and numbers the step's

@@ -57,8 +57,6 @@ pub(super) struct Running<'a> {
     snes: Snes<'a>,
     x: Vector<'a>,
     systems: Systems,
-    /// Systems are solved by multigrid, which does not tell what conditions say what others say.
-    is_blind: bool,
     /// What was done for linear systems before it.
     before: LinearStatistics,
     pub(super) told: Told,
@@ -198,8 +196,8 @@ impl<'a> Simulation<'a> {
         let mut frame =
             Frame { progress, dofs, pattern, hangs: false, judged: None, is_unstable: false, failures: 0, plain: None };
         frame.hangs = self.hangs(&frame);
-        let (is_blind, before) = (solver == Linear::Iterative, self.summary.linear);
-        self.running = Some(Running { frame, snes, x, systems, is_blind, before, told: Told::default() });
+        let before = self.summary.linear;
+        self.running = Some(Running { frame, snes, x, systems, before, told: Told::default() });
         Ok(())
     }
 
@@ -245,8 +243,6 @@ impl<'a> Simulation<'a> {
                 Way::Jump => self.jump(frame, (snes, x), end, observer)?,
             };
             self.summary.linear = running.before.and(&snes.linear_statistics());
-            // Of the last factorization.
-            let LinearStatistics { null_pivots: redundant, .. } = snes.linear_statistics();
             // One negative eigenvalue for each multiplier, and none else, where what was found is stable.
             let multipliers = frame.dofs.total_multipliers as usize;
             let is_unstable =
@@ -256,8 +252,7 @@ impl<'a> Simulation<'a> {
                 // Whatever the factorization has left out would bear nothing, and friction go on from that. A jump has gone
                 // too far to begin anew.
                 Attempt::Converged(_)
-                    if frame.progress.ladder.way() != Way::Jump
-                        && self.leaves_open(frame.conditions(), redundant > 0 || running.is_blind) =>
+                    if frame.progress.ladder.way() != Way::Jump && self.shares_nodes(frame.conditions()) =>
                 {
                     frame.failures += 1;
                     let reason = "conditions of contact say what others say, or may";
