@@ -2,23 +2,16 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close};
+use common::{Bench, Run, assert_close, sector};
 
 /// A shaft of 1.3 in a hub of 1, 30 degrees of both, in plane strain: an overlap of three fifths of a facet.
 fn fit(contact: &str) -> Bench {
-    let ring = |name: &str, [inner, outer]: [f64; 2], across: usize, around: usize| {
-        format!(
-            "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
-             body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
-             elements = [{across}, {around}, 1] }}\n"
-        )
-    };
     Bench::new(&format!(
         "{}{}material.m = {{ model = \"hooke\", young = 1000.0, poisson = 0.3 }}\n\
          contact.c = {{ slave = \"hub.rmin\", master = \"shaft.rmax\", reach = 0.5, {contact} }}\n\
          [[step]]\nincrements = 4\n[[step]]\nincrements = 1\n[output]\nhistory = [\"hub.amin\"]\n",
-        ring("shaft", [0.5, 1.3], 5, 6),
-        ring("hub", [1.0, 2.0], 8, 9)
+        sector("shaft", [0.5, 1.3], [5, 6]),
+        sector("hub", [1.0, 2.0], [8, 9])
     ))
 }
 

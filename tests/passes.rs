@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close, assert_small, nagata};
+use common::{Bench, Run, assert_close, assert_small, nagata, sector};
 use nagata::Vec3;
 use std::path::Path;
 
@@ -389,14 +389,7 @@ fn a_press_fit_is_even_in_two_passes() {
     // E' δ (b² - a²)(c² - b²) / (2 b³ (c² - a²)).
     let exact: f64 = 1000.0 / (1.0 - 0.09) * 1e-3 * 0.75 * 3.0 / (2.0 * 3.75);
     for [shaft, hub] in [[6, 12], [6, 9], [11, 7]] {
-        let ring = |name: &str, [inner, outer]: [f64; 2], across: usize, around: usize| {
-            format!(
-                "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
-                 body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
-                 elements = [{across}, {around}, 1] }}\n"
-            )
-        };
-        let rings = [ring("shaft", [0.5, 1.001], 5, shaft), ring("hub", [1.0, 2.0], 8, hub)].concat();
+        let rings = sector("shaft", [0.5, 1.001], [5, shaft]) + &sector("hub", [1.0, 2.0], [8, hub]);
         let run = Bench::new(&format!(
             r#"
 {rings}

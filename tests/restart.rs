@@ -4,7 +4,7 @@
 mod common;
 
 use common::jobs::{Job, send, shown_times, wait_for};
-use common::{Bench, Run, assert_small, nagata};
+use common::{Bench, Run, assert_small, nagata, sector};
 use std::fs;
 use std::process::Command;
 use std::time::Duration;
@@ -151,19 +151,12 @@ fn self_contact_goes_on() {
 #[test]
 fn a_fit_that_is_ramped_goes_on() {
     for how in ["friction = 0.3", "method = \"uzawa\""] {
-        let ring = |name: &str, [inner, outer]: [f64; 2], around: usize| {
-            format!(
-                "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
-                 body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
-                 elements = [5, {around}, 1] }}\n"
-            )
-        };
         let bench = Bench::new(&format!(
             "{}{}material.m = {{ model = \"hooke\", young = 1000.0, poisson = 0.3 }}\n\
              contact.c = {{ slave = \"hub.rmin\", master = \"shaft.rmax\", {how}, interference = \"ramped\" }}\n\
              [[step]]\nincrements = 100\n[output]\nevery = 10\n",
-            ring("shaft", [0.5, 1.1], 6),
-            ring("hub", [1.0, 2.0], 9)
+            sector("shaft", [0.5, 1.1], [5, 6]),
+            sector("hub", [1.0, 2.0], [5, 9])
         ));
         let whole = bench.solve(2, &[]).history();
         let run = stopped(&bench, [2, 1], 20);

@@ -84,8 +84,8 @@ impl Increments {
     }
 
     /// The increment to `end` has converged in so many iterations; `busy` when many contacts changed. After an easy one the next
-    /// is longer, and after others that are not hard up to what was. After a hard one it is shorter, unless that was tried, and the
-    /// iterations fell by less than half of what the increments became more by: then its length is not why.
+    /// is longer; after others that are not hard it is, too, but shorter than the last that was shortened or failed. After a hard one
+    /// it is shorter. Where that has saved less than half of what it costs in increments, length is not why, and it is as long again.
     pub fn accept(&mut self, end: f64, iterations: usize, busy: bool) {
         let length = end - std::mem::replace(&mut self.done, end);
         let Controls { easy_iterations, hard_iterations, increment_growth, increment_cut, .. } = self.controls;

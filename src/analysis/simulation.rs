@@ -334,7 +334,7 @@ impl<'a> Simulation<'a> {
         for (pair, aside) in pairs.iter_mut().zip(aside) {
             let ground = masters.of(pair.master);
             let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
-            let outward = outward_of(part, pair.side.set, place);
+            let (outward, is_self) = (outward_of(part, pair.side.set, place), pair.is_self());
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;
                 let position = place(node);
@@ -350,7 +350,7 @@ impl<'a> Simulation<'a> {
                 slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));
                 slave.pieces = pieces_of(&even);
                 // An active set begins with what touches; nothing else may hold a body.
-                slave.overlap = projection.map_or(0.0, |at| (-at.gap).max(0.0));
+                slave.overlap = projection.filter(|_| !is_self).map_or(0.0, |at| (-at.gap).max(0.0));
                 let touches = projection.is_some_and(|p| p.gap <= pair.controls.touching_gap * pair.facet_size);
                 if touches && pair.rules.method == Enforcement::Lagrange {
                     slave.trial.status = Status::Stick;

@@ -24,12 +24,13 @@ use crate::failure::Cause;
 use crate::interrupt;
 use crate::model::{Model, elements};
 use crate::output::phases::Phase;
-use crate::parallel::{agree, any, first_word, max, word_of_largest};
+use crate::parallel::{agree, any, first_word, word_of_largest};
 use crate::scene::{Linear, Step};
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
 use attempt::Failed;
 pub(super) use attempt::{Attempt, Converged};
+use mpi::topology::SimpleCommunicator;
 use petsc::{Factorization, LinearStatistics, Matrix, Petsc, Snes, Vector};
 use stability::Judged;
 use std::time::Instant;
@@ -141,7 +142,7 @@ impl<'a> Simulation<'a> {
             settle: frictional || given,
             // What flows does so on the way, and surfaces that meet themselves have a remedy of their own.
             glide: frictional && !self.model.can_flow() && !self.model.pairs.iter().any(Pair::is_self),
-            ramp: self.state.increments == 0 && any(self.comm, self.model.pairs.iter().any(overlaps)),
+            ramp: self.state.increments == 0 && self.model.pairs.iter().any(|pair| overlaps(self.comm, pair)),
             hold: false,
             jumps,
         };
@@ -310,15 +311,11 @@ impl<'a> Simulation<'a> {
     /// Has overlaps of contacts that leave it to the run pushed out over the step. Collective.
     fn ramp_overlaps(&mut self, step: &str, observer: &mut Observer) -> Result<()> {
         let mut told = Vec::new();
-        for pair in &mut self.model.pairs {
-            let mut deepest = [pair.slaves.iter().map(|slave| slave.overlap).fold(0.0, f64::max)];
-            max(self.comm, &mut deepest);
-            if pair.rules.interference != Interference::Auto || pair.is_self() {
-                continue;
-            }
+        for pair in self.model.pairs.iter_mut().filter(|pair| pair.rules.interference == Interference::Auto) {
             pair.rules.interference = Interference::Ramped;
-            if deepest[0] > pair.controls.no_gap * pair.facet_size {
-                told.push(describe::ramped(step, &pair.name, deepest[0]));
+            let deepest = pair.overlap(self.comm);
+            if deepest > pair.controls.no_gap * pair.facet_size {
+                told.push(describe::ramped(step, &pair.name, deepest));
             }
         }
         told.into_iter().try_for_each(|told| self.warn(told, observer))
@@ -397,12 +394,9 @@ impl<'a> Simulation<'a> {
     }
 }
 
-/// Whether a contact that leaves it to the run begins with an overlap by more than the shape of bodies is known to.
-fn overlaps(pair: &Pair) -> bool {
-    let deep = pair.controls.watch_deep * pair.facet_size;
-    pair.rules.interference == Interference::Auto
-        && !pair.is_self()
-        && pair.slaves.iter().any(|slave| slave.overlap > deep)
+/// Whether a contact that leaves it to the run begins with an overlap by more than the shape of bodies is known to. Collective.
+fn overlaps(comm: &SimpleCommunicator, pair: &Pair) -> bool {
+    pair.rules.interference == Interference::Auto && pair.overlap(comm) > pair.controls.watch_deep * pair.facet_size
 }
 
 /// Whether contacts may be sought along the central path: two tools press on a body, or bodies on each other, and all contacts

@@ -3,10 +3,10 @@
 
 use super::preflight::DEEP;
 use crate::Vec3;
-use crate::contact::{Discretization, Interference, Pair, Slave, Status, Tangent, guidance};
+use crate::contact::{Discretization, Interference, Pair, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
-use crate::parallel::{max, sum, word_of_largest};
+use crate::parallel::{sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene, Smoothing};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -79,23 +79,17 @@ fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<Strin
     })
 }
 
-/// Contacts of which nodes are deep inside the master at displacements `u`, where nothing has converged yet: a shorter increment pushes
-/// them out as far. Collective.
-pub fn overlapping(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
+/// Contacts of which nodes begin deep inside the master, where nothing has converged yet: a shorter increment pushes them out as far.
+/// Collective.
+pub fn overlapping(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
     let of = |pair: &Pair| {
-        let ground = model.masters.of(pair.master);
-        let depth = |(s, slave): (usize, &Slave)| {
-            let x = model.part.points[slave.node as usize] + u[slave.node as usize];
-            Some(-ground.nearest(pair, s, &ground.seen_from(&x), pair.reach)?.gap)
-        };
-        let mut deepest = [pair.slaves.iter().enumerate().filter_map(depth).fold(0.0, f64::max)];
-        max(comm, &mut deepest);
-        (deepest[0] > DEEP * pair.facet_size).then(|| {
+        let deepest = pair.overlap(comm);
+        (deepest > DEEP * pair.facet_size).then(|| {
             format!(
                 "contact `{}` begins with nodes up to {:.3e} deep in {}, which the first increment pushes out however short it is: \
                  give it `interference = \"ramped\"`, or begin apart and move there, over a cone where that goes along the surface",
                 pair.name,
-                deepest[0],
+                deepest,
                 model.master_name(pair)
             )
         })

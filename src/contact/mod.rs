@@ -53,8 +53,10 @@ pub use watch::Sight;
 
 use crate::Vec3;
 use crate::controls::Controls;
+use crate::parallel::max;
 use crate::partition::Gather;
 use crate::surface::{Patch, Projection, Sides};
+use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
 /// A surface of a body that takes part in a contact.
@@ -209,6 +211,13 @@ impl Pair {
     /// Distance from the slave nodes within which the master must be known: points of the faces around them are farther away.
     pub fn sight_reach(&self) -> f64 {
         self.reach + self.faces.as_ref().map_or(0.0, |_| self.facet_size)
+    }
+
+    /// How deep its slave nodes begin inside the master, at most. Collective.
+    pub fn overlap(&self, comm: &SimpleCommunicator) -> f64 {
+        let mut deepest = [self.slaves.iter().map(|slave| slave.overlap).fold(0.0, f64::max)];
+        max(comm, &mut deepest);
+        deepest[0]
     }
 
     /// What counts as on one side of the master.

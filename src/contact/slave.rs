@@ -48,7 +48,7 @@ pub struct Slave {
     pub repeats: bool,
     /// The automatic augmentation, force per length.
     pub automatic: f64,
-    /// How deep inside the master it begins.
+    /// How deep inside the master it begins; none in self-contact.
     pub overlap: f64,
     /// Penalties in the law at the start of an increment, and by what share they are lower in it.
     augmentation: f64,

@@ -47,7 +47,7 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
     let cards = &whole.cards;
     let mut interactions = interactions(cards, notes)?;
     let shrinking = shrinking(cards)?;
-    let mut pairs = Pairs { groups, bodies, namer, shrinking, met: Vec::new(), made: Contacts::default() };
+    let mut pairs = Pairs { groups, bodies, namer, shrinking, made: Contacts::default() };
     for card in cards.iter().filter(|card| card.keyword.name == "CONTACT PAIR") {
         let wanted = card.keyword.get("INTERACTION").unwrap_or_default();
         let found = interactions.iter_mut().find(|interaction| interaction.name.eq_ignore_ascii_case(wanted));
@@ -64,9 +64,9 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
         }
         card.rows.iter().try_for_each(|row| pairs.tie(card, row))?;
     }
-    if let Some((_, at)) = pairs.shrinking.iter().find(|(names, _)| !pairs.met.contains(names)) {
+    if let Some(shrinking) = pairs.shrinking.iter().find(|shrinking| !shrinking.is_used) {
         let what = "*CONTACT INTERFERENCE of surfaces that are no *CONTACT PAIR";
-        return Err(Error::input(at, what, "name its slave first, then its master"));
+        return Err(Error::input(&shrinking.at, what, "name its slave first, then its master"));
     }
     for interaction in interactions.iter().filter(|interaction| !interaction.is_used) {
         let what = format!("the interaction '{}' is of no *CONTACT PAIR: it is passed over", interaction.name);
@@ -112,23 +112,30 @@ pub(super) fn faces_by_body(
     Ok(found)
 }
 
-/// Slave and master, in capitals.
-type Names = [String; 2];
+/// A pair whose overlap is pushed out over the first step.
+struct Shrinking {
+    /// Slave and master, in capitals.
+    names: [String; 2],
+    at: Location,
+    is_used: bool,
+}
 
-/// The pairs whose overlap is pushed out over the first step, and where that is said.
-fn shrinking(cards: &[Card]) -> Result<Vec<(Names, Location)>> {
+fn shrinking(cards: &[Card]) -> Result<Vec<Shrinking>> {
     let (mut steps, mut pairs) = (0, Vec::new());
     for card in cards {
         match card.keyword.name.as_str() {
             "STEP" => steps += 1,
-            "CONTACT INTERFERENCE" if steps != 1 || card.keyword.get("SHRINK").is_none() => {
+            "CONTACT INTERFERENCE" if steps != 1 || !card.keyword.has("SHRINK") => {
                 let help =
                     "give it the parameter SHRINK, in the first step: what overlaps at the start is pushed out over it";
                 return Err(card.error("no condition of a scene does this", help));
             }
             "CONTACT INTERFERENCE" => {
-                let named = |row: &Row| (row.fields().map(str::to_ascii_uppercase), row.at.clone());
-                pairs.extend(card.rows.iter().map(named));
+                pairs.extend(card.rows.iter().map(|row| Shrinking {
+                    names: row.fields().map(str::to_ascii_uppercase),
+                    at: row.at.clone(),
+                    is_used: false,
+                }));
             }
             _ => {}
         }
@@ -141,8 +148,7 @@ struct Pairs<'a, 'b> {
     groups: &'a mut Groups<'b>,
     bodies: &'a Bodies,
     namer: &'a mut Namer,
-    shrinking: Vec<(Names, Location)>,
-    met: Vec<Names>,
+    shrinking: Vec<Shrinking>,
     made: Contacts,
 }
 
@@ -153,8 +159,10 @@ impl Pairs<'_, '_> {
         // One surface alone meets itself.
         let master = if master.is_empty() { slave } else { master };
         let names = [slave, master].map(str::to_ascii_uppercase);
-        let shrinks = self.shrinking.iter().any(|(shrinking, _)| *shrinking == names);
-        self.met.push(names);
+        let mut shrinks = false;
+        for shrinking in self.shrinking.iter_mut().filter(|shrinking| shrinking.names == names) {
+            (shrinks, shrinking.is_used) = (true, true);
+        }
         let slaves = self.parts(row, slave)?;
         let masters = self.parts(row, master)?;
         let many = slaves.len() * masters.len() > 1;

@@ -7,16 +7,20 @@ fn left(from: &Vec2, to: &Vec2, x: &Vec2) -> f64 {
     (to - from).perp(&(x - from))
 }
 
+/// The ends of its sides.
+fn sides(polygon: &[Vec2]) -> impl Iterator<Item = (&Vec2, &Vec2)> {
+    polygon.iter().zip(polygon.iter().cycle().skip(1))
+}
+
 /// The area of a polygon.
 pub fn area(polygon: &[Vec2]) -> f64 {
-    polygon.iter().zip(polygon.iter().cycle().skip(1)).map(|(a, b)| 0.5 * left(&polygon[0], a, b)).sum()
+    sides(polygon).map(|(a, b)| 0.5 * left(&polygon[0], a, b)).sum()
 }
 
 /// Its centre of gravity; the mean of its corners where it has no area.
 fn centre(polygon: &[Vec2]) -> Vec2 {
     let mean = polygon.iter().sum::<Vec2>() / polygon.len() as f64;
-    let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
-    let (sum, whole) = sides.fold((Vec2::zeros(), 0.0), |(sum, whole), (a, b)| {
+    let (sum, whole) = sides(polygon).fold((Vec2::zeros(), 0.0), |(sum, whole), (a, b)| {
         let part = left(&mean, a, b);
         (sum + ((a - mean) + (b - mean)) * part, whole + part)
     });
@@ -27,8 +31,8 @@ fn centre(polygon: &[Vec2]) -> Vec2 {
 /// continuously where corners fall together, as those of faces that lie on each other but for rounding do and do not. So do
 /// integrals that the rule of a triangle does not give exactly.
 pub fn triangles(polygon: &[Vec2]) -> impl Iterator<Item = [Vec2; 3]> + '_ {
-    let (centre, count) = (centre(polygon), polygon.len());
-    (0..count).map(move |k| [centre, polygon[k], polygon[(k + 1) % count]])
+    let centre = centre(polygon);
+    sides(polygon).map(move |(a, b)| [centre, *a, *b])
 }
 
 /// What two have in common; nothing, where that has no area (Sutherland and Hodgman, Commun. ACM 17, 1974).

@@ -111,13 +111,13 @@ fn table(tables: &Tables, heading: &str) -> Value {
         (row.key.to_string(), value)
     };
     let rows = || tables.get(heading).into_iter().flatten();
-    let mut closed = closed(rows().map(value).collect());
+    let mut object = closed(rows().map(value).collect());
     let (single, choices): (Vec<_>, Vec<_>) = needed(rows()).into_iter().partition(|keys| keys.len() == 1);
-    closed["required"] = single.concat().into();
+    object["required"] = single.concat().into();
     if !choices.is_empty() {
-        closed["allOf"] = choices.iter().map(|keys| one_of(keys)).collect();
+        object["allOf"] = choices.iter().map(|keys| one_of(keys)).collect();
     }
-    closed
+    object
 }
 
 /// The keys of which exactly one must be given, whatever else is; what depends on other keys the meaning of a key tells.

@@ -75,6 +75,15 @@ impl Bench {
     }
 }
 
+/// 30 degrees of a ring of the material `m` in plane strain, with so many elements across and around.
+pub fn sector(name: &str, [inner, outer]: [f64; 2], [across, around]: [usize; 2]) -> String {
+    format!(
+        "body.{name}.material = \"m\"\nbody.{name}.symmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n\
+         body.{name}.block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 30.0], length = 0.5 }}, \
+         elements = [{across}, {around}, 1] }}\n"
+    )
+}
+
 /// Runs the program with any arguments in a folder.
 pub fn nagata(folder: &Path, ranks: usize, arguments: &[&str], out: PathBuf) -> Run {
     let done = mpirun(ranks).args(arguments).current_dir(folder).output().unwrap();

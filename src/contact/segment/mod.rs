@@ -18,8 +18,8 @@
 //! as the points integrate:
 //!
 //! - On a body they are those of the overlap of slave and master faces in the mean plane of the slave face ([`crate::mortar`]),
-//!   exact for flat faces that are parallelograms or triangles, and more of them for others. The faces only say where the points are; they are projected
-//!   onto the master's smooth surface then.
+//!   exact for flat faces that are parallelograms or triangles, and more of them for others. The faces only say where the points
+//!   are; they are projected onto the master's smooth surface then.
 //! - On a tool they are Gauss points of the slave faces; of a face over its end, of what of that is over it: of triangles from
 //!   its middle to its corners and the middles of its edges, cut where their edges pass the end.
 //!

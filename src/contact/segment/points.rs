@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 /// nothing is, or where these are multiplied by a radius.
 const POINTS: [usize; 2] = [2, 3];
 
-/// Over the size of a facet, what it may bulge by as a flat one, which no rule tells from it beyond that.
+/// Over the size of a facet, what it may bulge by as a flat one: rules differ by as little there, and which is taken does not decide.
 const FLAT: f64 = 1e-9;
 
 /// An integration point on the master.
@@ -202,9 +202,9 @@ pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: 
 /// Where the overlap of a face of `pair`, at `x`, with the faces of a surface within reach has points.
 fn covered(pair: &Pair, face: &Face, x: &Corners<Vec3>, surface: &BodySurface, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
-    // Where one side bulges gaps are no products of linear functions; that one rule or the other is taken must not decide.
+    // Where one side bulges, gaps are no linear functions.
     let flat = FLAT * pair.facet_size;
-    let bulges = face.bulge.iter().any(|h| h.abs() > flat);
+    let is_plain = face.measure == [1.0; 4] && face.bulge.iter().all(|h| h.abs() <= flat);
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
     let (low, high) = x.around(pair.reach);
@@ -214,10 +214,7 @@ fn covered(pair: &Pair, face: &Face, x: &Corners<Vec3>, surface: &BodySurface, l
         if master.area_vector().normalize().dot(&plane.normal) > pair.controls.segment_facing {
             continue;
         }
-        let lines = match face.measure == [1.0; 4] && !bulges && patch.bulge() <= flat {
-            true => lines,
-            false => [lines[1]; 2],
-        };
+        let lines = if is_plain && patch.bulge() <= flat { lines } else { [lines[1]; 2] };
         for point in overlap(&plane, &master, lines) {
             let [_, b, c, d] = point.master;
             let xi = if patch.count == 3 { [b + c, c] } else { [b + c, c + d] };
