@@ -187,6 +187,56 @@ fn a_turned_scene_is_the_unturned_one() {
     assert_small("Uzawa", difference(&turned, &turn, &still), 1e-7);
 }
 
+/// A roller on a block that a plane of symmetry across its axle cuts: nodes in that plane bear no friction along the axle, on which
+/// the roller stands still, however the axle lies.
+#[test]
+fn a_tool_that_turns_stands_still_along_its_axle() {
+    let rolled = |turn: &Rotation3<f64>, drive: &str| {
+        let vector = |v: [f64; 3]| format!("{:?}", (turn * Vector3::from(v)).data.0[0]);
+        let (point, axis) = (vector([1.5, 0.0, 2.0]), vector([0.0, 1.0, 0.0]));
+        let drive = match drive {
+            "torque" => format!("torque = [{{ tool = \"roller\", point = {point}, axis = {axis}, total = 0.3 }}]"),
+            _ => format!(
+                "move = [{{ target = \"roller\", rotate = {{ point = {point}, axis = {axis}, angle = -3.0 }} }}]"
+            ),
+        };
+        let bench = Bench::new(&format!(
+            r#"
+            material.soft = {{ model = "neo-hookean", young = 10, poisson = 0.3 }}
+            body.pad = {{ material = "soft", mesh = "pad.msh", symmetry = ["ymin"] }}
+            tool.roller.cylinder = {{ point = {point}, axis = {axis}, radius = 1.0 }}
+            contact.top = {{ slave = "pad.zmax", master = "roller", friction = 0.5 }}
+            output.history = ["pad.zmin", "pad.ymin"]
+            [[step]]
+            increments = 2
+            fix = [{{ set = "pad.zmin" }}]
+            move = [{{ target = "roller", by = {press} }}]
+            [[step]]
+            increments = 2
+            fix = [{{ set = "pad.zmin" }}]
+            {drive}
+            "#,
+            press = vector([0.0, 0.0, -0.15]),
+        ));
+        let place = |x: [f64; 3]| (turn * Vector3::new(3.0 * x[0], 2.0 * x[1], x[2])).into();
+        bench.write("pad.msh", &msh::block([5, 3, 2], false, place));
+        bench.solve(1, &[]).history()
+    };
+    for drive in ["rotate", "torque"] {
+        let turn = oblique();
+        let [still, turned] = [Rotation3::identity(), turn].map(|turn| rolled(&turn, drive));
+        let force = still.largest_force("roller");
+        assert_eq!(turned.len(), still.len(), "{drive}");
+        assert!(still.last("roller.fy").abs() > 1e-2 * force, "{drive}: nodes beside the plane widen along the roller");
+        for name in ["roller", "pad.zmin", "pad.ymin"] {
+            let of = |history: &common::History| {
+                Vector3::from(["x", "y", "z"].map(|c| history.last(&format!("{name}.f{c}"))))
+            };
+            assert_small(&format!("{drive}: {name}"), (of(&turned) - turn * of(&still)).norm() / force, 1e-8);
+        }
+    }
+}
+
 /// A ring whose bore and rim go outwards by a share of their radius and around by another one is stretched and turned
 /// evenly, whatever is between.
 #[test]

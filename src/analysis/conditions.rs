@@ -43,6 +43,33 @@ pub struct ToolMotion {
     pub axle: Option<Axle>,
 }
 
+impl ToolMotion {
+    /// How it moves all points of the tool: along the axis of a turn as it moves the tool, across it no two alike.
+    fn movement(&self) -> Movement {
+        // Cosines below this are rounding.
+        const NONE: f64 = 1e-14;
+        let turn = self.rotation.map(|turn| turn.axis.normalize()).or(self.axle.map(|axle| axle.axis));
+        // Of the three directions that one of x, y and z may be.
+        let axes = match turn.filter(|axis| axis.iter().all(|cosine| 1.0 - cosine.abs() >= NONE)) {
+            Some(axis) => {
+                let across = axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize();
+                Mat3::from_columns(&[axis, across, axis.cross(&across)])
+            }
+            None => Mat3::identity(),
+        };
+        let way_along = |direction: Vec3| {
+            let is_free = (0..3).any(|d| self.free[d] && direction[d].abs() > NONE);
+            let is_across = turn.is_some_and(|axis| 1.0 - axis.dot(&direction).abs() >= NONE);
+            match is_across {
+                _ if is_free || is_across && self.axle.is_some() => f64::NAN,
+                true => f64::INFINITY,
+                false => way(self.by.dot(&direction), self.course),
+            }
+        };
+        Movement { axes, ways: [0, 1, 2].map(|d| way_along(axes.column(d).into_owned())) }
+    }
+}
+
 /// The springs and dashpots between a node and the ground, along the axes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Footing {
@@ -340,17 +367,7 @@ impl Conditions {
 
     /// What the equation numbering needs to know of the tools.
     pub fn freedoms(&self) -> Vec<ToolFreedom> {
-        let along = |axle: &Axle, d: usize| (1.0 - axle.axis[d].abs()) < 1e-14;
-        let moves = |m: &ToolMotion, d: usize| {
-            let keeps_apart = m.rotation.is_none_or(|rotation| rotation.is_along(d));
-            match m.free[d] || m.axle.is_some_and(|axle| !along(&axle, d)) {
-                true => f64::NAN,
-                false if keeps_apart => way(m.by[d], m.course),
-                false => f64::INFINITY,
-            }
-        };
-        let movement = |m: &ToolMotion| Movement::along_axes([0, 1, 2].map(|d| moves(m, d)));
-        let freedom = |m: &ToolMotion| ToolFreedom { free: m.free, turns: m.axle.is_some(), movement: movement(m) };
+        let freedom = |m: &ToolMotion| ToolFreedom { free: m.free, turns: m.axle.is_some(), movement: m.movement() };
         self.motions.iter().map(freedom).collect()
     }
 

@@ -5,7 +5,6 @@
 //! forces and matrix entries travel to them.
 
 use super::Newton;
-use crate::Vec3;
 use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
 use crate::contact::{Interference, Receiver, Segments, Status};
 use crate::error::Result;
@@ -13,6 +12,7 @@ use crate::model::Model;
 use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
+use crate::{Mat3, Vec3};
 use smallvec::SmallVec;
 
 /// What contact works with besides the model.
@@ -299,7 +299,10 @@ impl Newton<'_> {
                 if dofs.is_inclined {
                     let width = if pair.rules.friction > 0.0 { 3 } else { 1 };
                     let of = |n: u32| dofs.axes.of(n as usize);
-                    workspace.turn(slave.node, width, of, |n| moves[n as usize].axes);
+                    // Equations of tools are along x, y and z, however they are known to move.
+                    let is_tool = pair.master.tool().is_some();
+                    let at = |n: u32| if is_tool { Mat3::identity() } else { moves[n as usize].axes };
+                    workspace.turn(slave.node, width, of, at);
                 }
                 if !pair.rules.method.holds_multipliers() && pair.rules.friction > 0.0 {
                     workspace.hold(multiplier.map(|e| e != NONE), meeting);
