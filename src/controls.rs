@@ -260,7 +260,7 @@ controls! {
         two_pass_bulge: f64 = 0.99, [0.0, 1.0], "bulge of a Nagata patch",
             "Share of it that patches take with two passes, but where one side is hollow in the initial mesh and the other round. Smooth surfaces that share the whole of it may curve together without any node entering the other side: on flat faces the conditions of two passes would depend on each other: with all of it the patch test takes 11 iterations for 4, and is off by 4e-4. A shaft in its bore has the whole of it: with 99 % the nodal pressures of a press fit, 6 elements in 30 degrees over 12, alternated by 47 %. A dome on a slab has not: with the whole it takes three times the iterations, and comes to lean by 7e-3 of its force with a friction of 1.";
         repeat_distance: f64 = 0.05, [0.0, 0.45], "shortest edge of the master patch",
-            "A slave node of a second pass that is nearer to a node of the master leaves the contact to that one, up to twice as far away: the same condition twice would leave open how the two share the force.";
+            "A slave node of a second pass that is nearer to a node of the master leaves the contact to that one, up to twice as far away while it is less than half as deep as `watch_deep`: the same condition twice would leave open how the two share the force.";
         creep: f64 = 1e-6, [1e-12, 1e-3], "friction force, with each longest edge of the slave facets that a node slips in an increment",
             "Of increments in which friction alone holds a body and all of it slips to both sides, as a ring that is crushed between two plates: where it is then only this tells. No node may slip by more than an edge, so that friction is off by no more than this share. Below 1e-9 rounding would tell.";
         drawn_least: f64 = 0.1, [0.001, 1.0], "friction force",
@@ -275,7 +275,7 @@ controls! {
             "Below, they look at each other. At 0 one is seen edge on, and the overlap has no area.";
         segment_settled: f64 = 100.0, [1e-3, 1e8], "tolerance of Newton's method",
             "Below, the points of segments between bodies stand still, and the tangent is exact from there. Found anew at the end, as after a restart, they change forces by some hundredths of this, no more than the tolerance. With 10,000 a dome of facets that is drawn to and fro with a friction of 5 leans by 2e-9 of its force, and an elastic indenter takes 3.4 iterations an increment instead of 4.6.";
-        segment_stalled: f64 = 1e-3, [1e-14, 1e-1], "residual over the forces that it counts against",
+        segment_stalled: f64 = 1e-3, [1e-14, 1e-2], "residual over the forces that it counts against",
             "The same where it is below this, and falls by less than half: points that come and go with the overlaps may carry it to and fro. Where it falls, but they have carried it back up so twice, they stay: else matching smooth tetrahedra go from 9e-8 to 1e-4 for ever.";
     }
     "kinks" {

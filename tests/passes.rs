@@ -407,3 +407,35 @@ increments = 2
         }
     }
 }
+
+/// A tip that slides over a pad that flows: a node of the second pass that left the contact to the one that it stood on comes back
+/// before it is deeper than the watch lets it be.
+#[test]
+fn nodes_that_leave_the_contact_to_others_come_back_before_they_are_deep() {
+    let bench = Bench::new(
+        r#"
+        body.pad = { material = "soft", block = { box = { size = [14, 3, 3] }, elements = [14, 3, 3] }, symmetry = ["zmin"] }
+        material.soft = { model = "j2", young = 7e4, poisson = 0.33, yield_stress = 150, hardening = { linear = 500 } }
+        material.hard = { model = "hooke", young = 2.1e5, poisson = 0.3 }
+        contact.c = { slave = "pad.ymax", master = "tip.rmax", discretization = "two-pass" }
+        [body.tip]
+        material = "hard"
+        block = { sector = { center = [4, 5.02, 0], radii = [1, 2], angles = [200, 340], length = 1.5 }, elements = [2, 12, 3] }
+        symmetry = ["zmin"]
+        [[step]]
+        increments = 4
+        fix = [{ set = "pad.ymin" }]
+        move = [{ target = "tip.rmin", by = [0, -0.12, 0] }]
+        [[step]]
+        increments = 2
+        fix = [{ set = "pad.ymin" }]
+        move = [{ target = "tip.rmin", by = [0.2, 0, 0] }]
+        [output]
+        every = 100
+        "#,
+    );
+    let run = bench.solve(1, &[]);
+    assert_eq!(run.summary()["cutbacks"], 0);
+    // Facets of the pad have edges of 1.
+    assert!(run.history().column("c.max_penetration").iter().all(|depth| *depth < 5e-3));
+}

@@ -113,8 +113,11 @@ impl Meeting {
         slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)), last);
         slave.trial.kinks.keeps = keeps;
         slave.trial.kinks.note_entrance(enters);
-        // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro.
-        let near = if slave.trial.yields { 2.0 } else { 1.0 } * controls.repeat_distance;
+        // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro, but not where it is half as
+        // deep as the watch lets it be.
+        let is_deep = |p: Projection| p.gap < -0.5 * controls.watch_deep * pair.facet_size;
+        let goes_on = slave.trial.yields && !projection.is_some_and(is_deep);
+        let near = if goes_on { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.let_go = if guide.drawn == [false; 3] { let_go } else { 0.0 };
         slave.trial.yields = pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(&p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
