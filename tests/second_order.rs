@@ -271,3 +271,84 @@ fn linear_elements_on_edges_of_second_order_are_refused() {
     assert_eq!(run.code, 2, "{}", run.stderr);
     assert!(run.stderr.contains("elements 9 of first order and 1 of second order share an edge"), "{}", run.stderr);
 }
+
+/// Two blocks of quadratic hexahedra, one on the other.
+const STACK: &str = "body.a = { material = \"m\", element = \"hex27\", block = { box = { size = [2, 1, 1] }, elements = [4, 2, 2] } }\n\
+    body.b = { material = \"m\", element = \"hex27\", block = { box = { origin = [0, 0, 1], size = [2, 1, 1] }, elements = [4, 2, 2] } }\n\
+    material.m = { model = \"hooke\", young = 100.0, poisson = 0.3 }\n\
+    [contact.c]\nslave = \"b.zmin\"\nmaster = \"a.zmax\"\nfriction = 0.2\n\
+    [[step]]\nincrements = 1\npressure = [{ set = \"b.zmax\", value = 5.0 }]\n\
+    fix = [{ set = \"a.xmin\", directions = \"x\" }, { set = \"a.ymin\", directions = \"y\" }, { set = \"a.zmin\", directions = \"z\" },\n\
+    { set = \"b.xmin\", directions = \"x\" }, { set = \"b.ymin\", directions = \"y\" }]\n\
+    [output]\nhistory = [\"a.zmin\"]\n";
+
+/// Loads, areas and forces at the nodes of quadratic faces are those of the faces: an even pressure passes evenly through a contact.
+#[test]
+fn quadratic_hexahedra_pass_an_even_pressure_on() {
+    let bench = Bench::new(STACK);
+    for (ranks, discretization) in [(1, "one-pass"), (2, "one-pass"), (1, "two-pass"), (2, "node-to-node")] {
+        let run = bench.solve(ranks, &["--set", &format!("contact.c.discretization=\"{discretization}\"")]);
+        for body in ["a", "b"] {
+            let stress = run.field(&format!("increments/000001/body_{body}/cell/von_mises"));
+            assert_eq!(stress.len(), 2);
+            stress.iter().for_each(|s| assert_close(&format!("{discretization}: stress"), *s, 5.0, 1e-11));
+        }
+        let bearing: Vec<f64> =
+            run.field("increments/000001/contact_c/node/pressure").into_iter().filter(|p| *p != 0.0).collect();
+        bearing.iter().for_each(|p| assert_close(&format!("{discretization}: pressure"), *p, 5.0, 1e-11));
+        // All of the nodes, but for those of two passes that leave their share to the others.
+        assert!(bearing.len() == 15 || discretization == "two-pass", "{bearing:?}");
+        // The blocks widen by nu p / E.
+        let area = 2.0 * (1.0 + 0.3 * 5.0 / 100.0_f64).powi(2);
+        assert_close("force", run.history().last("a.zmin.fz"), 5.0 * area, 1e-3);
+    }
+}
+
+/// As such, elements of a deck slide on each other with the force that is known of those that they are otherwise split into, on any
+/// number of ranks; a cantilever of one layer of them bends.
+#[test]
+fn quadratic_hexahedra_of_files() {
+    let of = |element: &str| {
+        let bench = Bench::new("");
+        bench.write("deck.inp", &sliding(true));
+        std::fs::remove_file(bench.path("scene.toml")).unwrap();
+        convert(&bench.path("deck.inp"), Some(&bench.path("scene.toml"))).unwrap();
+        let sets = ["LOWER", "UPPER"].map(|body| format!("body.{body}.element=\"{element}\""));
+        [1, 2].map(|ranks| bench.solve(ranks, &["--set", &sets[0], "--set", &sets[1]]))
+    };
+    let ([one, two], [split, _]) = (of("hex27"), of("hex8-eas"));
+    assert!(one.log().contains("hex27, hooke"), "{}", one.log());
+    for name in ["UPPER.TOP.fx", "UPPER.TOP.fz", "LOWER.BASE.fz"] {
+        let found = one.history().last(name);
+        assert_close(name, two.history().last(name), found, 1e-9);
+        assert_close(name, split.history().last(name), found, 0.15);
+    }
+    assert_close("balance", one.history().last("UPPER.TOP.fz") / one.history().last("SLAVE-MASTER.fz"), -1.0, 1e-9);
+}
+
+#[test]
+fn what_quadratic_hexahedra_are_not_for_is_refused() {
+    let bench = Bench::new(STACK);
+    bench.write(
+        "linear.inp",
+        &Block { name: "L", cells: [1, 1, 1], origin: [0.0; 3], size: [1.0; 3], first: 0, quadratic: false }.mesh(),
+    );
+    for (set, what) in [
+        ("body.a.block.elements=[4, 3, 2]", "a block of [4, 3, 2] elements cannot have quadratic hexahedra"),
+        (
+            "body.a.plane_strain=true;body.a.block.elements=[4, 2, 1]",
+            "is in plane strain, which quadratic hexahedra are not for",
+        ),
+        (
+            "contact.c.discretization=\"segment\"",
+            "has quadratic faces, which are not for contact from segment to segment",
+        ),
+        ("tie.t={ slave = \"b.xmax\", master = \"a.xmax\" }", "has quadratic faces, which ties do not take"),
+        ("body.d={ mesh = \"linear.inp\", material = \"m\", element = \"hex27\" }", "is no hexahedron of second order"),
+    ] {
+        let sets: Vec<&str> = set.split(';').flat_map(|set| ["--set", set]).collect();
+        let run = bench.run(1, &sets);
+        assert_eq!(run.code, 2, "{set}: {}", run.stderr);
+        assert!(run.stderr.contains(what), "{set}: {}", run.stderr);
+    }
+}

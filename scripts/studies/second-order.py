@@ -1,6 +1,6 @@
 #!/usr/bin/python3 -B
 """Runs decks of C3D20 and C3D20R in CalculiX, and in nagata, where each element becomes eight `hex8-eas` between
-its nodes, and prints errors side by side, as a Markdown table: of the deflection of a bar of one layer, its
+its nodes, or one `hex27`, and prints errors side by side, as a Markdown table: of the deflection of a bar of one layer, its
 elements twice as long as high, under a force at its end, against beam theory with shear; of the radial
 displacement inside a quarter of a tube of radii 1 and 2 in plane strain under inner pressure; and of the forces
 of two blocks, pressed and drawn over each other with friction, against those of nagata with elements a third as
@@ -139,12 +139,16 @@ def force_of_calculix(deck, folder):
     return [float(f) for f in rows[-1]]
 
 
-def history_of_nagata(deck, folder):
+def history_of_nagata(deck, element, folder):
     (folder / "deck.inp").write_text(deck + "*END STEP\n")
     subprocess.run([study.NAGATA, "convert", folder / "deck.inp", "--out", folder / "scene.toml"], check=True,
                    capture_output=True)  # fmt: skip
     kind = next(name for name in SEEN if f"ELSET={name}\n" in deck)
-    run = study.Run(folder / "scene.toml", folder / "out", 1, "--set", f'output.history=["{kind}.{SEEN[kind]}"]')
+    more = ["--set", f'output.history=["{kind}.{SEEN[kind]}"]']
+    if element:
+        for body in re.findall(r"ELSET=(BAR|TUBE|UPPER|LOWER)$", deck, re.MULTILINE):
+            more += ["--set", f'body.{body}.element="{element}"']
+    run = study.Run(folder / "scene.toml", folder / "out", 1, *more)
     if run.code:
         sys.exit(f"exit code {run.code}")
     return run.last
@@ -166,7 +170,7 @@ def main():
     for line in tube("C3D20").split("*ELEMENT")[0].splitlines()[1:]:
         n, *x = line.split(",")
         places[int(n)] = [float(c) for c in x]
-    fine = run(history_of_nagata, blocks("C3D20", 3))
+    fine = run(history_of_nagata, blocks("C3D20", 3), None)
     exact = [fine(f"UPPER.TOP.f{c}") for c in "xz"]
 
     def off(forces):
@@ -177,16 +181,17 @@ def main():
         force = run(force_of_calculix, blocks(kind, 1))
         errors = [bar_error(run(by_calculix, bar(kind))), tube_error(run(by_calculix, tube(kind)), places)]
         print(f"| {kind}, CalculiX | " + " | ".join(f"{e:+.2%}" for e in errors + off([force[0], force[2]])) + " |")
-    bent, widened = run(history_of_nagata, bar("C3D20")), run(history_of_nagata, tube("C3D20"))
-    own = run(history_of_nagata, blocks("C3D20", 1))
     # The mean of u_x over its nodes, nine along the quarter of the circle.
     along = sum(math.cos(math.pi / 16 * k) for k in range(9)) / 9
-    errors = [
-        bar_error({0: [bent(f"BAR.SEEN.u{c}") for c in "xyz"]}),
-        widened("TUBE.SEEN.ux") / along / (1.3 * 0.1 / 3000 * (0.4 + 4)) - 1,
-        *off([own(f"UPPER.TOP.f{c}") for c in "xz"]),
-    ]
-    print("| eight `hex8-eas` each, nagata | " + " | ".join(f"{e:+.2%}" for e in errors) + " |")
+    for element, words in [(None, "eight `hex8-eas` each"), ("hex27", "`hex27`")]:
+        bent, widened, own = (run(history_of_nagata, deck, element)
+                              for deck in [bar("C3D20"), tube("C3D20"), blocks("C3D20", 1)])  # fmt: skip
+        errors = [
+            bar_error({0: [bent(f"BAR.SEEN.u{c}") for c in "xyz"]}),
+            widened("TUBE.SEEN.ux") / along / (1.3 * 0.1 / 3000 * (0.4 + 4)) - 1,
+            *off([own(f"UPPER.TOP.f{c}") for c in "xz"]),
+        ]
+        print(f"| {words}, nagata | " + " | ".join(f"{e:+.2%}" for e in errors) + " |")
 
 
 if __name__ == "__main__":

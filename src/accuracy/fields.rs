@@ -63,8 +63,8 @@ fn cell(first: u64, side: usize, [s, t]: [usize; 2], triangle: bool) -> Cell {
     let [p, row] = [first + (t * side + s) as u64, side as u64];
     let [a, b, c, d] = [p, p + 1, p + row + 1, p + row];
     if triangle && s == 0 {
-        Cell { shape: CellShape::Triangle, nodes: [a, b, c, 0, 0, 0, 0, 0, 0, 0] }
+        Cell::new(CellShape::Triangle, &[a, b, c])
     } else {
-        Cell { shape: CellShape::Quadrilateral, nodes: [a, b, c, d, 0, 0, 0, 0, 0, 0] }
+        Cell::new(CellShape::Quadrilateral, &[a, b, c, d])
     }
 }

@@ -133,6 +133,7 @@ fn cell_shape(shape: SolidShape) -> CellShape {
         SolidShape::Wedge6 => CellShape::Wedge,
         SolidShape::Pyramid5 => CellShape::Pyramid,
         SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
+        SolidShape::Hex27 => CellShape::QuadraticHexahedron,
     }
 }
 
@@ -170,6 +171,11 @@ fn show(
                 // Both triangles of VTK's are seen clockwise from inside, where ours are seen counter-clockwise.
                 of_cell.swap(1, 2);
                 of_cell.swap(4, 5);
+            }
+            if *shape == CellShape::QuadraticHexahedron {
+                // The middles of faces are those at -xi, xi, -eta, eta, -zeta and zeta there.
+                let [bottom, top, front, right, back, left] = std::array::from_fn(|face| of_cell[20 + face]);
+                of_cell[20..26].copy_from_slice(&[left, right, front, back, bottom, top]);
             }
             Cell { shape: *shape, nodes: of_cell }
         })

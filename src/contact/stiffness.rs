@@ -15,7 +15,7 @@
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
 use crate::scene::Reduction;
-use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
 use crate::solid::load;
 
 /// What a body is made of, as far as contact feels it.
@@ -94,9 +94,10 @@ fn height(part: &Part, solid: &PartSolid, facet: &PartFacet, face: f64) -> f64 {
     let at = |a: usize| -> [f64; 3] { part.points[solid.nodes[a] as usize].into() };
     match solid.shape {
         SolidShape::Tet4 => 3.0 * tet4::volume(&std::array::from_fn(at)) / face,
-        // Its facets are quarters of its faces.
+        // Its facets are quarters of its faces, as those of quadratic hexahedra.
         SolidShape::Tet10 => 3.0 * tet10::volume(&std::array::from_fn(at)) / (4.0 * face),
         SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)) / face,
+        SolidShape::Hex27 => hex27::volume(&std::array::from_fn(at)) / (4.0 * face),
         // To the apex over its base, to the edge across over a triangle.
         SolidShape::Pyramid5 => 1.5 * f64::from(facet.count - 2) * pyramid5::volume(&std::array::from_fn(at)) / face,
         // Over a triangle it is a prism, over a quadrilateral a roof.
@@ -115,7 +116,7 @@ mod tests {
             |k: usize| Vec3::new(a * [0.0, 1.0, 1.0, 0.0][k % 4], b * [0.0, 0.0, 1.0, 1.0][k % 4], c * (k / 4) as f64);
         let solid = PartSolid {
             shape: SolidShape::Hex8,
-            nodes: [0, 1, 2, 3, 4, 5, 6, 7, 0, 0],
+            nodes: std::array::from_fn(|a| if a < 8 { a as u32 } else { 0 }),
             body: 0,
             section: 0,
             id: 1,

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, pyramid5, tet10, wedge6};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, hex27, pyramid5, tet10, wedge6};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -69,7 +69,8 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
     let first = |values: &mut dyn Iterator<Item = Voigt>| std::array::from_fn(|_| values.next().unwrap_or_default());
     Ok(match (model.part.solids[e].shape, samples.len()) {
         (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
-        (SolidShape::Tet10, _) => tet10::AT_NODES.map(|weights| sum(&weights)),
+        (SolidShape::Tet10, _) => first(&mut tet10::AT_NODES.iter().map(|weights| sum(weights))),
+        (SolidShape::Hex27, _) => first(&mut hex27::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Wedge6, _) => first(&mut wedge6::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Pyramid5, _) => first(&mut pyramid5::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Hex8, count) if model.section(&model.part.solids[e]).element == Formulation::Hex8Shell => {

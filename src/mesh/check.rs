@@ -4,6 +4,7 @@ use super::faces::{TET_EDGES, boundary};
 use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
 use crate::Vec3;
 use crate::error::{Error, Result};
+use crate::solid::element::hex27;
 use std::collections::HashMap;
 
 /// Coincident nodes are closer than this times the size of the elements around them.
@@ -135,7 +136,7 @@ fn check_middles(mesh: &Mesh) -> Result<()> {
 fn check_fit(mesh: &Mesh) -> Result<()> {
     let (mut triangles, mut quadrilaterals) = (false, false);
     for solid in &mesh.solids {
-        triangles |= solid.shape != SolidShape::Hex8;
+        triangles |= !matches!(solid.shape, SolidShape::Hex8 | SolidShape::Hex27);
         quadrilaterals |= matches!(solid.shape, SolidShape::Hex8 | SolidShape::Wedge6 | SolidShape::Pyramid5);
     }
     if !(triangles && quadrilaterals) {
@@ -196,6 +197,11 @@ fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
         }
         scaled(by[1] - by[0], by[2] - by[0], by[3] - by[0])
     }))
+}
+
+/// The same of a quadratic hexahedron, over its nodes.
+fn scaled_hex27(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
+    widen(hex27::frames(&x.map(Into::into)).map(|[a, b, c]| scaled(a, b, c)).into_iter())
 }
 
 /// The same of a wedge, over its integration points and corners.
@@ -273,6 +279,7 @@ impl Quadrature {
             SolidShape::Wedge6 => scaled_wedge(&corners),
             SolidShape::Pyramid5 => scaled_pyramid(&corners),
             SolidShape::Tet10 => scaled_tet10(&corners),
+            SolidShape::Hex27 => scaled_hex27(&corners),
         }
     }
 
@@ -412,7 +419,9 @@ fn sizes(mesh: &Mesh) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    const TET: Solid = Solid { shape: SolidShape::Tet4, nodes: [0, 1, 2, 3, 0, 0, 0, 0, 0, 0], id: 70 };
+    fn tet(nodes: &[u32]) -> Solid {
+        Solid::new(SolidShape::Tet4, nodes, 70)
+    }
 
     /// A unit tetrahedron and a unit cube beside it; number of node i is 10 i.
     fn sample() -> Mesh {
@@ -423,8 +432,8 @@ mod tests {
             source: "a.msh".into(),
             point_ids: (0..points.len() as u64).map(|id| 10 * id).collect(),
             points,
-            solids: vec![TET, hex],
-            facets: vec![hex.face(1), TET.face(0)],
+            solids: vec![tet(&[0, 1, 2, 3]), hex],
+            facets: vec![hex.face(1), tet(&[0, 1, 2, 3]).face(0)],
             ..Mesh::default()
         }
     }
@@ -524,7 +533,7 @@ mod tests {
             mesh.point_ids = mesh.point_ids[8..].to_vec();
             mesh.points.remove(3);
             mesh.point_ids.remove(3);
-            mesh.solids[0].nodes = [0, 1, 2, 3, 4, 5, 0, 0, 0, 0];
+            mesh.solids[0] = Solid::new(SolidShape::Wedge6, &[0, 1, 2, 3, 4, 5], 72);
         };
         let mut sound = sample();
         alone(&mut sound);

@@ -1,5 +1,6 @@
 //! Faces of volume elements: local tables, the boundary of a set of solids, and which solid a facet belongs to.
 
+use super::nines::QUARTERS;
 use super::{Facet, Solid, SolidShape};
 use std::collections::HashMap;
 
@@ -48,13 +49,14 @@ pub enum Owner {
 }
 
 impl SolidShape {
-    /// The number of faces.
+    /// The number of faces; of quadratic hexahedra their quarters count.
     pub fn face_count(self) -> usize {
         match self {
             Self::Tet4 | Self::Tet10 => TET_FACES.len(),
             Self::Hex8 => HEX_FACES.len(),
             Self::Wedge6 => WEDGE_ENDS.len() + WEDGE_SIDES.len(),
             Self::Pyramid5 => 1 + PYRAMID_SIDES.len(),
+            Self::Hex27 => QUARTERS.len(),
         }
     }
 }
@@ -74,6 +76,10 @@ impl Solid {
                 Some(side) => gather(&self.nodes, &PYRAMID_SIDES[side], &mut nodes),
                 None => gather(&self.nodes, &PYRAMID_BASE, &mut nodes),
             },
+            SolidShape::Hex27 => {
+                let [corner, .., before, middle] = QUARTERS[face];
+                gather(&self.nodes, &[corner, QUARTERS[face][4], middle, before], &mut nodes)
+            }
         };
         Facet { count, nodes, id: self.id }
     }

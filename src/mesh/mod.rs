@@ -17,7 +17,9 @@ mod layer;
 mod load;
 pub(crate) mod message;
 pub mod middles;
+pub mod nines;
 mod orient;
+mod quadratic;
 mod raw;
 mod select;
 mod shape;
@@ -29,6 +31,8 @@ pub(crate) use halves::{Made, at_side, is_made};
 pub use layer::tie_layer;
 pub use load::load;
 pub use middles::Middles;
+pub use nines::Nines;
+pub use quadratic::make_quadratic;
 pub(crate) use raw::Slot;
 pub use shape::SolidShape;
 pub use sheet::lay_flat;
@@ -45,7 +49,7 @@ pub enum Purpose {
 }
 
 /// The most nodes of a volume element.
-pub const MOST_NODES: usize = 10;
+pub const MOST_NODES: usize = 27;
 
 /// A volume element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -108,31 +108,33 @@ pub(super) fn set_of<'a>(names: &[Located<String>], global: &'a GlobalMesh, name
     names.iter().position(|known| known.value == name).map(|k| &global.sets[k])
 }
 
-/// The names of bodies with quadratic elements.
-pub(super) fn quadratic<'a>(scene: &'a Scene, global: &GlobalMesh) -> BTreeSet<&'a str> {
+/// The names of bodies with elements of these shapes.
+pub(super) fn with_shapes<'a>(scene: &'a Scene, global: &GlobalMesh, shapes: &[SolidShape]) -> BTreeSet<&'a str> {
     (global.solids.iter().zip(&global.solid_body))
-        .filter(|(solid, _)| solid.shape == SolidShape::Tet10)
+        .filter(|(solid, _)| shapes.contains(&solid.shape))
         .map(|(_, body)| scene.bodies[*body as usize].name.value.as_str())
         .collect()
 }
 
 /// Refuses what does not know of the nodes in the middles of the edges of quadratic faces.
 fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
-    let quadratic = quadratic(scene, global);
-    let wrong = |set: &Located<String>, kind: &str, help: &str| {
+    let of_tetrahedra = with_shapes(scene, global, &[SolidShape::Tet10]);
+    let of_any = with_shapes(scene, global, &[SolidShape::Tet10, SolidShape::Hex27]);
+    let wrong = |quadratic: &BTreeSet<&str>, set: &Located<String>, kind: &str, help: &str| {
         let is_quadratic = quadratic.contains(body_of(&set.value));
         let error = || Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help);
         if is_quadratic { Err(error()) } else { Ok(()) }
     };
     for tie in &scene.ties {
         for side in [&tie.slave, &tie.master] {
-            wrong(side, "ties do not take", "mesh such bodies with hexahedra, or with tetrahedra of first order")?;
+            let help = "take linear hexahedra for such bodies, or tetrahedra of first order";
+            wrong(&of_any, side, "ties do not take", help)?;
         }
     }
     for contact in scene.contacts.iter().filter(|c| c.discretization == Discretization::Segment) {
         for side in std::iter::once(&contact.slave).chain(contact.surface.map(|_| &contact.master)) {
             let kind = "are not for contact from segment to segment";
-            wrong(side, kind, "use \"one-pass\", or mesh the body with hexahedra or linear tetrahedra")?;
+            wrong(&of_any, side, kind, "use \"one-pass\", or take linear hexahedra or tetrahedra for the body")?;
         }
     }
     for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
@@ -144,7 +146,7 @@ fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
             Discretization::Segment => continue,
         };
         for side in [&contact.slave, &contact.master] {
-            wrong(side, kind, "let two surfaces meet in one pass, or mesh the body with hexahedra")?;
+            wrong(&of_tetrahedra, side, kind, "let two surfaces meet in one pass, or mesh the body with hexahedra")?;
         }
     }
     Ok(())

@@ -65,6 +65,17 @@ fn read(body: &Body) -> Result<Meshed> {
             mesh.source
         ));
     }
+    if let Some(asked) = body.element.as_ref().filter(|asked| asked.value == Formulation::Hex27) {
+        let block = match &source {
+            MeshSource::Block(block) => Some(block.value.elements),
+            MeshSource::File { .. } => None,
+        };
+        if let (None, Some(times)) = (block, &body.refine) {
+            let help = "split a mesh of linear elements, or mesh finer";
+            return Err(Error::input(&times.at, "meshes of quadratic hexahedra cannot be split", help));
+        }
+        mesh::make_quadratic(&mut mesh, block, &asked.at)?;
+    }
     let last = mesh.point_ids.iter().copied().max().unwrap_or(0);
     let ties = tie(body, &mut mesh)?;
     Ok(Meshed { mesh, ties, last })

@@ -8,8 +8,8 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Reduction;
 use crate::solid::element::{
-    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, plane4,
-    pyramid5, pyramid5_sri, ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
+    ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, hex27,
+    plane4, pyramid5, pyramid5_sri, ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -23,6 +23,7 @@ pub struct Scratch {
     pub of_five: ElementMatrices<15>,
     pub of_six: ElementMatrices<18>,
     pub of_ten: ElementMatrices<30>,
+    pub of_27: ElementMatrices<81>,
 }
 
 /// Nodes of an element that carry it: all, but of a layer the lower four.
@@ -67,6 +68,10 @@ impl Scratch {
                     if element == Formulation::Pyramid5 { pyramid5::evaluate } else { pyramid5_sri::evaluate };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_five)
             }
+            SolidShape::Hex27 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                hex27::evaluate(&x, &u, medium, want_tangent, &mut self.of_27)
+            }
             SolidShape::Hex8 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 let evaluate = match element {
@@ -99,6 +104,7 @@ impl Scratch {
             5 => &self.of_five.residual,
             6 => &self.of_six.residual,
             10 => &self.of_ten.residual,
+            27 => &self.of_27.residual,
             _ => &self.of_eight.residual,
         };
         flat.as_chunks().0
@@ -111,6 +117,7 @@ impl Scratch {
             5 => &self.of_five.tangent[row],
             6 => &self.of_six.tangent[row],
             10 => &self.of_ten.tangent[row],
+            27 => &self.of_27.tangent[row],
             _ => &self.of_eight.tangent[row],
         }
     }
@@ -172,6 +179,10 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
             let many = hex8_shell::samples(nodes, model.section(solid).layers, medium)?;
             Samples { few: [many[0]; hex8::POINTS], count: 0, many }
         }
+        Formulation::Hex27 => {
+            let many = hex27::samples(&gather(points, solid), &gather(u, solid))?.to_vec();
+            Samples { few: [many[0]; hex8::POINTS], count: 0, many }
+        }
         Formulation::Wedge6 => wedge6::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Wedge6Sri => wedge6_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Pyramid5 => pyramid5::samples(&gather(points, solid), &gather(u, solid))?.into(),
@@ -200,6 +211,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Wedge6 => wedge6::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Pyramid5 => pyramid5::min_jacobian(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Hex27 => hex27::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
     })
@@ -217,6 +229,7 @@ pub fn folded(model: &Model, before: &[Vec3], after: &[Vec3]) -> Option<String> 
         SolidShape::Hex8 => folds(states.map(|u| hex8::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Wedge6 => folds(states.map(|u| wedge6::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Pyramid5 => folds(states.map(|u| pyramid5::nodal_jacobians(&moved(model, solid, u)))),
+        SolidShape::Hex27 => folds(states.map(|u| hex27::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Tet4 | SolidShape::Tet10 => false,
     };
     model.part.solids.iter().find(folds).map(|solid| element_name(model, solid))
@@ -296,6 +309,7 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
         SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Pyramid5 => set(&pyramid5::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Hex27 => set(&hex27::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Wedge6 => set(&wedge6::body_force(&gather(&model.part.points, solid), *per_volume)),
     }
     forces
@@ -323,6 +337,10 @@ pub fn facet_pressure(
             let load = load::tri6_pressure(&std::array::from_fn(at), pressure);
             load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
         }
+        9 => {
+            let load = load::quarter_pressure(&std::array::from_fn(at), pressure);
+            load.tangent.iter().enumerate().for_each(|(row, tangent)| pass(&load.force, row, tangent));
+        }
         _ => {
             let load = match model.is_axisymmetric() {
                 true => load::ring_pressure(&std::array::from_fn(at), pressure),
@@ -343,15 +361,16 @@ pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add:
 
 /// The parts of the area of a facet with these nodes that belong to them, at reference position plus `u`; of an axisymmetric body
 /// those of the ring that the facet is turned to.
-pub fn nodal_areas(model: &Model, nodes: &[u32], u: &[Vec3]) -> [f64; 6] {
+pub fn nodal_areas(model: &Model, nodes: &[u32], u: &[Vec3]) -> [f64; 9] {
     let at = |a: usize| -> [f64; 3] {
         let n = nodes[a] as usize;
         (model.part.points[n] + u[n]).into()
     };
-    let mut areas = [0.0; 6];
+    let mut areas = [0.0; 9];
     match nodes.len() {
         3 => areas[..3].copy_from_slice(&load::tri3_nodal_areas(&std::array::from_fn(at))),
-        6 => areas = load::tri6_nodal_areas(&std::array::from_fn(at)),
+        6 => areas[..6].copy_from_slice(&load::tri6_nodal_areas(&std::array::from_fn(at))),
+        9 => areas = load::quarter_nodal_areas(&std::array::from_fn(at)),
         _ if model.is_axisymmetric() => areas[..4].copy_from_slice(&load::ring_nodal_areas(&std::array::from_fn(at))),
         _ => areas[..4].copy_from_slice(&load::quad4_nodal_areas(&std::array::from_fn(at))),
     }

@@ -7,7 +7,7 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
-use crate::solid::element::{hex8, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
 use crate::surface::piece_set::tree::{Tree, away};
 use mpi::topology::SimpleCommunicator;
 
@@ -124,7 +124,7 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
         }
         SolidShape::Tet10 => {
             let at = tet10::parameters(&corners(solid, place), x)?;
-            shape = tet10::shape(&at);
+            shape[..10].copy_from_slice(&tet10::shape(&at));
             at.iter().fold(0.0f64, |most, value| most.max(-value))
         }
         SolidShape::Wedge6 => {
@@ -136,6 +136,11 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
             let [p, r, t] = pyramid5::parameters(&corners(solid, place), x)?;
             shape[..5].copy_from_slice(&pyramid5::shape(p, r, t).0);
             [p.abs() - t, r.abs() - t, t - 1.0].into_iter().fold(0.0, f64::max)
+        }
+        SolidShape::Hex27 => {
+            let at = hex27::parameters(&corners(solid, place), x)?;
+            shape = hex27::shape(at).0;
+            at.iter().fold(0.0f64, |most, value| most.max(value.abs() - 1.0))
         }
         SolidShape::Hex8 => {
             let at = hex8::parameters(&corners(solid, place), x)?;

@@ -5,7 +5,7 @@ use crate::mesh::{Mesh, SolidShape};
 use crate::parallel::max;
 use crate::partition::Part;
 use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
-use crate::solid::element::{hex8, hex8_shell, plane4, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex8_shell, hex27, plane4, pyramid5, tet4, tet10, wedge6};
 use crate::solid::material::Material;
 use mpi::topology::SimpleCommunicator;
 
@@ -36,6 +36,7 @@ impl Section {
             SolidShape::Pyramid5 => pyramid5::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
+            SolidShape::Hex27 => hex27::POINTS,
         }
     }
 }
@@ -134,12 +135,13 @@ fn element_kinds(
     part: &Part,
     halves: &[bool],
 ) -> Result<Vec<(Formulation, Vec<SolidShape>)>> {
-    const SHAPES: [(SolidShape, &str); 5] = [
+    const SHAPES: [(SolidShape, &str); 6] = [
         (SolidShape::Hex8, "hexahedra"),
         (SolidShape::Wedge6, "wedges"),
         (SolidShape::Pyramid5, "pyramids"),
         (SolidShape::Tet4, "linear tetrahedra"),
         (SolidShape::Tet10, "quadratic tetrahedra"),
+        (SolidShape::Hex27, "quadratic hexahedra"),
     ];
     let mut present = vec![0.0; SHAPES.len() * scene.sections().count()];
     for solid in &part.solids {

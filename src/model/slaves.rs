@@ -1,8 +1,9 @@
 //! Slaves of contacts are nodes of faces. A group of nodes and one of faces that have one name are one group, whose other nodes
 //! have no area.
 
-use super::assemble::{quadratic, set_of};
+use super::assemble::{set_of, with_shapes};
 use crate::error::{Error, Faults, Result};
+use crate::mesh::SolidShape;
 use crate::partition::GlobalMesh;
 use crate::scene::{Located, Scene, body_of};
 use std::collections::BTreeSet;
@@ -10,7 +11,7 @@ use std::collections::BTreeSet;
 /// # Errors
 /// Nodes of a slave on none of its faces.
 pub(super) fn check(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Result<()> {
-    let quadratic = quadratic(scene, global);
+    let quadratic = with_shapes(scene, global, &[SolidShape::Tet10]);
     Faults::all(scene.contacts.iter().map(|contact| {
         let name = &contact.slave;
         let Some(set) = set_of(names, global, &name.value) else { return Ok(()) };

@@ -37,6 +37,8 @@ pub enum CellShape {
     Wedge,
     Pyramid,
     QuadraticTetrahedron,
+    /// 27 nodes.
+    QuadraticHexahedron,
 }
 
 /// A cell of a grid.
@@ -330,7 +332,7 @@ pub(super) fn on_root<T>(comm: &impl Communicator, work: impl FnOnce() -> Result
 
 impl CellShape {
     /// All of them, in the order of their numbers.
-    pub(super) const ALL: [Self; 7] = [
+    pub(super) const ALL: [Self; 8] = [
         Self::Triangle,
         Self::Quadrilateral,
         Self::Tetrahedron,
@@ -338,6 +340,7 @@ impl CellShape {
         Self::Wedge,
         Self::Pyramid,
         Self::QuadraticTetrahedron,
+        Self::QuadraticHexahedron,
     ];
 
     /// Nodes of a cell.
@@ -349,11 +352,19 @@ impl CellShape {
             Self::Wedge => 6,
             Self::Pyramid => 5,
             Self::QuadraticTetrahedron => 10,
+            Self::QuadraticHexahedron => 27,
         }
     }
 }
 
 impl Cell {
+    /// With as many nodes as the shape has.
+    pub fn new(shape: CellShape, nodes: &[u64]) -> Self {
+        let mut all = [0; MOST_NODES];
+        all[..nodes.len()].copy_from_slice(nodes);
+        Self { shape, nodes: all }
+    }
+
     /// Length of [`Self::to_numbers`].
     pub const LEN: usize = 1 + MOST_NODES;
 
@@ -456,15 +467,16 @@ mod tests {
 
     #[test]
     fn mixed_cells_stand_behind_their_codes() {
-        let triangle = Cell { shape: CellShape::Triangle, nodes: [0, 1, 2, 0, 0, 0, 0, 0, 0, 0] };
-        let quadrilateral = Cell { shape: CellShape::Quadrilateral, nodes: [1, 2, 3, 4, 0, 0, 0, 0, 0, 0] };
+        let triangle = Cell::new(CellShape::Triangle, &[0, 1, 2]);
+        let quadrilateral = Cell::new(CellShape::Quadrilateral, &[1, 2, 3, 4]);
         assert_eq!(connectivity(&[triangle, quadrilateral], true), [4, 0, 1, 2, 5, 1, 2, 3, 4]);
         assert_eq!(connectivity(&[triangle, triangle], false), [0, 1, 2, 0, 1, 2]);
     }
 
     #[test]
     fn a_cell_without_its_points_is_refused() {
-        let cell = Cell { shape: CellShape::Tetrahedron, nodes: [0, 1, 2, 3, 99, 99, 99, 99, 99, 99] };
+        let cell =
+            Cell { nodes: std::array::from_fn(|a| if a < 4 { a as u64 } else { 99 }), shape: CellShape::Tetrahedron };
         let grid = Grid { name: "slab", points: &[], cells: &[cell] };
         assert!(check_nodes(&grid, 4).is_ok());
         let error = check_nodes(&grid, 3).unwrap_err().to_string();

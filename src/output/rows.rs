@@ -91,7 +91,8 @@ impl<T: H5Type> Rows<'_, T> {
             5 => write_table::<T, 5>(dataset, values, first),
             6 => write_table::<T, 6>(dataset, values, first),
             8 => write_table::<T, 8>(dataset, values, first),
-            _ => write_table::<T, 10>(dataset, values, first),
+            10 => write_table::<T, 10>(dataset, values, first),
+            _ => write_table::<T, 27>(dataset, values, first),
         }
     }
 }

@@ -45,6 +45,7 @@ impl CellShape {
             Self::Wedge => "Wedge",
             Self::Pyramid => "Pyramid",
             Self::QuadraticTetrahedron => "Tetrahedron_10",
+            Self::QuadraticHexahedron => "Hexahedron_27",
         }
     }
 
@@ -58,6 +59,7 @@ impl CellShape {
             Self::Wedge => 13,
             Self::Pyramid => 14,
             Self::QuadraticTetrahedron => 24,
+            Self::QuadraticHexahedron => 29,
         }
     }
 
@@ -76,6 +78,7 @@ impl CellShape {
             Self::Wedge => 8,
             Self::Pyramid => 7,
             Self::QuadraticTetrahedron => 38,
+            Self::QuadraticHexahedron => 50,
         }
     }
 }

@@ -31,7 +31,7 @@ pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
 use crate::mesh::middles::four;
-use crate::mesh::{MOST_NODES, Middles, SolidShape};
+use crate::mesh::{MOST_NODES, Middles, Nines, SolidShape};
 use std::borrow::Cow;
 use std::ops::Deref;
 
@@ -60,10 +60,10 @@ impl PartSolid {
     }
 }
 
-/// The local nodes that carry a facet: its corners, and those in the middles of its edges.
+/// The local nodes that carry a facet: its corners, and those in the middles of its edges; of a quarter of a quadratic face all of it.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceNodes {
-    nodes: [u32; 6],
+    nodes: [u32; 9],
     count: usize,
 }
 
@@ -125,13 +125,15 @@ impl Part {
         Cow::Owned(pieces.collect())
     }
 
-    /// The nodes that carry a facet: 3 or 4, or 6 of a quadratic triangle.
+    /// The nodes that carry a facet: 3 or 4, 6 of a quadratic triangle, or the 9 of the face that it is a quarter of.
     pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
-        let [a, b, c, d] = facet.nodes;
-        match self.middles.of(&facet.nodes[..facet.count as usize]) {
-            Some([e, f, g]) => FaceNodes { nodes: [a, b, c, e, f, g], count: 6 },
-            None => FaceNodes { nodes: [a, b, c, d, 0, 0], count: facet.count as usize },
-        }
+        let ([a, b, c, d], corners) = (facet.nodes, &facet.nodes[..facet.count as usize]);
+        let (nodes, count) = match (self.middles.of(corners), self.nines.of(corners)) {
+            (Some([e, f, g]), _) => ([a, b, c, e, f, g, 0, 0, 0], 6),
+            (None, Some(nine)) => (*nine, 9),
+            (None, None) => ([a, b, c, d, 0, 0, 0, 0, 0], corners.len()),
+        };
+        FaceNodes { nodes, count }
     }
 
     /// The least and the largest distance of two nodes of an element, on the initial mesh.
@@ -190,6 +192,8 @@ pub struct Part {
     pub solids: Vec<PartSolid>,
     /// Of the edges of the facets of all sets.
     pub middles: Middles,
+    /// Of the facets of all sets.
+    pub nines: Nines,
     /// In the order in which they were given to [`distribute`].
     pub sets: Vec<PartSet>,
     pub halo: Halo,

@@ -195,6 +195,7 @@ impl Scene {
             (SolidShape::Hex8, _) if keeps_volume => Formulation::Hex8Fbar,
             (SolidShape::Hex8, Some(model)) if bends && enhances(model) => Formulation::Hex8Eas,
             (SolidShape::Hex8, _) => Formulation::Hex8,
+            (SolidShape::Hex27, _) => Formulation::Hex27,
         }
     }
 }

@@ -188,10 +188,13 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let body = Body { name, mesh, material, materials, element, shell, reduction, symmetry, refine };
     check_block_use(&body)?;
     if let (Some(asked), Some(reduction)) = (&body.element, &body.reduction)
-        && asked.value == Formulation::Hex8Shell
+        && let Some(kind) =
+            [(Formulation::Hex8Shell, "solid-shell elements"), (Formulation::Hex27, "quadratic hexahedra")]
+                .into_iter()
+                .find_map(|(element, kind)| (asked.value == element).then_some(kind))
     {
         let is = reduction.value.words();
-        let what = format!("body.{} is {is}, which solid-shell elements are not for", body.name.value);
+        let what = format!("body.{} is {is}, which {kind} are not for", body.name.value);
         return Err(Error::input(&asked.at, what, "leave `element` out, or mesh the body in space"));
     }
     Ok(body)
@@ -258,8 +261,9 @@ fn reduction(table: &Table) -> Result<Option<Located<Reduction>>> {
 fn check_block_use(body: &Body) -> Result<()> {
     let MeshSource::Block(block) = &body.mesh else { return Ok(()) };
     let name = &body.name.value;
-    if let Some(element) = body.element.as_ref().filter(|element| element.value.shape() != SolidShape::Hex8) {
-        let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\", \"hex8-eas\" or \"hex8-shell\"";
+    let is_hexahedron = |element: &Formulation| matches!(element.shape(), SolidShape::Hex8 | SolidShape::Hex27);
+    if let Some(element) = body.element.as_ref().filter(|element| !is_hexahedron(&element.value)) {
+        let help = "use element = \"hex8\", \"hex8-fbar\", \"hex8-sri\", \"hex8-eas\", \"hex8-shell\" or \"hex27\"";
         return Err(Error::input(&element.at, format!("body.{name} is a block of hexahedra, of no others"), help));
     }
     if let Some(reduction) = body.reduction.as_ref().filter(|_| block.value.elements[2] != 1) {

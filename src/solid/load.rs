@@ -77,15 +77,47 @@ const fn quad4(s: f64, t: f64) -> FacePoint<4> {
     }
 }
 
+/// Three points each way in the quarter of a face of nine nodes at its first.
+const QUARTER: [FacePoint<9>; 9] = {
+    let mut points = [const { quad9(0.0, 0.0, 0.0) }; 9];
+    let mut q = 0;
+    while q < 9 {
+        // From -1 to 0.
+        let (s, t) = (0.5 * (GAUSS_3[q % 3] - 1.0), 0.5 * (GAUSS_3[q / 3] - 1.0));
+        points[q] = quad9(s, t, 0.25 * WEIGHTS_3[q % 3] * WEIGHTS_3[q / 3]);
+        q += 1;
+    }
+    points
+};
+
+/// Corners, then the middles of 0-1, 1-2, 2-3, 3-0, and of all.
+const fn quad9(s: f64, t: f64, weight: f64) -> FacePoint<9> {
+    const AT: [[usize; 2]; 9] = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+    const fn along(x: f64) -> [[f64; 2]; 3] {
+        [[0.5 * x * (x - 1.0), x - 0.5], [1.0 - x * x, -2.0 * x], [0.5 * x * (x + 1.0), x + 0.5]]
+    }
+    let (mut values, mut by_s, mut by_t) = ([0.0; 9], [0.0; 9], [0.0; 9]);
+    let mut a = 0;
+    while a < 9 {
+        let [[of_s, ds], [of_t, dt]] = [along(s)[AT[a][0]], along(t)[AT[a][1]]];
+        values[a] = of_s * of_t;
+        by_s[a] = ds * of_t;
+        by_t[a] = of_s * dt;
+        a += 1;
+    }
+    FacePoint { weight, values, gradients: [by_s, by_t] }
+}
+
+/// Three points between -1 and 1.
+const GAUSS_3: [f64; 3] = [-0.774_596_669_241_483_4, 0.0, 0.774_596_669_241_483_4];
+const WEIGHTS_3: [f64; 3] = [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0];
+
 /// Three points each way.
 const QUAD8: [FacePoint<8>; 9] = {
-    const FAR: f64 = 0.774_596_669_241_483_4;
-    const AT: [f64; 3] = [-FAR, 0.0, FAR];
-    const WEIGHTS: [f64; 3] = [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0];
     let mut points = [const { quad8(0.0, 0.0, 0.0) }; 9];
     let mut q = 0;
     while q < 9 {
-        points[q] = quad8(AT[q % 3], AT[q / 3], WEIGHTS[q % 3] * WEIGHTS[q / 3]);
+        points[q] = quad8(GAUSS_3[q % 3], GAUSS_3[q / 3], WEIGHTS_3[q % 3] * WEIGHTS_3[q / 3]);
         q += 1;
     }
     points
@@ -123,6 +155,11 @@ pub fn tri6_pressure(x: &[[f64; 3]; 6], pressure: f64) -> FaceLoad<18> {
     follower_pressure(&TRI6, x, pressure, None)
 }
 
+/// Pressure on a quarter of a face of nine nodes, that at the first: corners, then the middles of 0-1, 1-2, 2-3, 3-0, and of all.
+pub fn quarter_pressure(x: &[[f64; 3]; 9], pressure: f64) -> FaceLoad<27> {
+    follower_pressure(&QUARTER, x, pressure, None)
+}
+
 /// Pressure on a quadrilateral with current nodes `x`.
 pub fn quad4_pressure(x: &[[f64; 3]; 4], pressure: f64) -> FaceLoad<12> {
     follower_pressure(&QUAD4, x, pressure, None)
@@ -142,6 +179,12 @@ pub fn tri3_nodal_areas(x: &[[f64; 3]; 3]) -> [f64; 3] {
 /// area.
 pub fn tri6_nodal_areas(x: &[[f64; 3]; 6]) -> [f64; 6] {
     nodal_areas(&TRI6, x, None)
+}
+
+/// The areas int N_a da, of a quarter of a face of nine nodes, that belong to its nodes, below zero at some; their sum is that of the
+/// quarter, and those of all quarters are 1/36, 1/9 and 4/9 of the face at corners, edges and in the middle of a straight one.
+pub fn quarter_nodal_areas(x: &[[f64; 3]; 9]) -> [f64; 9] {
+    nodal_areas(&QUARTER, x, None)
 }
 
 /// The areas int N_a da that belong to the nodes of a quadrilateral of eight nodes, below zero at the corners of a straight one; their

@@ -74,6 +74,7 @@ fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32],
         5 => pattern.add_element(values, nodes, element, &scratch.of_five.tangent),
         6 => pattern.add_element(values, nodes, element, &scratch.of_six.tangent),
         10 => pattern.add_element(values, nodes, element, &scratch.of_ten.tangent),
+        27 => pattern.add_element(values, nodes, element, &scratch.of_27.tangent),
         _ => pattern.add_element(values, nodes, element, &scratch.of_eight.tangent),
     }
 }

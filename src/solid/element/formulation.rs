@@ -16,6 +16,8 @@ pub enum Formulation {
     Hex8Eas,
     /// 8-node hexahedron for thin sheets, one layer of which bends: assumed transverse strains, enhanced strain.
     Hex8Shell,
+    /// 27-node hexahedron, 3x3x3 points, with linear changes of volume.
+    Hex27,
     /// 6-node wedge, full 3x2 integration.
     Wedge6,
     /// 6-node wedge with the mean change of volume.
@@ -37,12 +39,13 @@ impl Formulation {
     pub const LAYERS: RangeInclusive<usize> = 2..=9;
 
     /// All of them.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Hex8,
         Self::Hex8Fbar,
         Self::Hex8Sri,
         Self::Hex8Eas,
         Self::Hex8Shell,
+        Self::Hex27,
         Self::Wedge6,
         Self::Wedge6Sri,
         Self::Pyramid5,
@@ -56,6 +59,7 @@ impl Formulation {
     pub fn shape(self) -> SolidShape {
         match self {
             Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas | Self::Hex8Shell => SolidShape::Hex8,
+            Self::Hex27 => SolidShape::Hex27,
             Self::Wedge6 | Self::Wedge6Sri => SolidShape::Wedge6,
             Self::Pyramid5 | Self::Pyramid5Sri => SolidShape::Pyramid5,
             Self::Tet4 => SolidShape::Tet4,
@@ -70,6 +74,7 @@ impl Formulation {
         match shape {
             _ if shape == self.shape() => self,
             SolidShape::Hex8 => Self::Hex8,
+            SolidShape::Hex27 => Self::Hex27,
             SolidShape::Wedge6 if locks => Self::Wedge6,
             SolidShape::Wedge6 => Self::Wedge6Sri,
             SolidShape::Pyramid5 if locks => Self::Pyramid5,
@@ -87,6 +92,7 @@ impl Formulation {
             Self::Hex8Sri => "hex8-sri",
             Self::Hex8Eas => "hex8-eas",
             Self::Hex8Shell => "hex8-shell",
+            Self::Hex27 => "hex27",
             Self::Wedge6 => "wedge6",
             Self::Wedge6Sri => "wedge6-sri",
             Self::Pyramid5 => "pyramid5",

@@ -14,7 +14,7 @@
 //! for Plasticity.)
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
-//! reference state; [`hex8::min_jacobian`], [`wedge6::min_jacobian`], [`pyramid5::min_jacobian`], [`tet10::min_jacobian`] and
+//! reference state; [`hex8::min_jacobian`], [`hex27::min_jacobian`], [`wedge6::min_jacobian`], [`pyramid5::min_jacobian`], [`tet10::min_jacobian`] and
 //! [`tet4::volume`] tell.
 //!
 //! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
@@ -23,11 +23,13 @@
 
 mod enhanced;
 mod formulation;
+pub mod hex27;
 pub mod hex8;
 pub mod hex8_eas;
 pub mod hex8_fbar;
 pub mod hex8_shell;
 pub mod hex8_sri;
+mod mixed;
 mod parameters;
 pub mod plane4;
 pub mod pyramid5;
@@ -384,6 +386,8 @@ pub fn advance(samples: &[Sample], material: &Material, states: &mut [State]) ->
 mod tests;
 #[cfg(test)]
 mod tests_on_fillers;
+#[cfg(test)]
+mod tests_on_hex27;
 #[cfg(test)]
 mod tests_on_pyramids;
 #[cfg(test)]

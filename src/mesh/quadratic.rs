@@ -1,0 +1,95 @@
+//! Quadratic hexahedra from the linear ones that stand for them.
+
+use super::faces::{HEX_EDGES, HEX_FACES};
+use super::{Mesh, Solid, SolidShape, message};
+use crate::error::{Error, Location, Result};
+use crate::solid::element::hex27;
+
+/// The corner of a hexahedron across from each.
+const ACROSS: [usize; 8] = [6, 7, 4, 5, 2, 3, 0, 1];
+
+/// Makes one quadratic hexahedron of every eight linear ones: of a block of so many elements each way those that meet in a node, of
+/// a file those that were one of second order.
+///
+/// # Errors
+/// At `at`, where the element is asked for: a mesh that is not of such eights; elements that are inside out.
+pub fn make_quadratic(mesh: &mut Mesh, block: Option<[usize; 3]>, at: &Location) -> Result<()> {
+    let eights = match block {
+        Some(counts) => of_block(counts, at)?,
+        None => of_file(mesh, at)?,
+    };
+    let mut now = vec![u32::MAX; mesh.solids.len()];
+    let mut solids = Vec::with_capacity(eights.len());
+    for (parts, number) in eights.iter().zip(0..) {
+        let node = |corner: usize, to: usize| mesh.solids[parts[corner]].nodes[to];
+        let edges = HEX_EDGES.iter().map(|&[a, b]| node(a, b));
+        let faces = HEX_FACES.iter().map(|face| node(face[0] as usize, face[2] as usize));
+        let nodes: Vec<u32> =
+            (0..8).map(|c| node(c, c)).chain(edges).chain(faces).chain([node(0, ACROSS[0])]).collect();
+        // Those of a block are numbered anew.
+        let id = if block.is_some() { number + 1 } else { mesh.solids[parts[0]].id };
+        solids.push(Solid::new(SolidShape::Hex27, &nodes, id));
+        parts.iter().for_each(|&part| now[part] = number as u32);
+    }
+    let is_folded = |solid: &&Solid| {
+        let x: [[f64; 3]; 27] = solid.nodes.map(|n| mesh.points[n as usize]);
+        !(hex27::min_jacobian(&x) > 0.0 && hex27::nodal_jacobians(&x).iter().all(|jacobian| *jacobian > 0.0))
+    };
+    let folded: Vec<u64> = solids.iter().filter(is_folded).map(|solid| solid.id).collect();
+    if !folded.is_empty() {
+        let what = format!("{} folded over as quadratic ones", message::several("element", &folded));
+        return Err(message::whole_file(
+            &mesh.source,
+            what,
+            "curve its edges less, or leave `element` out to take eight linear ones each",
+        ));
+    }
+    for group in mesh.groups.values_mut() {
+        group.solids.iter_mut().for_each(|solid| *solid = now[*solid as usize]);
+        group.solids.sort_unstable();
+        group.solids.dedup();
+    }
+    mesh.solids = solids;
+    mesh.has_halves = false;
+    Ok(())
+}
+
+/// By the corners of the new elements, those of a block.
+fn of_block(counts: [usize; 3], at: &Location) -> Result<Vec<[usize; 8]>> {
+    if counts.iter().any(|count| count % 2 == 1) {
+        let what =
+            format!("a block of {counts:?} elements cannot have quadratic hexahedra, which take two along each edge");
+        return Err(Error::input(at, what, "give even numbers of `elements`"));
+    }
+    let [nx, ny, nz] = counts;
+    let at = |i: usize, j: usize, k: usize| i + nx * (j + ny * k);
+    let mut eights = Vec::with_capacity(nx * ny * nz / 8);
+    for k in (0..nz).step_by(2) {
+        for j in (0..ny).step_by(2) {
+            for i in (0..nx).step_by(2) {
+                let layer = |k: usize| [at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)];
+                let [[a, b, c, d], [e, f, g, h]] = [layer(k), layer(k + 1)];
+                eights.push([a, b, c, d, e, f, g, h]);
+            }
+        }
+    }
+    Ok(eights)
+}
+
+/// The same of a file, in which the parts of an element follow each other.
+fn of_file(mesh: &Mesh, at: &Location) -> Result<Vec<[usize; 8]>> {
+    let mut eights = Vec::with_capacity(mesh.solids.len() / 8);
+    for (parts, first) in mesh.solids.chunks(8).zip((0..).step_by(8)) {
+        let is_of = |(part, corner): (&Solid, usize)| {
+            let centre = |part: &Solid, corner: usize| part.nodes[ACROSS[corner]];
+            part.shape == SolidShape::Hex8 && part.id == parts[0].id && centre(part, corner) == centre(&parts[0], 0)
+        };
+        if parts.len() < 8 || !parts.iter().zip(0..).all(is_of) {
+            let what = format!("element {} of '{}' is no hexahedron of second order", parts[0].id, mesh.source);
+            let help = "mesh the body with hexahedra of 20 or 27 nodes alone, or leave `element` out";
+            return Err(Error::input(at, what, help));
+        }
+        eights.push(std::array::from_fn(|corner| first + corner));
+    }
+    Ok(eights)
+}
