@@ -29,7 +29,7 @@ struct Probe {
 
 enum Spots {
     /// One row an increment.
-    Point(Option<Spot>),
+    Point(Option<Box<Spot>>),
     /// One row an increment; the owned nodes.
     Nodes(Vec<u32>),
     /// With the fields, a row a point: what leads it, and the point if it is on this rank.
@@ -140,7 +140,7 @@ impl Probe {
             })
         };
         let place = match &given.place {
-            ProbePlace::Point(x) => Spots::Point(find(&[x.value], &x.at)?[0]),
+            ProbePlace::Point(x) => Spots::Point(find(&[x.value], &x.at)?[0].map(Box::new)),
             ProbePlace::Set(set) => Spots::Nodes(model.set(&set.value).nodes.clone()),
             ProbePlace::Path(ends, count) => {
                 let [from, to] = ends.value;
@@ -173,7 +173,7 @@ impl Probe {
     /// The numbers of these columns, row by row, on all ranks. Collective.
     fn values(&self, comm: &SimpleCommunicator, model: &Model, of: (&State, Known)) -> Vec<f64> {
         let width = self.fields.iter().map(|field| field.width()).sum();
-        let at = |spot: &Option<Spot>| match spot {
+        let at = |spot: Option<&Spot>| match spot {
             Some(spot) => self.interpolated(model, of, spot),
             None => vec![0.0; width],
         };
@@ -183,12 +183,12 @@ impl Probe {
                 spread(comm, &rows, width)
             }
             Spots::Point(spot) => {
-                let mut values = at(spot);
+                let mut values = at(spot.as_deref());
                 sum(comm, &mut values);
                 values
             }
             Spots::Path(points) => {
-                let mut values: Vec<f64> = points.iter().flat_map(|(_, spot)| at(spot)).collect();
+                let mut values: Vec<f64> = points.iter().flat_map(|(_, spot)| at(spot.as_ref())).collect();
                 sum(comm, &mut values);
                 points.iter().zip(values.chunks(width)).flat_map(|((lead, _), own)| [&lead[..], own].concat()).collect()
             }

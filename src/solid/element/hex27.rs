@@ -77,7 +77,7 @@ pub const VALUES: [[f64; N]; POINTS] = {
 };
 
 /// Derivatives at the Gauss points.
-const GRADIENTS: [Gradients<N>; POINTS] = {
+static GRADIENTS: [Gradients<N>; POINTS] = {
     let (mut gradients, mut q) = ([[[0.0; N]; 3]; POINTS], 0);
     while q < POINTS {
         gradients[q] = shape(AT[q]).1;
@@ -165,7 +165,7 @@ pub fn nodal_jacobians(x: &[[f64; 3]; N]) -> [f64; N] {
 
 /// Derivatives of the position by the parameters at the nodes.
 pub fn frames(x: &[[f64; 3]; N]) -> [[Vec3; 3]; N] {
-    const AT_ALL: [Gradients<N>; N] = {
+    static AT_ALL: [Gradients<N>; N] = {
         let (mut gradients, mut a) = ([[[0.0; N]; 3]; N], 0);
         while a < N {
             gradients[a] = shape(NODES[a]).1;

@@ -60,8 +60,7 @@ impl<const Q: usize, const M: usize> Projection<Q, M> {
                 rates[q][j] = (0..M).map(|i| psi[q][i] * inverse[(i, j)]).sum();
                 theta[q] += rates[q][j] * moments[j];
             }
-            // Also what is not a number.
-            if !(theta[q] > 0.0) {
+            if theta[q] <= 0.0 || theta[q].is_nan() {
                 return Err(Inverted { det_f: theta[q] });
             }
             rates[q].iter_mut().for_each(|rate| *rate /= theta[q]);
