@@ -1,10 +1,10 @@
 //! How the elements bend, lock and stay stable, as Markdown tables.
 
-use nagata::mesh::faces::TET_EDGES;
+use nagata::mesh::faces::{HEX_EDGES, HEX_FACES, TET_EDGES};
 use nagata::scene::MaterialModel;
 use nagata::solid::element::hex8_eas::{Modes, VOLUME};
 use nagata::solid::element::{
-    ElementMatrices, Inverted, Medium, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, tet4, tet10, tet10_sri,
+    ElementMatrices, Inverted, Medium, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, hex27, tet4, tet10, tet10_sri,
 };
 use nagata::solid::material::{Material, State};
 use nagata::solid::voigt::to_matrix;
@@ -24,19 +24,21 @@ enum Element {
     Eight(Hex),
     /// Six quadratic tetrahedra on the nodes of 2 x 2 x 2 cells.
     TwentySeven(Tet),
+    /// One quadratic hexahedron on the same.
+    Whole,
 }
-use Element::{Eight, TwentySeven};
+use Element::{Eight, TwentySeven, Whole};
 
 impl Element {
     fn eight(self) -> Option<Hex> {
         match self {
             Eight(hex) => Some(hex),
-            TwentySeven(_) => None,
+            TwentySeven(_) | Whole => None,
         }
     }
 }
 
-const ELEMENTS: [(&str, Element); 12] = [
+const ELEMENTS: [(&str, Element); 13] = [
     ("hex8", Eight(hex8::evaluate)),
     ("hex8-fbar", Eight(hex8_fbar::evaluate)),
     ("hex8-sri", Eight(hex8_sri::evaluate)),
@@ -49,6 +51,7 @@ const ELEMENTS: [(&str, Element); 12] = [
     ("tet4", Eight(six_tets)),
     ("tet10", TwentySeven(tet10::evaluate)),
     ("tet10-sri", TwentySeven(tet10_sri::evaluate)),
+    ("hex27", Whole),
 ];
 
 /// Modes of enhanced strain: component (i, j) times xi_j, or xi_i if `transposed`; and from the tenth on, the volume times
@@ -190,8 +193,35 @@ impl Block {
                     add(&tet, &out.residual, out.tangent.as_flattened());
                 }
             }
+            Whole => {
+                let mut out = ElementMatrices::default();
+                for hex in self.quadratic_hexes() {
+                    hex27::evaluate(&hex.map(|n| self.points[n]), &hex.map(at), medium, true, &mut out)?;
+                    add(&hex, &out.residual, out.tangent.as_flattened());
+                }
+            }
         }
         Ok((forces, matrix))
+    }
+
+    /// One quadratic hexahedron in each 2 x 2 x 2 cells.
+    fn quadratic_hexes(&self) -> Vec<[usize; 27]> {
+        let [nx, ny, nz] = self.elements.map(|n| n / 2);
+        let corner = |c: usize| CUBE[c].map(|x| x as usize);
+        let mut list = Vec::new();
+        for [i, j, k] in (0..nx * ny * nz).map(|c| [c / (ny * nz), c / nz % ny, c % nz]) {
+            let between = |a: usize, b: usize| {
+                let [x, y, z] = [0, 1, 2].map(|d| corner(a)[d] + corner(b)[d]);
+                self.node(2 * i + x, 2 * j + y, 2 * k + z)
+            };
+            list.push(std::array::from_fn(|a| match a {
+                0..8 => between(a, a),
+                8..20 => between(HEX_EDGES[a - 8][0], HEX_EDGES[a - 8][1]),
+                20..26 => between(HEX_FACES[a - 20][0] as usize, HEX_FACES[a - 20][2] as usize),
+                _ => between(0, 6),
+            }));
+        }
+        list
     }
 
     /// Six quadratic tetrahedra in each 2 x 2 x 2 cells, around a diagonal.

@@ -1,7 +1,7 @@
 #!/usr/bin/python3 -B
 """Runs decks of C3D20 and C3D20R in CalculiX, and in nagata, where each element becomes eight `hex8-eas` between
-its nodes, or one `hex27`, and prints errors side by side, as a Markdown table: of the deflection of a bar of one layer, its
-elements twice as long as high, under a force at its end, against beam theory with shear; of the radial
+its nodes, or one `hex27`, and prints errors side by side, as a Markdown table: of the deflection of a bar of one
+layer, its elements twice as long as high, under a force at its end, against beam theory with shear; of the radial
 displacement inside a quarter of a tube of radii 1 and 2 in plane strain under inner pressure; and of the forces
 of two blocks, pressed and drawn over each other with friction, against those of nagata with elements a third as
 large.

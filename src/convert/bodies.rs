@@ -374,7 +374,8 @@ impl Body {
         if kinds.iter().any(is_split) {
             notes.whole(format!(
                 "body `{name}`: each element {types} becomes eight linear ones between its nodes, which bend as it does where the \
-                 material lets enhanced strain be (see `nagata check`)"
+                 material lets enhanced strain be (see `nagata check`){}",
+                if shape == SolidShape::Hex8 { "; `element = \"hex27\"` takes it as such" } else { "" }
             ));
             return "";
         }

@@ -98,7 +98,9 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
         let shared = is_one_file(&one.mesh, &other.mesh)
             && bare.iter().all(|face| face.iter().all(|&n| is_shared(n)))
             && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
-        let quadratic = |solids: &[Solid]| solids.iter().any(|solid| solid.shape == SolidShape::Tet10);
+        let quadratic = |solids: &[Solid]| {
+            [SolidShape::Tet10, SolidShape::Hex27].map(|shape| solids.iter().any(|solid| solid.shape == shape))
+        };
         let alike = one.is_layer() == other.is_layer() && quadratic(&own) == quadratic(&theirs);
         if shared && covered.is_empty() && alike {
             let both = pairs.iter().filter(|(n, _)| is_shared(**n)).map(|(n, m)| [*n, *m]);
