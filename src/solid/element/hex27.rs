@@ -4,7 +4,7 @@
 //! [`crate::mesh::faces`]; N_a is the product of three of t (t - 1) / 2, 1 - t^2 and t (t + 1) / 2. Edges and faces may be curved.
 //! There are 3x3x3 Gauss points.
 //!
-//! The equations are those of [`super::mixed`] with 1, xi, eta and zeta: quadratic displacements with discontinuous linear pressures
+//! The equations are those of [`super::mixed`] with the functions 1, xi, eta and zeta: quadratic displacements with discontinuous linear pressures
 //! satisfy the inf-sup condition (Boffi, Brezzi and Fortin, Mixed Finite Element Methods and Applications, 8.6.3), so that the element
 //! locks neither in volume nor in shear, and none of its pressures oscillates.
 

@@ -21,17 +21,13 @@
 //! ```
 //!
 //! gm is the sum of few products, so that what it is in becomes as many products of vectors of the element. With psi = 1 alone
-//! theta is the mean of J, A = 1/v with v the volume of the deformed element, and gm the mean of g over it.
+//! theta is the mean of J, A = 1/v with v the volume of the deformed element, and gm the mean of g over it: [`super::hex8_sri`].
 
+use super::hex8_sri::{add_to_diagonal, pressure};
 use super::{ElementMatrices, Inverted, Medium, Point, add_force, add_scaled, contract, stress_rate};
 use crate::solid::material::Response;
-use crate::solid::voigt::{INDEX, Voigt};
+use crate::solid::voigt::Voigt;
 use nalgebra::SMatrix;
-
-/// The one function of elements with one change of volume, at their points.
-pub(super) const fn mean<const Q: usize>() -> [[f64; 1]; Q] {
-    [[1.0]; Q]
-}
 
 /// The projected change of volume.
 struct Projection<const Q: usize, const M: usize> {
@@ -189,15 +185,4 @@ pub(super) fn integrate<const N: usize, const Q: usize, const M: usize, const D:
         (r..D).for_each(|c| out.tangent[c][r] = out.tangent[r][c]);
     }
     Ok(())
-}
-
-/// A third of the trace.
-#[inline(always)]
-fn pressure(stress: &Voigt) -> f64 {
-    (stress[INDEX[0][0]] + stress[INDEX[1][1]] + stress[INDEX[2][2]]) / 3.0
-}
-
-#[inline(always)]
-fn add_to_diagonal(stress: &Voigt, by: f64) -> Voigt {
-    std::array::from_fn(|v| stress[v] + if v < 3 { by } else { 0.0 })
 }

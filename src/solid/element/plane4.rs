@@ -8,7 +8,7 @@
 
 use super::Formulation;
 use super::enhanced::{self, Modes, Rule, VOLUME};
-use super::mixed::{self, project};
+use super::hex8_sri::{self, use_mean_volume};
 use super::{ElementMatrices, GAUSS, Gradients, Inverted, Medium, Point, Sample, deform, integrate, use_volume_of};
 
 /// Integration points.
@@ -69,9 +69,7 @@ pub fn evaluate(
     let (x0, u) = flat(nodes);
     match element {
         Formulation::Hex8Eas => enhanced::evaluate(&x0, &u, &rule(thickness), &MODES, (medium, want_tangent), out),
-        Formulation::Hex8Sri => {
-            mixed::integrate(&mut points(&x0, &u, thickness)?, &mixed::mean(), medium, want_tangent, out)
-        }
+        Formulation::Hex8Sri => hex8_sri::integrate(&mut points(&x0, &u, thickness)?, medium, want_tangent, out),
         Formulation::Hex8Fbar => {
             let mut points = points(&x0, &u, thickness)?;
             let centre = centre(&x0, &u, thickness)?;
@@ -96,7 +94,7 @@ pub fn samples(
     let mut points = points(&x0, &u, thickness)?;
     match element {
         Formulation::Hex8Fbar => use_volume_of(&centre(&x0, &u, thickness)?, &mut points),
-        Formulation::Hex8Sri => project(&mut points, &mixed::mean())?,
+        Formulation::Hex8Sri => use_mean_volume(&mut points),
         _ => {}
     }
     Ok(points.map(|point| point.sample()))
@@ -163,7 +161,7 @@ mod tests {
             let hexes: [(Formulation, Hex); 4] = [
                 (Formulation::Hex8, hex8::evaluate),
                 (Formulation::Hex8Fbar, hex8_fbar::evaluate),
-                (Formulation::Hex8Sri, super::super::hex8_sri::evaluate),
+                (Formulation::Hex8Sri, hex8_sri::evaluate),
                 (Formulation::Hex8Eas, hex8_eas::evaluate),
             ];
             for (element, of_hex) in hexes {

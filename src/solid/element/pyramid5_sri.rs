@@ -1,9 +1,9 @@
 //! 5-node pyramid with one change of volume for the whole element.
 //!
-//! The equations are those of [`super::mixed`] with one function at the points of [`super::pyramid5`]. Stands beside all
-//! hexahedra that do not lock in volume.
+//! The equations are those of [`super::hex8_sri`] at the points of [`super::pyramid5`]. Stands beside all hexahedra that do not lock in
+//! volume.
 
-use super::mixed::{self, integrate, project};
+use super::hex8_sri::{integrate, use_mean_volume};
 use super::{ElementMatrices, Inverted, Medium, Sample, pyramid5};
 
 /// Integration points.
@@ -18,12 +18,12 @@ pub fn evaluate(
     want_tangent: bool,
     out: &mut ElementMatrices<15>,
 ) -> Result<(), Inverted> {
-    integrate(&mut pyramid5::points(x0, u)?, &mixed::mean(), medium, want_tangent, out)
+    integrate(&mut pyramid5::points(x0, u)?, medium, want_tangent, out)
 }
 
 /// The integration points, with the mean change of volume.
 pub fn samples(x0: &[[f64; 3]; 5], u: &[[f64; 3]; 5]) -> Result<[Sample; POINTS], Inverted> {
     let mut points = pyramid5::points(x0, u)?;
-    project(&mut points, &mixed::mean())?;
+    use_mean_volume(&mut points);
     Ok(points.map(|point| point.sample()))
 }

@@ -1,10 +1,10 @@
 //! 10-node tetrahedron with one change of volume for the whole element: quadratic displacements, constant pressure.
 //!
-//! The equations are those of [`super::mixed`] with one function, at the points of [`super::tet10`]. Fields whose strain is a
-//! change of volume that varies linearly over the element, and is zero on the mean, cost an element alone nothing where nothing
-//! else than volume is resisted; neighbours do not allow them.
+//! The equations are those of [`super::hex8_sri`] at the points of [`super::tet10`]. Fields whose strain is a change of volume that
+//! varies linearly over the element, and is zero on the mean, cost an element alone nothing where nothing else than volume is
+//! resisted; neighbours do not allow them.
 
-use super::mixed::{self, integrate, project};
+use super::hex8_sri::{integrate, use_mean_volume};
 use super::{ElementMatrices, Inverted, Medium, Sample, tet10};
 
 /// Integration points.
@@ -19,12 +19,12 @@ pub fn evaluate(
     want_tangent: bool,
     out: &mut ElementMatrices<30>,
 ) -> Result<(), Inverted> {
-    integrate(&mut tet10::points(x0, u)?, &mixed::mean(), medium, want_tangent, out)
+    integrate(&mut tet10::points(x0, u)?, medium, want_tangent, out)
 }
 
 /// The integration points, with the mean change of volume.
 pub fn samples(x0: &[[f64; 3]; 10], u: &[[f64; 3]; 10]) -> Result<[Sample; POINTS], Inverted> {
     let mut points = tet10::points(x0, u)?;
-    project(&mut points, &mixed::mean())?;
+    use_mean_volume(&mut points);
     Ok(points.map(|point| point.sample()))
 }
