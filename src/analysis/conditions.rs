@@ -17,12 +17,14 @@ mod inclined;
 mod prescribe;
 
 use crate::contact::moves::way;
+use crate::contact::pose::are_along;
 use crate::contact::{Axle, Movement, Pair, Pose, Tool};
 use crate::error::Result;
 use crate::model::{Model, axisymmetric, elements, plane_strain};
 use crate::parallel::sum;
 use crate::partition::PartSolid;
 use crate::scene::{Amplitude, Formulation, Reduction, Rotation, Spin, Step, Torque};
+use crate::surface::normals::tangents;
 use crate::system::Axes;
 use crate::system::dofs::{Motion, Prescribed, ToolFreedom};
 use crate::{Mat3, Vec3};
@@ -49,17 +51,16 @@ impl ToolMotion {
         // Cosines below this are rounding.
         const NONE: f64 = 1e-14;
         let turn = self.rotation.map(|turn| turn.axis.normalize()).or(self.axle.map(|axle| axle.axis));
-        // Of the three directions that one of x, y and z may be.
-        let axes = match turn.filter(|axis| axis.iter().all(|cosine| 1.0 - cosine.abs() >= NONE)) {
+        let axes = match turn.filter(|axis| !(0..3).any(|d| are_along(axis, &Vec3::ith(d, 1.0)))) {
             Some(axis) => {
-                let across = axis.cross(&Vec3::ith(axis.iamin(), 1.0)).normalize();
-                Mat3::from_columns(&[axis, across, axis.cross(&across)])
+                let [a, b] = tangents(&axis);
+                Mat3::from_columns(&[axis, a, b])
             }
             None => Mat3::identity(),
         };
         let way_along = |direction: Vec3| {
             let is_free = (0..3).any(|d| self.free[d] && direction[d].abs() > NONE);
-            let is_across = turn.is_some_and(|axis| 1.0 - axis.dot(&direction).abs() >= NONE);
+            let is_across = turn.is_some_and(|axis| !are_along(&axis, &direction));
             match is_across {
                 _ if is_free || is_across && self.axle.is_some() => f64::NAN,
                 true => f64::INFINITY,

@@ -16,8 +16,13 @@ pub struct Rotation {
 impl Rotation {
     /// Whether its axis is this one of x, y and z.
     pub fn is_along(&self, d: usize) -> bool {
-        1.0 - self.axis.normalize()[d].abs() < 1e-14
+        are_along(&self.axis.normalize(), &Vec3::ith(d, 1.0))
     }
+}
+
+/// Whether two unit vectors lie on one line, but for rounding.
+pub fn are_along(a: &Vec3, b: &Vec3) -> bool {
+    1.0 - a.dot(b).abs() < 1e-14
 }
 
 /// An axis about which a torque turns a tool.

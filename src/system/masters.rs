@@ -10,8 +10,9 @@ use mpi::topology::SimpleCommunicator;
 pub struct MasterNodes {
     /// Equations of each along its directions; [`NONE`](super::dofs::NONE) where there is none.
     pub equations: Vec<[i64; 3]>,
-    /// How the step moves each, and its directions.
+    /// How the step moves each.
     pub moves: Vec<Movement>,
+    is_tool: bool,
 }
 
 impl MasterNodes {
@@ -25,7 +26,7 @@ impl MasterNodes {
     ) -> Self {
         let equations = equations(comm, masters, master, dofs);
         if let Some(tool) = master.tool() {
-            return Self { equations, moves: vec![of_tools[tool]; 2] };
+            return Self { equations, moves: vec![of_tools[tool]; 2], is_tool: true };
         }
         let ways = masters.gather(comm, master, &[], |n, d| of_node(n).ways[d]);
         let mut moves: Vec<Movement> = ways.into_iter().map(Movement::along_axes).collect();
@@ -35,7 +36,12 @@ impl MasterNodes {
                 movement.axes = Mat3::from_fn(|i, d| rows[i][n][d]);
             }
         }
-        Self { equations, moves }
+        Self { equations, moves, is_tool: false }
+    }
+
+    /// The directions that the equations of one are along: those in which the step moves it, but of tools x, y and z.
+    pub fn axes(&self, n: u32) -> Mat3 {
+        if self.is_tool { Mat3::identity() } else { self.moves[n as usize].axes }
     }
 }
 

@@ -5,6 +5,7 @@
 //! forces and matrix entries travel to them.
 
 use super::Newton;
+use crate::Vec3;
 use crate::contact::meeting::{Ahead, Meeting, Moves, Workspace};
 use crate::contact::{Interference, Receiver, Segments, Status};
 use crate::error::Result;
@@ -12,7 +13,6 @@ use crate::model::Model;
 use crate::parallel::{any, max, sum};
 use crate::system::dofs::NONE;
 use crate::system::{MasterNodes, Pattern};
-use crate::{Mat3, Vec3};
 use smallvec::SmallVec;
 
 /// What contact works with besides the model.
@@ -286,7 +286,7 @@ impl Newton<'_> {
         let mut equations = Vec::new();
         for (p, pair) in pairs.iter_mut().enumerate() {
             let ground = masters.of(pair.master);
-            let MasterNodes { equations: of_master, moves } = &self.touching.nodes[p];
+            let of_master = &self.touching.nodes[p];
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
                 let Some(meeting) = &self.touching.meetings[p][s] else { continue };
                 let workspace = &mut self.touching.workspace;
@@ -299,10 +299,7 @@ impl Newton<'_> {
                 if dofs.is_inclined {
                     let width = if pair.rules.friction > 0.0 { 3 } else { 1 };
                     let of = |n: u32| dofs.axes.of(n as usize);
-                    // Equations of tools are along x, y and z, however they are known to move.
-                    let is_tool = pair.master.tool().is_some();
-                    let at = |n: u32| if is_tool { Mat3::identity() } else { moves[n as usize].axes };
-                    workspace.turn(slave.node, width, of, at);
+                    workspace.turn(slave.node, width, of, |n| of_master.axes(n));
                 }
                 if !pair.rules.method.holds_multipliers() && pair.rules.friction > 0.0 {
                     workspace.hold(multiplier.map(|e| e != NONE), meeting);
@@ -312,7 +309,7 @@ impl Newton<'_> {
                 equations.extend(dofs.node[slave.node as usize]);
                 equations.extend(&multiplier[..if pair.rules.friction > 0.0 { 3 } else { 1 }]);
                 equations.extend(element.beside.iter().flat_map(|&n| dofs.node[n as usize]));
-                equations.extend(element.nodes.iter().flat_map(|&n| of_master[n as usize]));
+                equations.extend(element.nodes.iter().flat_map(|&n| of_master.equations[n as usize]));
                 let columns = element.shape[1];
                 for (&row, entries) in equations.iter().zip(element.matrix.chunks(columns)).filter(|(r, _)| **r != NONE)
                 {
