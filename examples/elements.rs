@@ -1,6 +1,6 @@
 //! How the elements bend, lock and stay stable, as Markdown tables.
 
-use nagata::mesh::faces::{HEX_EDGES, HEX_FACES, TET_EDGES};
+use nagata::mesh::faces::{HEX_BETWEEN, TET_EDGES};
 use nagata::scene::MaterialModel;
 use nagata::solid::element::hex8_eas::{Modes, VOLUME};
 use nagata::solid::element::{
@@ -210,16 +210,11 @@ impl Block {
         let corner = |c: usize| CUBE[c].map(|x| x as usize);
         let mut list = Vec::new();
         for [i, j, k] in (0..nx * ny * nz).map(|c| [c / (ny * nz), c / nz % ny, c % nz]) {
-            let between = |a: usize, b: usize| {
+            let between = |[a, b]: [usize; 2]| {
                 let [x, y, z] = [0, 1, 2].map(|d| corner(a)[d] + corner(b)[d]);
                 self.node(2 * i + x, 2 * j + y, 2 * k + z)
             };
-            list.push(std::array::from_fn(|a| match a {
-                0..8 => between(a, a),
-                8..20 => between(HEX_EDGES[a - 8][0], HEX_EDGES[a - 8][1]),
-                20..26 => between(HEX_FACES[a - 20][0] as usize, HEX_FACES[a - 20][2] as usize),
-                _ => between(0, 6),
-            }));
+            list.push(HEX_BETWEEN.map(between));
         }
         list
     }

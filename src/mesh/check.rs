@@ -199,9 +199,13 @@ fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
     }))
 }
 
-/// The same of a quadratic hexahedron, over its nodes.
+/// The same of a quadratic hexahedron, over its integration points and nodes.
 fn scaled_hex27(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
-    widen(hex27::frames(&x.map(Into::into)).map(|[a, b, c]| scaled(a, b, c)).into_iter())
+    let nodes = x.map(Into::into);
+    widen(
+        hex27::frames(&nodes)
+            .map(|frame| scaled(frame.column(0).into(), frame.column(1).into(), frame.column(2).into())),
+    )
 }
 
 /// The same of a wedge, over its integration points and corners.

@@ -34,6 +34,20 @@ pub const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5]
 /// The same of a pyramid, which has none in their middles.
 pub const PYRAMID_EDGES: [[usize; 2]; 8] = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]];
 
+/// The corners that each node of a hexahedron of 27 stands half way between: itself, the ends of an edge, or across a face or all.
+pub const HEX_BETWEEN: [[usize; 2]; 27] = {
+    let (mut between, mut a) = ([[0, 6]; 27], 0);
+    while a < 26 {
+        between[a] = match a {
+            0..8 => [a, a],
+            8..20 => HEX_EDGES[a - 8],
+            _ => [HEX_FACES[a - 20][0] as usize, HEX_FACES[a - 20][2] as usize],
+        };
+        a += 1;
+    }
+    between
+};
+
 /// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];
 

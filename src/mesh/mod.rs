@@ -1,7 +1,7 @@
 //! Meshes: points, solids, surface facets and named groups, read on rank 0.
 //!
 //! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, hexahedra, wedges and
-//! quadrilaterals of second order as linear ones (`halves`), and elements with nodes that occur twice as what they are
+//! quadrilaterals of second order as linear ones (`halves`), of which [`make_quadratic`] makes whole hexahedra, and elements with nodes that occur twice as what they are
 //! (`collapse`), `select` takes the body or tool out of it and `orient` turns its facets outward,
 //! [`check`](check::check) refuses what cannot be computed. [`tie_layer`] prepares a body of one layer, [`lay_flat`] a sheet.
 

@@ -1,9 +1,9 @@
 //! Quadratic hexahedra from the linear ones that stand for them.
 
-use super::faces::{HEX_EDGES, HEX_FACES};
-use super::{Mesh, Solid, SolidShape, message};
+use super::faces::HEX_BETWEEN;
+use super::{Mesh, Solid, SolidShape, check, message};
+use crate::Vec3;
 use crate::error::{Error, Location, Result};
-use crate::solid::element::hex27;
 
 /// The corner of a hexahedron across from each.
 const ACROSS: [usize; 8] = [6, 7, 4, 5, 2, 3, 0, 1];
@@ -21,21 +21,14 @@ pub fn make_quadratic(mesh: &mut Mesh, block: Option<[usize; 3]>, at: &Location)
     let mut now = vec![u32::MAX; mesh.solids.len()];
     let mut solids = Vec::with_capacity(eights.len());
     for (parts, number) in eights.iter().zip(0..) {
-        let node = |corner: usize, to: usize| mesh.solids[parts[corner]].nodes[to];
-        let edges = HEX_EDGES.iter().map(|&[a, b]| node(a, b));
-        let faces = HEX_FACES.iter().map(|face| node(face[0] as usize, face[2] as usize));
-        let nodes: Vec<u32> =
-            (0..8).map(|c| node(c, c)).chain(edges).chain(faces).chain([node(0, ACROSS[0])]).collect();
+        // From a corner on the part there goes half way to each other one.
+        let nodes = HEX_BETWEEN.map(|[from, to]| mesh.solids[parts[from]].nodes[to]);
         // Those of a block are numbered anew.
         let id = if block.is_some() { number + 1 } else { mesh.solids[parts[0]].id };
         solids.push(Solid::new(SolidShape::Hex27, &nodes, id));
         parts.iter().for_each(|&part| now[part] = number as u32);
     }
-    let is_folded = |solid: &&Solid| {
-        let x: [[f64; 3]; 27] = solid.nodes.map(|n| mesh.points[n as usize]);
-        !(hex27::min_jacobian(&x) > 0.0 && hex27::nodal_jacobians(&x).iter().all(|jacobian| *jacobian > 0.0))
-    };
-    let folded: Vec<u64> = solids.iter().filter(is_folded).map(|solid| solid.id).collect();
+    let folded = check::spoiled(solids.iter(), |n| Vec3::from(mesh.points[n as usize]));
     if !folded.is_empty() {
         let what = format!("{} folded over as quadratic ones", message::several("element", &folded));
         return Err(message::whole_file(

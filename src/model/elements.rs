@@ -149,6 +149,12 @@ impl<const Q: usize> From<[Sample; Q]> for Samples {
     }
 }
 
+impl From<Vec<Sample>> for Samples {
+    fn from(many: Vec<Sample>) -> Self {
+        Self { few: [many[0]; hex8::POINTS], count: 0, many }
+    }
+}
+
 impl Deref for Samples {
     type Target = [Sample];
 
@@ -176,13 +182,9 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
         Formulation::Hex8Eas => hex8_eas::samples(&gather(points, solid), &gather(u, solid), medium)?.into(),
         Formulation::Hex8Shell => {
             let nodes = (&gather(points, solid), &gather(u, solid));
-            let many = hex8_shell::samples(nodes, model.section(solid).layers, medium)?;
-            Samples { few: [many[0]; hex8::POINTS], count: 0, many }
+            hex8_shell::samples(nodes, model.section(solid).layers, medium)?.into()
         }
-        Formulation::Hex27 => {
-            let many = hex27::samples(&gather(points, solid), &gather(u, solid))?.to_vec();
-            Samples { few: [many[0]; hex8::POINTS], count: 0, many }
-        }
+        Formulation::Hex27 => hex27::samples(&gather(points, solid), &gather(u, solid))?.to_vec().into(),
         Formulation::Wedge6 => wedge6::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Wedge6Sri => wedge6_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Pyramid5 => pyramid5::samples(&gather(points, solid), &gather(u, solid))?.into(),

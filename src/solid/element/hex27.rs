@@ -10,8 +10,8 @@
 
 use super::mixed::{self, project};
 use super::{ElementMatrices, Gradients, Inverted, Medium, Point, Sample, deform, jacobian, parameters};
-use crate::Vec3;
-use crate::mesh::faces::{HEX_EDGES, HEX_FACES};
+use crate::mesh::faces::HEX_BETWEEN;
+use crate::{Mat3, Vec3};
 
 /// Integration points.
 pub const POINTS: usize = 27;
@@ -21,20 +21,11 @@ const N: usize = 27;
 
 /// Parameters of the nodes.
 const NODES: [[f64; 3]; N] = {
-    let (corners, mut nodes) = (super::hex8::NODES, [[0.0; 3]; N]);
-    let mut a = 0;
-    while a < 26 {
-        let mut d = 0;
-        while d < 3 {
-            nodes[a][d] = match a {
-                0..8 => corners[a][d],
-                8..20 => 0.5 * (corners[HEX_EDGES[a - 8][0]][d] + corners[HEX_EDGES[a - 8][1]][d]),
-                // Ends of a diagonal.
-                _ => 0.5 * (corners[HEX_FACES[a - 20][0] as usize][d] + corners[HEX_FACES[a - 20][2] as usize][d]),
-            };
-            d += 1;
-        }
-        a += 1;
+    let (corners, mut nodes, mut k) = (super::hex8::NODES, [[0.0; 3]; N], 0);
+    while k < 3 * N {
+        let (a, d) = (k / 3, k % 3);
+        nodes[a][d] = 0.5 * (corners[HEX_BETWEEN[a][0]][d] + corners[HEX_BETWEEN[a][1]][d]);
+        k += 1;
     }
     nodes
 };
@@ -43,14 +34,7 @@ const NODES: [[f64; 3]; N] = {
 const FAR: f64 = 0.774_596_669_241_483_4;
 
 /// Parameters of the Gauss points: the nodes', nearer to the centre.
-const AT: [[f64; 3]; POINTS] = {
-    let (mut at, mut q) = ([[0.0; 3]; POINTS], 0);
-    while q < POINTS {
-        at[q] = [FAR * NODES[q][0], FAR * NODES[q][1], FAR * NODES[q][2]];
-        q += 1;
-    }
-    at
-};
+const AT: [[f64; 3]; POINTS] = scaled(FAR);
 
 /// Their weights: of three points 5/9 at the ends and 8/9 in the middle.
 const WEIGHTS: [f64; POINTS] = {
@@ -67,24 +51,13 @@ const WEIGHTS: [f64; POINTS] = {
 };
 
 /// Shape functions at the Gauss points.
-pub const VALUES: [[f64; N]; POINTS] = {
-    let (mut values, mut q) = ([[0.0; N]; POINTS], 0);
-    while q < POINTS {
-        values[q] = shape(AT[q]).0;
-        q += 1;
-    }
-    values
-};
+pub static VALUES: [[f64; N]; POINTS] = values(&AT);
 
 /// Derivatives at the Gauss points.
-static GRADIENTS: [Gradients<N>; POINTS] = {
-    let (mut gradients, mut q) = ([[[0.0; N]; 3]; POINTS], 0);
-    while q < POINTS {
-        gradients[q] = shape(AT[q]).1;
-        q += 1;
-    }
-    gradients
-};
+static GRADIENTS: [Gradients<N>; POINTS] = gradients(&AT);
+
+/// Derivatives at the nodes.
+static NODAL_GRADIENTS: [Gradients<N>; N] = gradients(&NODES);
 
 /// The functions that changes of volume, and pressures, are made of, at the Gauss points.
 const PRESSURES: [[f64; 4]; POINTS] = {
@@ -96,16 +69,39 @@ const PRESSURES: [[f64; 4]; POINTS] = {
     values
 };
 
-/// What the values at the Gauss points, each times its number here, give at each node: quadratic along each parameter.
-pub const AT_NODES: [[f64; POINTS]; N] = {
-    let (mut values, mut a) = ([[0.0; POINTS]; N], 0);
-    while a < N {
-        // The points stand at the nodes of an element that is smaller by FAR.
-        values[a] = shape([NODES[a][0] / FAR, NODES[a][1] / FAR, NODES[a][2] / FAR]).0;
-        a += 1;
+/// What the values at the Gauss points, each times its number here, give at each node: quadratic along each parameter. The points
+/// stand at the nodes of an element that is smaller by [`FAR`].
+pub static AT_NODES: [[f64; POINTS]; N] = values(&scaled(1.0 / FAR));
+
+/// The parameters of the nodes, so many times as far from the centre.
+const fn scaled(by: f64) -> [[f64; 3]; N] {
+    let (mut at, mut k) = (NODES, 0);
+    while k < 3 * N {
+        at[k / 3][k % 3] *= by;
+        k += 1;
+    }
+    at
+}
+
+/// Shape functions at places.
+const fn values(at: &[[f64; 3]; N]) -> [[f64; N]; N] {
+    let (mut values, mut q) = ([[0.0; N]; N], 0);
+    while q < N {
+        values[q] = shape(at[q]).0;
+        q += 1;
     }
     values
-};
+}
+
+/// Their derivatives there.
+const fn gradients(at: &[[f64; 3]; N]) -> [Gradients<N>; N] {
+    let (mut gradients, mut q) = ([[[0.0; N]; 3]; N], 0);
+    while q < N {
+        gradients[q] = shape(at[q]).1;
+        q += 1;
+    }
+    gradients
+}
 
 /// The quadratic along one parameter that is 1 at `node`, one of -1, 0 and 1, and 0 at the others, and its derivative.
 const fn along(node: f64, t: f64) -> [f64; 2] {
@@ -160,23 +156,12 @@ pub fn min_jacobian(x: &[[f64; 3]; N]) -> f64 {
 
 /// Jacobians at the nodes: an element that is not positive at one is folded over there, and lies on itself.
 pub fn nodal_jacobians(x: &[[f64; 3]; N]) -> [f64; N] {
-    frames(x).map(|[a, b, c]| 8.0 * a.dot(&b.cross(&c)))
+    NODAL_GRADIENTS.each_ref().map(|gradients| 8.0 * jacobian(x, gradients).determinant())
 }
 
-/// Derivatives of the position by the parameters at the nodes.
-pub fn frames(x: &[[f64; 3]; N]) -> [[Vec3; 3]; N] {
-    static AT_ALL: [Gradients<N>; N] = {
-        let (mut gradients, mut a) = ([[[0.0; N]; 3]; N], 0);
-        while a < N {
-            gradients[a] = shape(NODES[a]).1;
-            a += 1;
-        }
-        gradients
-    };
-    std::array::from_fn(|a| {
-        let frame = jacobian(x, &AT_ALL[a]);
-        std::array::from_fn(|m| frame.column(m).into())
-    })
+/// Derivatives of the position by the parameters, its columns, at the integration points and the nodes.
+pub fn frames(x: &[[f64; 3]; N]) -> impl Iterator<Item = Mat3> {
+    GRADIENTS.iter().chain(&NODAL_GRADIENTS).map(|gradients| jacobian(x, gradients))
 }
 
 /// Parameters of a point in the element with nodes at `x`, by Newton's method; `None` where it finds none near the element.

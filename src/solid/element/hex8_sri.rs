@@ -22,9 +22,8 @@
 //!                + q_ij g_aj m_bk + m_ai q_kl g_bl + s m_ai m_bk ] dV - Ps gm_ai gm_bk
 //! ```
 
-use super::{ElementMatrices, Inverted, Medium, Point, Sample, add_force, add_scaled, contract, hex8, stress_rate};
-use crate::solid::material::Response;
-use crate::solid::voigt::{INDEX, Voigt};
+use super::mixed::{add_rates, pressure, respond};
+use super::{ElementMatrices, Inverted, Medium, Point, Sample, add_force, add_scaled, contract, hex8};
 
 /// Integration points.
 pub const POINTS: usize = hex8::POINTS;
@@ -54,8 +53,7 @@ pub(super) fn use_mean_volume<const N: usize, const Q: usize>(points: &mut [Poin
     let (reference, current) = points.iter().fold((0.0, 0.0), |(r, c), p| (r + p.weight, c + p.weight * p.det_f));
     let mean = current / reference;
     for point in points {
-        point.f *= (mean / point.det_f).cbrt();
-        point.det_f = mean;
+        point.take_volume(mean);
     }
 }
 
@@ -77,19 +75,11 @@ pub(super) fn integrate<const N: usize, const Q: usize, const D: usize>(
     }
     use_mean_volume(points);
 
-    let mut responses = [Response { kirchhoff: [0.0; 6], tangent: [[0.0; 6]; 6] }; Q];
-    let (mut force, mut total) = ([[0.0; N]; 3], 0.0);
-    for (q, (point, response)) in points.iter().zip(&mut responses).enumerate() {
-        let (material, state) = (medium.material, medium.state(q));
-        let inverted = Inverted { det_f: point.det_f };
-        if want_tangent {
-            *response = material.response(&point.f, state).ok_or(inverted)?;
-        } else {
-            response.kirchhoff = material.kirchhoff(&point.f, state).ok_or(inverted)?;
-        }
-        let pressure = pressure(&response.kirchhoff);
-        add_force(point, &add_to_diagonal(&response.kirchhoff, -pressure), &mut force);
-        total += point.weight * pressure;
+    let mut force = [[0.0; N]; 3];
+    let responses = respond(points, medium, want_tangent, &mut force)?;
+    let mut total = 0.0;
+    for (point, response) in points.iter().zip(&responses) {
+        total += point.weight * pressure(&response.kirchhoff);
     }
     for i in 0..3 {
         add_scaled(&mut force[i], total, &mean[i]);
@@ -101,31 +91,10 @@ pub(super) fn integrate<const N: usize, const Q: usize, const D: usize>(
 
     let mut rates = [[[[[0.0; N]; 3]; Q]; 3]; 3];
     let (mut cross, mut of_mean) = ([[0.0; N]; 3], -total);
-    for (q, (point, Response { kirchhoff, tangent })) in points.iter().zip(&responses).enumerate() {
-        let pressure = pressure(kirchhoff);
-        let x = pressure - total * share[q] / point.weight;
-        let rate_of_volume: Voigt =
-            std::array::from_fn(|v| tangent[v][0] + tangent[v][1] + tangent[v][2] + 2.0 * kirchhoff[v]);
-        let s = rate_of_volume[0] + rate_of_volume[1] + rate_of_volume[2];
-        // All that stands between g_a and g_b; delta_il delta_jk is twice the symmetric unit tensor less delta_ik delta_jl.
-        let mut between = *tangent;
-        for v in 0..6 {
-            between[v][v] += if v < 3 { 2.0 * x } else { x };
-            for w in 0..3 {
-                between[v][w] -= rate_of_volume[v] / 3.0;
-                between[w][v] -= rate_of_volume[v] / 3.0;
-            }
-        }
-        for (v, w) in (0..3).flat_map(|v| (0..3).map(move |w| (v, w))) {
-            between[v][w] += s / 9.0 + pressure - x;
-        }
-        let initial = add_to_diagonal(kirchhoff, -x);
-        for i in 0..3 {
-            for k in i..3 {
-                stress_rate(point, &initial, &between, i, k, &mut rates[i][k][q]);
-            }
-        }
-        add_force(point, &add_to_diagonal(&rate_of_volume.map(|r| r / 3.0), -s / 9.0), &mut cross);
+    for (q, (point, response)) in points.iter().zip(&responses).enumerate() {
+        let x = pressure(&response.kirchhoff) - total * share[q] / point.weight;
+        let (with_mean, s) = add_rates(point, response, x, q, &mut rates);
+        add_force(point, &with_mean, &mut cross);
         of_mean += point.weight * s / 9.0;
     }
     contract(points, &rates, true, &mut out.tangent);
@@ -139,15 +108,4 @@ pub(super) fn integrate<const N: usize, const Q: usize, const D: usize>(
         }
     }
     Ok(())
-}
-
-/// A third of the trace.
-#[inline(always)]
-pub(super) fn pressure(stress: &Voigt) -> f64 {
-    (stress[INDEX[0][0]] + stress[INDEX[1][1]] + stress[INDEX[2][2]]) / 3.0
-}
-
-#[inline(always)]
-pub(super) fn add_to_diagonal(stress: &Voigt, by: f64) -> Voigt {
-    std::array::from_fn(|v| stress[v] + if v < 3 { by } else { 0.0 })
 }

@@ -23,10 +23,9 @@
 //! gm is the sum of few products, so that what it is in becomes as many products of vectors of the element. With psi = 1 alone
 //! theta is the mean of J, A = 1/v with v the volume of the deformed element, and gm the mean of g over it: [`super::hex8_sri`].
 
-use super::hex8_sri::{add_to_diagonal, pressure};
-use super::{ElementMatrices, Inverted, Medium, Point, add_force, add_scaled, contract, stress_rate};
+use super::{ElementMatrices, Gradients, Inverted, Medium, Point, add_force, add_scaled, contract, stress_rate};
 use crate::solid::material::Response;
-use crate::solid::voigt::Voigt;
+use crate::solid::voigt::{INDEX, Voigt};
 use nalgebra::SMatrix;
 
 /// The projected change of volume.
@@ -68,8 +67,7 @@ impl<const Q: usize, const M: usize> Projection<Q, M> {
     #[inline(always)]
     fn apply<const N: usize>(&self, points: &mut [Point<N>; Q]) {
         for (point, theta) in points.iter_mut().zip(self.theta) {
-            point.f *= (theta / point.det_f).cbrt();
-            point.det_f = theta;
+            point.take_volume(theta);
         }
     }
 }
@@ -106,19 +104,12 @@ pub(super) fn integrate<const N: usize, const Q: usize, const M: usize, const D:
     }
     projection.apply(points);
 
-    let mut responses = [Response { kirchhoff: [0.0; 6], tangent: [[0.0; 6]; 6] }; Q];
-    let (mut force, mut pressures) = ([[0.0; N]; 3], [0.0; M]);
-    for (q, (point, response)) in points.iter().zip(&mut responses).enumerate() {
-        let (material, state) = (medium.material, medium.state(q));
-        let inverted = Inverted { det_f: point.det_f };
-        if want_tangent {
-            *response = material.response(&point.f, state).ok_or(inverted)?;
-        } else {
-            response.kirchhoff = material.kirchhoff(&point.f, state).ok_or(inverted)?;
-        }
-        let pressure = pressure(&response.kirchhoff);
-        add_force(point, &add_to_diagonal(&response.kirchhoff, -pressure), &mut force);
-        (0..M).for_each(|j| pressures[j] += point.weight * pressure * projection.rates[q][j]);
+    let mut force = [[0.0; N]; 3];
+    let responses = respond(points, medium, want_tangent, &mut force)?;
+    let mut pressures = [0.0; M];
+    for ((point, response), rates) in points.iter().zip(&responses).zip(&projection.rates) {
+        let borne = point.weight * pressure(&response.kirchhoff);
+        (0..M).for_each(|j| pressures[j] += borne * rates[j]);
     }
     for (of, pressure) in of_volume.iter().zip(pressures) {
         (0..3).for_each(|i| add_scaled(&mut force[i], pressure, &of[i]));
@@ -133,33 +124,12 @@ pub(super) fn integrate<const N: usize, const Q: usize, const M: usize, const D:
     let mut rates = [[[[[0.0; N]; 3]; Q]; 3]; 3];
     // What is multiplied with B_j, and by both B_j and B_l.
     let (mut beside, mut between_both) = ([[[0.0; N]; 3]; M], [[0.0; M]; M]);
-    for (q, (point, Response { kirchhoff, tangent })) in points.iter().zip(&responses).enumerate() {
-        let pressure = pressure(kirchhoff);
+    for (q, (point, response)) in points.iter().zip(&responses).enumerate() {
+        let pressure = pressure(&response.kirchhoff);
         let y = volumes[q] * psi[q].iter().zip(pressures).map(|(psi, p)| psi * p).sum::<f64>();
-        let x = pressure - y;
-        let rate_of_volume: Voigt =
-            std::array::from_fn(|v| tangent[v][0] + tangent[v][1] + tangent[v][2] + 2.0 * kirchhoff[v]);
-        let s = rate_of_volume[0] + rate_of_volume[1] + rate_of_volume[2];
-        // All that stands between g_a and g_b; delta_il delta_jk is twice the symmetric unit tensor less delta_ik delta_jl.
-        let mut between = *tangent;
-        for v in 0..6 {
-            between[v][v] += if v < 3 { 2.0 * x } else { x };
-            for w in 0..3 {
-                between[v][w] -= rate_of_volume[v] / 3.0;
-                between[w][v] -= rate_of_volume[v] / 3.0;
-            }
-        }
-        for (v, w) in (0..3).flat_map(|v| (0..3).map(move |w| (v, w))) {
-            between[v][w] += s / 9.0 + y;
-        }
-        let initial = add_to_diagonal(kirchhoff, -x);
-        for i in 0..3 {
-            for k in i..3 {
-                stress_rate(point, &initial, &between, i, k, &mut rates[i][k][q]);
-            }
-        }
+        let (with_mean, s) = add_rates(point, response, pressure - y, q, &mut rates);
         let mut of_point = [[0.0; N]; 3];
-        add_force(point, &add_to_diagonal(&rate_of_volume.map(|r| r / 3.0), -s / 9.0), &mut of_point);
+        add_force(point, &with_mean, &mut of_point);
         let own = &projection.rates[q];
         for j in 0..M {
             (0..3).for_each(|i| add_scaled(&mut beside[j][i], own[j], &of_point[i]));
@@ -185,4 +155,73 @@ pub(super) fn integrate<const N: usize, const Q: usize, const M: usize, const D:
         (r..D).for_each(|c| out.tangent[c][r] = out.tangent[r][c]);
     }
     Ok(())
+}
+
+/// What the material says at points that have the change of volume that counts; adds the forces of the deviatoric stresses.
+#[inline(always)]
+pub(super) fn respond<const N: usize, const Q: usize>(
+    points: &[Point<N>; Q],
+    medium: Medium,
+    want_tangent: bool,
+    force: &mut [[f64; N]; 3],
+) -> Result<[Response; Q], Inverted> {
+    let mut responses = [Response { kirchhoff: [0.0; 6], tangent: [[0.0; 6]; 6] }; Q];
+    for (q, (point, response)) in points.iter().zip(&mut responses).enumerate() {
+        let (material, state) = (medium.material, medium.state(q));
+        let inverted = Inverted { det_f: point.det_f };
+        if want_tangent {
+            *response = material.response(&point.f, state).ok_or(inverted)?;
+        } else {
+            response.kirchhoff = material.kirchhoff(&point.f, state).ok_or(inverted)?;
+        }
+        let pressure = pressure(&response.kirchhoff);
+        add_force(point, &add_to_diagonal(&response.kirchhoff, -pressure), force);
+    }
+    Ok(responses)
+}
+
+/// Adds all that stands between g_a and g_b in the tangent at point q, with x = ps - y. Gives what stands between g_a and gm_b,
+/// q/3 - s/9 1, and s.
+#[inline(always)]
+pub(super) fn add_rates<const N: usize, const Q: usize>(
+    point: &Point<N>,
+    Response { kirchhoff, tangent }: &Response,
+    x: f64,
+    q: usize,
+    rates: &mut [[[Gradients<N>; Q]; 3]; 3],
+) -> (Voigt, f64) {
+    let pressure = pressure(kirchhoff);
+    let rate_of_volume: Voigt =
+        std::array::from_fn(|v| tangent[v][0] + tangent[v][1] + tangent[v][2] + 2.0 * kirchhoff[v]);
+    let s = rate_of_volume[0] + rate_of_volume[1] + rate_of_volume[2];
+    // delta_il delta_jk is twice the symmetric unit tensor less delta_ik delta_jl.
+    let mut between = *tangent;
+    for v in 0..6 {
+        between[v][v] += if v < 3 { 2.0 * x } else { x };
+        for w in 0..3 {
+            between[v][w] -= rate_of_volume[v] / 3.0;
+            between[w][v] -= rate_of_volume[v] / 3.0;
+        }
+    }
+    for (v, w) in (0..3).flat_map(|v| (0..3).map(move |w| (v, w))) {
+        between[v][w] += s / 9.0 + pressure - x;
+    }
+    let initial = add_to_diagonal(kirchhoff, -x);
+    for i in 0..3 {
+        for k in i..3 {
+            stress_rate(point, &initial, &between, i, k, &mut rates[i][k][q]);
+        }
+    }
+    (add_to_diagonal(&rate_of_volume.map(|r| r / 3.0), -s / 9.0), s)
+}
+
+/// A third of the trace.
+#[inline(always)]
+pub(super) fn pressure(stress: &Voigt) -> f64 {
+    (stress[INDEX[0][0]] + stress[INDEX[1][1]] + stress[INDEX[2][2]]) / 3.0
+}
+
+#[inline(always)]
+fn add_to_diagonal(stress: &Voigt, by: f64) -> Voigt {
+    std::array::from_fn(|v| stress[v] + if v < 3 { by } else { 0.0 })
 }

@@ -160,8 +160,7 @@ fn deform<const N: usize, const Q: usize>(
 fn use_volume_of<const N: usize>(centre: &Point<N>, points: &mut [Point<N>]) {
     for point in points {
         let ratio = centre.det_f / point.det_f;
-        point.f *= ratio.cbrt();
-        point.det_f = centre.det_f;
+        point.take_volume(centre.det_f);
         point.weight /= ratio;
     }
 }
@@ -317,6 +316,13 @@ fn contract<const N: usize, const Q: usize, const D: usize>(
 }
 
 impl<const N: usize> Point<N> {
+    /// Gives it another change of volume.
+    #[inline(always)]
+    fn take_volume(&mut self, det_f: f64) {
+        self.f *= (det_f / self.det_f).cbrt();
+        self.det_f = det_f;
+    }
+
     fn sample(&self) -> Sample {
         Sample { f: self.f, det_f: self.det_f, weight: self.weight }
     }
