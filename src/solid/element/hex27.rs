@@ -4,9 +4,9 @@
 //! [`crate::mesh::faces`]; N_a is the product of three of t (t - 1) / 2, 1 - t^2 and t (t + 1) / 2. Edges and faces may be curved.
 //! There are 3x3x3 Gauss points.
 //!
-//! The equations are those of [`super::mixed`] with the functions 1, xi, eta and zeta: quadratic displacements with discontinuous linear pressures
-//! satisfy the inf-sup condition (Boffi, Brezzi and Fortin, Mixed Finite Element Methods and Applications, 8.6.3), so that the element
-//! locks neither in volume nor in shear, and none of its pressures oscillates.
+//! The equations are those of `mixed.rs` with the functions 1, xi, eta and zeta: quadratic displacements with discontinuous linear
+//! pressures satisfy the inf-sup condition (Boffi, Brezzi and Fortin, Mixed Finite Element Methods and Applications, 8.6.3), so that
+//! the element locks neither in volume nor in shear, and none of its pressures oscillates.
 
 use super::mixed::{self, project};
 use super::{ElementMatrices, Gradients, Inverted, Medium, Point, Sample, deform, jacobian, parameters};
@@ -70,7 +70,7 @@ const PRESSURES: [[f64; 4]; POINTS] = {
 };
 
 /// What the values at the Gauss points, each times its number here, give at each node: quadratic along each parameter. The points
-/// stand at the nodes of an element that is smaller by [`FAR`].
+/// stand at the nodes of an element that is smaller by `FAR`.
 pub static AT_NODES: [[f64; POINTS]; N] = values(&scaled(1.0 / FAR));
 
 /// The parameters of the nodes, so many times as far from the centre.
