@@ -165,8 +165,8 @@ impl Model {
         model.stiffen_joints(scene);
         model.pair_up(comm, scene, &avoided, &bulges)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
-        let guidance::Guidance { wrong, crossed } = model.guidance(comm, scene)?;
-        model.warnings.extend(wrong.iter().map(ToString::to_string).chain(crossed));
+        let guidance::Guidance { wrong, uneven } = model.guidance(comm, scene)?;
+        model.warnings.extend(wrong.iter().map(ToString::to_string).chain(uneven));
         Ok(model)
     }
 

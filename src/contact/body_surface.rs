@@ -76,7 +76,8 @@ impl Near {
             patch.shape(&own)
         });
         // A diverging iterate may be nowhere.
-        let somewhere = |p: &Patch| p.nodes.iter().chain(&p.coefficients).flatten().all(|x| x.is_finite());
+        let somewhere =
+            |p: &Patch| p.nodes.iter().chain(&p.coefficients).chain([&p.middle]).flatten().all(|x| x.is_finite());
         shapes.filter(somewhere).collect()
     }
 }

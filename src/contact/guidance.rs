@@ -10,10 +10,13 @@
 //! Two passes pass an even pressure on by forces at the nodes of both sides. Where the facets of one are the longer ones along
 //! one direction, and the shorter ones along another, as rectangles across each other or triangles whose diagonals cross, some of
 //! these forces would have to pull, and nodes let go in the middle of the contact.
+//!
+//! Forces of an even pressure at the nodes of a face of nine are 1/36, 1/9 and 4/9 of all, those of its four quarters 1/16, 1/8 and
+//! 1/4: where one side has these and the other those, nodes that meet nodes cannot pass them on evenly.
 
 use super::Discretization;
 use crate::error::{Error, Result};
-use crate::parallel::sum;
+use crate::parallel::{any, sum};
 use crate::partition::parcels::{bounds, grown, hull};
 use crate::partition::{Part, PartFacet};
 use crate::scene::{self, Scene};
@@ -139,8 +142,8 @@ fn is_hopeless(slave: &Side, master: &Side) -> bool {
 #[derive(Clone, Debug, Default)]
 pub struct Guidance {
     pub wrong: Vec<WrongWayRound>,
-    /// Of two passes whose facets cross, in words.
-    pub crossed: Vec<String>,
+    /// Of two passes whose facets cross, and of faces of nine nodes that meet others, in words.
+    pub uneven: Vec<String>,
 }
 
 /// What there is to say of the meshes of the contacts of a scene between bodies. `sets` has the place of each set in the part's.
@@ -189,10 +192,20 @@ pub fn guidance(
             && !is_layer
             && crossing(&slave.edges, &master.edges) > CLEARLY
         {
-            found.crossed.push(format!(
+            found.uneven.push(format!(
                 "contact `{name}`: the facets of `{}` are longer than those of `{}` along one direction and shorter along another; \
                  two passes let nodes go there that should press, and force and pressures are off: use discretization = \
                  \"segment\", or meshes that are finer on the same side throughout",
+                slave.name, master.name
+            ));
+        }
+        let quadratic =
+            |k: usize| any(comm, facets[k].iter().any(|f| part.nines.of(&f.nodes[..f.count as usize]).is_some()));
+        if let [true, false] | [false, true] = [quadratic(0), quadratic(1)] {
+            found.uneven.push(format!(
+                "contact `{name}`: faces of nine nodes meet others between `{}` and `{}`: an even pressure comes out as uneven ones at \
+                 the nodes, half as high to half as high again where nodes meet nodes; forces and moments balance: use one kind of \
+                 element on both sides, or a slave of `hex27` twice as fine",
                 slave.name, master.name
             ));
         }

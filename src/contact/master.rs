@@ -561,16 +561,9 @@ impl<'a> Ground<'a> {
 
     /// The shares of a patch's own nodes in the point `at`, with which of its nodes they are; a tool has but one.
     pub fn bearing(&self, at: &Projection) -> impl Iterator<Item = (u32, f64)> + Clone + 'a {
-        let [e, z] = at.xi;
-        let [b0, b1, b2] = [1.0 - e, e - z, z];
-        let quadratic =
-            [2.0 * b0 * b0 - b0, 2.0 * b1 * b1 - b1, 2.0 * b2 * b2 - b2, 4.0 * b0 * b1, 4.0 * b1 * b2, 4.0 * b2 * b0];
-        let bilinear = [b0 * (1.0 - z), e * (1.0 - z), e * z, b0 * z, 0.0, 0.0];
         let (nodes, weights) = match self.patch(at.patch) {
-            None => (&[0][..], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]),
-            Some((patch, stencil)) if patch.is_quadratic => (&stencil[..6], quadratic),
-            Some((patch, stencil)) if patch.count == 3 => (&stencil[..3], [b0, b1, b2, 0.0, 0.0, 0.0]),
-            Some((_, stencil)) => (&stencil[..4], bilinear),
+            None => (&[0][..], std::array::from_fn(|j| if j == 0 { 1.0 } else { 0.0 })),
+            Some((patch, stencil)) => (&stencil[..patch.own()], patch.shape_functions(at.xi)),
         };
         nodes.iter().copied().zip(weights)
     }

@@ -53,6 +53,10 @@ impl Nines {
         Self(found)
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// The nodes of the face that a facet is a quarter of.
     pub fn of(&self, corners: &[u32]) -> Option<&[u32; 9]> {
         if self.0.is_empty() { None } else { self.0.get(&Facet::new(corners, 0).key()) }

@@ -47,6 +47,7 @@ pub fn smooth(mesh: &Mesh, smoothing: Smoothing, options: &NormalOptions, flip: 
         count: facets.counts[f],
         nodes: std::array::from_fn(|k| *facets.point(f, k)),
         coefficients: coefficients[f],
+        middle: Vec3::zeros(),
         edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
         on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
         deviation: deviations[f],

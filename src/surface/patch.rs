@@ -4,8 +4,10 @@
 //! `[0,1]^2`, nodes 0 to 3 at (0,0), (1,0), (1,1), (0,1), a quadrilateral is
 //!
 //! ```text
-//!     P = sum w_i x_i - [ c_0 e(1-e)(1-z) + c_2 e(1-e) z + c_3 z(1-z)(1-e) + c_1 z(1-z) e ],   w bilinear
+//!     P = sum w_i x_i - [ c_0 e(1-e)(1-z) + c_2 e(1-e) z + c_3 z(1-z)(1-e) + c_1 z(1-z) e + m e(1-e) z(1-z) ],   w bilinear
 //! ```
+//!
+//! with m = 0 unless it is biquadratic,
 //!
 //! and on 0 <= z <= e <= 1, nodes 0 to 2 at (0,0), (1,0), (1,1), a triangle is
 //!
@@ -13,7 +15,7 @@
 //!     P = sum b_i x_i - [ c_0 b_0 b_1 + c_1 b_1 b_2 + c_2 b_2 b_0 ],   b = (1-e, e-z, z)
 //! ```
 //!
-//! Both interpolate the edge curves, so patches that share two nodes and their normals meet without a gap. With c = 0
+//! Both interpolate the edge curves, so patches that share two nodes and their normals meet without a gap. With c = 0 and m = 0
 //! they are the flat or bilinear facet.
 
 use super::numbers::{flags, from_flags};
@@ -34,6 +36,8 @@ pub struct Patch {
     pub nodes: [Vec3; 4],
     /// Coefficients of the edges; zero for a facet.
     pub coefficients: [Vec3; 4],
+    /// The coefficient m of its inside; zero unless it is biquadratic.
+    pub middle: Vec3,
     pub edges: [Edge; 4],
     /// Nodes where the surface ends, though perhaps in an edge of another patch.
     pub on_boundary: [bool; 4],
@@ -43,7 +47,7 @@ pub struct Patch {
 
 impl Patch {
     /// Length of [`Self::to_array`].
-    pub const LEN: usize = 28;
+    pub const LEN: usize = 31;
 
     /// The patch at parameters `xi`, which may lie outside the domain.
     pub fn local(&self, [e, z]: [f64; 2]) -> Local {
@@ -67,13 +71,18 @@ impl Patch {
         let along_e = c0 * y + c2 * z;
         let along_z = c3 * f + c1 * e;
         let (slope_e, slope_z) = (c2 - c0, c1 - c3);
+        let m = &self.middle;
         Local {
-            point: (x0 * f + x1 * e) * y + (x3 * f + x2 * e) * z - along_e * be - along_z * bz,
+            point: (x0 * f + x1 * e) * y + (x3 * f + x2 * e) * z - along_e * be - along_z * bz - m * (be * bz),
             tangents: [
-                (x1 - x0) * y + (x2 - x3) * z - along_e * de - slope_z * bz,
-                (x3 - x0) * f + (x2 - x1) * e - along_z * dz - slope_e * be,
+                (x1 - x0) * y + (x2 - x3) * z - along_e * de - slope_z * bz - m * (de * bz),
+                (x3 - x0) * f + (x2 - x1) * e - along_z * dz - slope_e * be - m * (be * dz),
             ],
-            second: [along_e * 2.0, x0 - x1 + x2 - x3 - slope_e * de - slope_z * dz, along_z * 2.0],
+            second: [
+                (along_e + m * bz) * 2.0,
+                x0 - x1 + x2 - x3 - slope_e * de - slope_z * dz - m * (de * dz),
+                (along_z + m * be) * 2.0,
+            ],
         }
     }
 
@@ -89,12 +98,12 @@ impl Patch {
 
     /// True when all edges are straight.
     pub fn is_facet(&self) -> bool {
-        self.coefficients[..self.count as usize].iter().all(|c| *c == Vec3::zeros())
+        self.coefficients[..self.count as usize].iter().chain([&self.middle]).all(|c| *c == Vec3::zeros())
     }
 
-    /// How far it is from the facet of its nodes, at most: an edge is c/4 from its chord, and the inside as much again.
+    /// How far it is from the facet of its nodes, at most: an edge is c/4 from its chord, and the inside as much again, and m/16.
     pub fn bulge(&self) -> f64 {
-        self.coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max)
+        self.coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max) + self.middle.norm() / 16.0
     }
 
     /// Lower and upper corner of a box that holds the patch and its extension beyond all edges.
@@ -104,7 +113,7 @@ impl Patch {
     /// triangle |b_i b_j| <= ((1+ext)/2)^2.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let count = self.count as usize;
-        let straight = Patch { coefficients: [Vec3::zeros(); 4], ..*self };
+        let straight = Patch { coefficients: [Vec3::zeros(); 4], middle: Vec3::zeros(), ..*self };
         let (mut low, mut high) = (Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY));
         for corner in &self.corners(&[EXTENSION; 4])[..count] {
             let point = straight.point(*corner);
@@ -115,7 +124,8 @@ impl Patch {
         let bulge = if count == 3 {
             (c0 + c1 + c2) * (0.5 * (1.0 + 2.0 * EXTENSION)).powi(2)
         } else {
-            (c0.sup(&c2) + c1.sup(&c3)) * (0.25 * (1.0 + 2.0 * EXTENSION))
+            let most = 0.25 * (1.0 + 2.0 * EXTENSION);
+            (c0.sup(&c2) + c1.sup(&c3)) * most + self.middle.abs() * (most * most)
         };
         (low - bulge, high + bulge)
     }
@@ -123,28 +133,29 @@ impl Patch {
     /// The patch as numbers, to be sent to another rank.
     pub fn to_array(&self) -> [f64; Self::LEN] {
         let mut array = [0.0; Self::LEN];
-        for (k, v) in self.nodes.iter().chain(&self.coefficients).enumerate() {
+        for (k, v) in self.nodes.iter().chain(&self.coefficients).chain([&self.middle]).enumerate() {
             array[3 * k..3 * k + 3].copy_from_slice(v.as_slice());
         }
-        array[24] = self.id as f64;
-        array[25] = self.count as f64;
-        array[26] = flags(&self.edges, &self.on_boundary);
-        array[27] = self.deviation;
+        array[27] = self.id as f64;
+        array[28] = self.count as f64;
+        array[29] = flags(&self.edges, &self.on_boundary);
+        array[30] = self.deviation;
         array
     }
 
     /// The patch of [`Self::to_array`].
     pub fn from_array(array: &[f64; Self::LEN]) -> Self {
         let vector = |k: usize| Vec3::new(array[3 * k], array[3 * k + 1], array[3 * k + 2]);
-        let (edges, on_boundary) = from_flags(array[26]);
+        let (edges, on_boundary) = from_flags(array[29]);
         Self {
-            id: array[24] as u32,
-            count: array[25] as u8,
+            id: array[27] as u32,
+            count: array[28] as u8,
             nodes: std::array::from_fn(vector),
             coefficients: std::array::from_fn(|k| vector(4 + k)),
+            middle: vector(8),
             edges,
             on_boundary,
-            deviation: array[27],
+            deviation: array[30],
         }
     }
 }
@@ -219,12 +230,13 @@ impl Polygon for Patch {
     }
 
     /// The straight part is between the nodes. In a quadrilateral e(1-e) and z(1-z) are 1/4 at most, times a mean of opposite
-    /// edges each; in a triangle the b_i b_j sum to 1/3 at most.
+    /// edges each, and their product 1/16; in a triangle the b_i b_j sum to 1/3 at most.
     fn farthest_along(&self, direction: &Vec3) -> f64 {
         let count = self.count as usize;
         let highest = self.nodes[..count].iter().map(|x| x.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
         let [c0, c1, c2, c3] = self.coefficients.map(|c| f64::max(-c.dot(direction), 0.0));
-        highest + if count == 3 { c0.max(c1).max(c2) / 3.0 } else { (c0.max(c2) + c1.max(c3)) / 4.0 }
+        let inside = f64::max(-self.middle.dot(direction), 0.0) / 16.0;
+        highest + inside + if count == 3 { c0.max(c1).max(c2) / 3.0 } else { (c0.max(c2) + c1.max(c3)) / 4.0 }
     }
 
     fn bend(&self, y: &Vec3) -> [f64; 4] {
@@ -234,7 +246,9 @@ impl Polygon for Patch {
         }
         let [x0, x1, x2, x3] = &self.nodes;
         let twist = (x0 - x1 + x2 - x3).dot(y);
-        [2.0 * c0.max(c2), twist, (c2 - c0).abs() + (c1 - c3).abs(), 2.0 * c1.max(c3)]
+        let m = self.middle.dot(y);
+        let most = 0.5 * m.max(0.0);
+        [2.0 * c0.max(c2) + most, twist, (c2 - c0).abs() + (c1 - c3).abs() + m.abs(), 2.0 * c1.max(c3) + most]
     }
 }
 

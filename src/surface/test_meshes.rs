@@ -133,6 +133,7 @@ pub fn patch(nodes: &[Vec3], normals: &[Vec3]) -> Patch {
         count: count as u8,
         nodes: std::array::from_fn(|k| nodes[k % count]),
         coefficients: [Vec3::zeros(); 4],
+        middle: Vec3::zeros(),
         edges: [Edge::Boundary; 4],
         on_boundary: [true; 4],
         deviation: 0.0,

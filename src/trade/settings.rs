@@ -169,12 +169,14 @@ fn accuracy(scene: &Scene, preset: Accuracy) -> Setting {
     setting
 }
 
-/// Blocks with half the elements along each edge.
+/// Blocks with half the elements along each edge; even numbers of those that become quadratic ones.
 fn mesh(scene: &Scene) -> Setting {
     let mut setting = Setting::new("mesh");
     let halved = |body: &Body| match &body.mesh {
         MeshSource::Block(block) => {
-            let count = block.value.elements.map(|count| count.div_ceil(2));
+            let is_quadratic = body.element.as_ref().is_some_and(|element| element.value == Formulation::Hex27);
+            let least = if is_quadratic { 2 } else { 1 };
+            let count = block.value.elements.map(|count| count.div_ceil(2 * least) * least);
             (count != block.value.elements).then(|| format!("body.{}.block.elements={count:?}", body.name.value))
         }
         MeshSource::File { .. } => None,

@@ -86,13 +86,25 @@ impl Pair {
         pair
     }
 
-    /// With triangles of the quadratic shape through nodes near the middles of their edges.
+    /// With triangles of the quadratic shape through nodes near the middles of their edges, and quadrilaterals that are quarters of
+    /// faces of nine nodes.
     fn quadratic(mut self) -> Self {
         for k in [self.now, self.before] {
             if self.patches[k].is_quadratic {
                 continue;
             }
             let first = self.points.len();
+            let (corners, size) = (self.patches[k].nodes.clone(), self.size());
+            if let [a, ab, all, da] = corners[..] {
+                let [b, c, d, bc, cd] = std::array::from_fn(|k| (first + k) as u64);
+                self.patches[k].bend_as_quarter([a, b, c, d, ab, bc, cd, da, all]);
+                let x = [a, ab, all, da].map(|n| self.points[n as usize]);
+                let (along, across) = (x[1] - x[0], x[3] - x[0]);
+                let rest = [x[1] + along, x[2] * 2.0 - x[0], x[3] + across, x[2] + along, x[2] + across];
+                let off = |(e, x): (usize, Vec3)| x + Vec3::new(0.05, -0.02, 0.1) * (noise(first + e) * size);
+                self.points.extend(rest.into_iter().enumerate().map(off));
+                continue;
+            }
             self.patches[k].bend_through([first, first + 1, first + 2].map(|n| n as u64));
             let (x, size) = (self.positions_of_corners(k), self.size());
             let middle =
@@ -229,9 +241,7 @@ fn pairs() -> Vec<Pair> {
             let mesh = grid(3, 3, triangles, dome);
             pairs.push(Pair::new(&mesh, Smoothing::Nagata, [one(now), one(before)]));
             pairs.push(Pair::new(&mesh, Smoothing::Facet, [one(now), one(before)]));
-            if triangles {
-                pairs.push(Pair::new(&mesh, Smoothing::Facet, [one(now), one(before)]).quadratic());
-            }
+            pairs.push(Pair::new(&mesh, Smoothing::Facet, [one(now), one(before)]).quadratic());
         }
         pairs.push(Pair::new(&strip(&bend, 1, triangles), Smoothing::Nagata, [one(3), one(2)]));
         pairs.push(Pair::new(&strip(&bend, 1, triangles), Smoothing::Nagata, [one(0), one(0)]));

@@ -308,6 +308,7 @@ mod tests {
                 count: count as u8,
                 nodes,
                 coefficients: [Vec3::zeros(); 4],
+                middle: Vec3::zeros(),
                 edges: [Edge::Boundary; 4],
                 on_boundary: [true; 4],
                 deviation: 0.0,

@@ -51,9 +51,10 @@ pub struct MovingPatch {
     pub normals: Vec<NormalRule>,
     /// Which of `normals` the own nodes have.
     pub corners: [u32; 4],
-    /// Share of the bulge of its edges that it takes: 1, or less to be nearer to the facet.
+    /// Share of the bulge of its edges, and of its inside, that it takes: 1, or less to be nearer to the facet.
     pub bulge: f64,
-    /// It has the quadratic shape of its nodes: those in the middles of its edges come behind its corners.
+    /// It has the quadratic shape of its nodes, those of a triangle or of the face that it is a quarter of: what are no corners come
+    /// behind these.
     pub is_quadratic: bool,
 }
 
@@ -85,9 +86,29 @@ impl MovingPatch {
         self.is_quadratic = true;
     }
 
+    /// Gives a facet the shape of the face of nine nodes that it is a quarter of, in the order of
+    /// [`QUARTERS`](crate::mesh::nines::QUARTERS), by their global numbers. The corner of the face becomes its first. With s and t
+    /// from 0 to 1 in the face, N of its nodes
+    ///
+    /// ```text
+    ///     P(xi) = sum N_a(xi/2) x_a
+    /// ```
+    pub fn bend_as_quarter(&mut self, [a, b, c, d, _, bc, cd, _, _]: [u64; 9]) {
+        let first = self.nodes.iter().position(|&n| n == a).unwrap_or(0);
+        self.nodes.rotate_left(first);
+        self.edges.rotate_left(first);
+        self.on_boundary.rotate_left(first);
+        self.nodes.extend([b, c, d, bc, cd]);
+        self.is_quadratic = true;
+    }
+
     /// Nodes that are the patch's own; the others are those that its normals depend on.
     pub fn own(&self) -> usize {
-        if self.is_quadratic { 6 } else { self.count as usize }
+        match (self.is_quadratic, self.count) {
+            (true, 3) => 6,
+            (true, _) => variation::OWN,
+            (false, count) => count as usize,
+        }
     }
 
     /// The nodal normal at a corner, with the nodes at `positions`; `None` of a facet, and where there is no area around the node.
@@ -108,7 +129,8 @@ impl MovingPatch {
         let normals = self.nodal_normals(positions);
         let mut patch = self.straight(positions);
         if self.is_quadratic {
-            patch.coefficients = self.through_middles(positions);
+            let [c0, c1, c2, c3, middle] = self.through_middles(positions);
+            (patch.coefficients, patch.middle) = ([c0, c1, c2, c3], middle);
         }
         for k in (0..self.count as usize).filter(|k| self.is_curved(*k)) {
             let ([i, j], [m, n]) = (self.ends(k), self.end_normals(k));

@@ -48,8 +48,8 @@ pub fn samples(smoothing: Smoothing) -> Vec<(MovingPatch, Vec<Vec3>)> {
                 let mut x = positions(&patch, &mesh);
                 let size = (x[1] - x[0]).norm();
                 perturb(&mut x, 0.03 * size);
-                if smoothing == Smoothing::Facet && triangles {
-                    samples.push(quadratic(&patch, &x));
+                if smoothing == Smoothing::Facet {
+                    samples.push(if triangles { quadratic(&patch, &x) } else { quarter(&patch, &x) });
                 }
                 samples.push((patch, x));
             }
@@ -69,6 +69,53 @@ fn quadratic(patch: &MovingPatch, x: &[Vec3]) -> (MovingPatch, Vec<Vec3>) {
             .collect::<Vec<_>>(),
     );
     (patch, x)
+}
+
+/// A facet as a quarter of a face of nine nodes, which are near where a plane face would have them.
+fn quarter(patch: &MovingPatch, x: &[Vec3]) -> (MovingPatch, Vec<Vec3>) {
+    let (mut patch, mut x) = (patch.clone(), x.to_vec());
+    let [a, ab, all, da] = [0, 1, 2, 3].map(|k| patch.nodes[k]);
+    patch.bend_as_quarter([a, 93, 94, 95, ab, 96, 97, da, all]);
+    let size = (x[1] - x[0]).norm();
+    let (along, across) = (x[1] - x[0], x[3] - x[0]);
+    let rest = [x[1] + along, x[2] * 2.0 - x[0], x[3] + across, x[2] + along, x[2] + across];
+    let off = |(k, x): (usize, Vec3)| x + Vec3::new(0.1, -0.05, 0.2) * (noise(k + 7) * size);
+    x.extend(rest.into_iter().enumerate().map(off));
+    (patch, x)
+}
+
+/// The shape functions of a face of nine nodes at s and t from 0 to 1 are what its quarters have, whichever corner comes first.
+#[test]
+fn quarters_have_the_shape_of_their_face() {
+    let along = |s: f64| [(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)];
+    let at = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1], [1, 1]];
+    let place =
+        |k: usize| Vec3::new(at[k][0] as f64, at[k][1] as f64, 0.0) + Vec3::from_fn(|d, _| 0.3 * noise(3 * k + d));
+    let facet = &patches(&grid(1, 1, false, dome), Smoothing::Facet)[0];
+    for first in 0..4 {
+        // As the face is named from the corner of the quarter.
+        let nine: [u64; 9] = std::array::from_fn(|k| match k {
+            8 => 8,
+            _ => (k / 4 * 4 + (k % 4 + first) % 4) as u64,
+        });
+        for turned in 0..4 {
+            let mut patch = facet.clone();
+            patch.nodes = [nine[0], nine[4], nine[8], nine[7]].to_vec();
+            patch.nodes.rotate_left(turned);
+            patch.bend_as_quarter(nine);
+            assert_eq!(patch.nodes.len(), 9);
+            let x: Vec<Vec3> = patch.nodes.iter().map(|&n| place(n as usize)).collect();
+            for xi in [XI, [0.0, 1.0], [1.0, 1.0], [0.2, 0.9]] {
+                // From the corner into the face.
+                let [s, t] = xi.map(|x| 0.5 * x);
+                let [s, t] = [[s, t], [1.0 - t, s], [1.0 - s, 1.0 - t], [t, 1.0 - s]][first];
+                let exact: Vec3 = (0..9).map(|k| place(k) * (along(s)[at[k][0]] * along(t)[at[k][1]])).sum();
+                assert!((patch.shape(&x).point(xi) - exact).norm() < 1e-14);
+                let shared: Vec3 = patch.shape_functions(xi).iter().zip(&x).map(|(n, x)| x * *n).sum();
+                assert!((shared - exact).norm() < 1e-14);
+            }
+        }
+    }
 }
 
 /// A quarter of a dome, and the planes x = 0 and y = 0 in which it goes on.

@@ -4,7 +4,7 @@
 //! own nodes and on the nodal normals, and each normal on nodes and on normals before it:
 //!
 //! ```text
-//!     P(xi) = sum_h phi_h(xi) y_h,     y = (x_0 .. x_3, c_0 .. c_3),     phi = (w_0 .. w_3, -b_0 .. -b_3)
+//!     P(xi) = sum_h phi_h(xi) y_h,     y = (x_0 .. x_3, c_0 .. c_3, m),     phi = (w_0 .. w_3, -b_0 .. -b_4)
 //! ```
 //!
 //! The chain rule is applied from the last normal to the first: what has been differentiated by a normal is handed on to what
@@ -24,14 +24,44 @@ use super::normal::State;
 use crate::surface::{Edge, Local, Patch};
 use crate::{Mat3, Vec3};
 
-/// Corners and coefficients of edges; triangles leave the last of either out.
-pub const HANDLES: usize = 8;
+/// Corners, coefficients of edges, and that of the inside; triangles leave the last of either out.
+pub const HANDLES: usize = 9;
 
 /// The first handle that is a coefficient.
 pub const EDGES: usize = 4;
 
+/// Coefficients: of the edges, and of the inside.
+pub const BENDS: usize = HANDLES - EDGES;
+
+/// Most nodes that are a patch's own: those of a face of nine.
+pub const OWN: usize = 9;
+
 /// Coefficients that do not change.
-const AT_REST: [Mat3; 4] = [Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0); 4];
+const AT_REST: [Mat3; BENDS] = [Mat3::new(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0); BENDS];
+
+/// What each node of a quadratic triangle is of the coefficients of its edges: c_k = 2 (x_i + x_j) - 4 m_k.
+const OF_TRIANGLE: [[f64; BENDS]; 6] = [
+    [2.0, 0.0, 2.0, 0.0, 0.0],
+    [2.0, 2.0, 0.0, 0.0, 0.0],
+    [0.0, 2.0, 2.0, 0.0, 0.0],
+    [-4.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, -4.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, -4.0, 0.0, 0.0],
+];
+
+/// The same of a quarter of a biquadratic face: half the second differences along its edges, and -1/4 of the mixed fourth one, at
+/// half the distance of the face's corners. Corners of the quarter first; see [`MovingPatch::bend_as_quarter`].
+const OF_QUARTER: [[f64; BENDS]; OWN] = [
+    [0.5, 0.0, 0.0, 0.5, -0.25],
+    [-1.0, 0.5, 0.0, 0.0, 0.5],
+    [0.0, -1.0, -1.0, 0.0, -1.0],
+    [0.0, 0.0, 0.5, -1.0, 0.5],
+    [0.5, 0.0, 0.0, 0.0, -0.25],
+    [0.0, 0.0, 0.0, 0.0, -0.25],
+    [0.0, 0.0, 0.0, 0.5, -0.25],
+    [0.0, 0.0, 0.5, 0.0, 0.5],
+    [0.0, 0.5, 0.0, 0.0, 0.5],
+];
 
 /// The functions of the handles at a point, with their derivatives by xi.
 pub type Functions = [[f64; 3]; HANDLES];
@@ -45,11 +75,11 @@ pub struct Variation {
     functions: Functions,
     state: State,
     links: Vec<Link>,
-    coefficients: [Vec3; 4],
+    coefficients: [Vec3; BENDS],
     /// Derivatives of the coefficients by the nodes, then by the normals.
-    turns: Vec<[Mat3; 4]>,
+    turns: Vec<[Mat3; BENDS]>,
     /// Those by the own nodes at fixed normals.
-    direct: [[Mat3; 4]; 6],
+    direct: [[Mat3; BENDS]; OWN],
     /// How many nodes are corners, how many the patch's own, and whether it has their quadratic shape.
     corners: usize,
     own: usize,
@@ -87,8 +117,8 @@ impl MovingPatch {
             to.state.normals.push(link.value);
         }
         to.turns.clear();
-        to.turns.resize(nodes + self.normals.len(), [Mat3::zeros(); 4]);
-        to.coefficients = if self.is_quadratic { self.through_middles(positions) } else { [Vec3::zeros(); 4] };
+        to.turns.resize(nodes + self.normals.len(), AT_REST);
+        to.coefficients = self.through_middles(positions);
         for k in (0..count).filter(|k| self.is_curved(*k)) {
             let [i, j] = self.ends(k);
             let [m, n] = self.end_normals(k);
@@ -99,9 +129,8 @@ impl MovingPatch {
             to.turns[nodes + m][k] += c.by_normals[0] * self.bulge;
             to.turns[nodes + n][k] += c.by_normals[1] * self.bulge;
         }
-        for k in (0..count).filter(|_| self.is_quadratic) {
-            self.ends(k).iter().for_each(|&i| to.turns[i][k] += Mat3::from_diagonal_element(2.0));
-            to.turns[count + k][k] -= Mat3::from_diagonal_element(4.0);
+        for (turns, shares) in to.turns.iter_mut().zip(self.shares()) {
+            turns.iter_mut().zip(shares).for_each(|(t, share)| *t += Mat3::from_diagonal_element(share * self.bulge));
         }
         (to.corners, to.own, to.is_quadratic) = (count, self.own(), self.is_quadratic);
         to.direct[..to.own].copy_from_slice(&to.turns[..to.own]);
@@ -167,16 +196,34 @@ impl MovingPatch {
             count: self.count,
             nodes: std::array::from_fn(|k| positions[k % self.count as usize]),
             coefficients: [Vec3::zeros(); 4],
+            middle: Vec3::zeros(),
             edges: self.edges,
             on_boundary: self.on_boundary,
             deviation: 0.0,
         }
     }
 
-    /// The coefficients of the edges of a quadratic triangle.
-    pub(super) fn through_middles(&self, positions: &[Vec3]) -> [Vec3; 4] {
-        let of = |k: usize| (positions[k] + positions[(k + 1) % 3]) * 2.0 - positions[3 + k] * 4.0;
-        [of(0), of(1), of(2), Vec3::zeros()]
+    /// What each own node is of the coefficients of a quadratic face; nothing of others.
+    fn shares(&self) -> &'static [[f64; BENDS]] {
+        match (self.is_quadratic, self.count) {
+            (false, _) => &[],
+            (true, 3) => &OF_TRIANGLE,
+            (true, _) => &OF_QUARTER,
+        }
+    }
+
+    /// The coefficients of a quadratic face; zero of others.
+    pub(super) fn through_middles(&self, positions: &[Vec3]) -> [Vec3; BENDS] {
+        let of = |k: usize| self.shares().iter().zip(positions).map(|(shares, x)| x * (shares[k] * self.bulge)).sum();
+        std::array::from_fn(of)
+    }
+
+    /// The shape functions of the own nodes at a point, of a quadratic face the quadratic ones; the others are none.
+    pub fn shape_functions(&self, xi: [f64; 2]) -> [f64; OWN] {
+        let functions = self.functions(xi).map(|[phi, ..]| phi);
+        let corner = |j: usize| if j < self.count as usize { functions[j] } else { 0.0 };
+        let bent = |shares: &[f64; BENDS]| shares.iter().zip(&functions[EDGES..]).map(|(s, f)| s * f).sum::<f64>();
+        std::array::from_fn(|j| corner(j) + self.shares().get(j).map_or(0.0, bent) * self.bulge)
     }
 
     pub(super) fn is_curved(&self, k: usize) -> bool {
@@ -197,7 +244,8 @@ impl MovingPatch {
 impl Variation {
     /// The patch.
     pub fn shape(&self, patch: &MovingPatch) -> Patch {
-        Patch { coefficients: self.coefficients, ..patch.straight(&self.state.positions) }
+        let [c0, c1, c2, c3, middle] = self.coefficients;
+        Patch { coefficients: [c0, c1, c2, c3], middle, ..patch.straight(&self.state.positions) }
     }
 
     /// Derivatives by node j of P, tau_1 and tau_2, at fixed xi.
@@ -210,14 +258,15 @@ impl Variation {
         self.rows(j, self.bearing(transfer, j))
     }
 
-    fn rows(&self, j: usize, turns: &[Mat3; 4]) -> [Mat3; 3] {
+    fn rows(&self, j: usize, turns: &[Mat3; BENDS]) -> [Mat3; 3] {
         std::array::from_fn(|d| self.combined(j, turns, |h| self.functions[h][d]))
     }
 
     /// The derivative by node j of what is so linear in the handles, whose coefficients change as `turns` say.
-    fn combined(&self, j: usize, turns: &[Mat3; 4], phi: impl Fn(usize) -> f64) -> Mat3 {
+    fn combined(&self, j: usize, turns: &[Mat3; BENDS], phi: impl Fn(usize) -> f64) -> Mat3 {
         let own = Mat3::from_diagonal_element(if j < self.corners { phi(j) } else { 0.0 });
-        (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k))
+        let sum = (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k));
+        if self.own == OWN { sum + turns[BENDS - 1] * phi(HANDLES - 1) } else { sum }
     }
 
     /// The derivative by node j of the sum of the handles times these.
@@ -235,8 +284,8 @@ impl Variation {
         self.corners
     }
 
-    /// dc_k/dx_j.
-    pub fn turns(&self, j: usize) -> &[Mat3; 4] {
+    /// dc_k/dx_j, and dm/dx_j.
+    pub fn turns(&self, j: usize) -> &[Mat3; BENDS] {
         &self.turns[j]
     }
 
@@ -254,7 +303,7 @@ impl Variation {
     }
 
     /// What takes the place of dc_k/dx_j in the weights W_j.
-    pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3; 4] {
+    pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3; BENDS] {
         match transfer {
             // On a quadratic face linear weights would not be in balance with an even pressure.
             _ if self.is_quadratic => &self.turns[j],
@@ -276,20 +325,26 @@ impl Variation {
     }
 }
 
-/// For each node its weight w_i, for each edge the factor b_k of its coefficient, with derivatives by xi.
-fn polynomials(count: u8, [e, z]: [f64; 2]) -> ([[f64; 3]; 4], [[f64; 3]; 4]) {
+/// For each node its weight w_i, for each edge, and the inside, the factor b_k of its coefficient, with derivatives by xi.
+fn polynomials(count: u8, [e, z]: [f64; 2]) -> ([[f64; 3]; 4], [[f64; 3]; BENDS]) {
     let (f, y) = (1.0 - e, 1.0 - z);
     if count == 3 {
         let b = [[f, -1.0, 0.0], [e - z, 1.0, -1.0], [z, 0.0, 1.0], [0.0; 3]];
         let product = |i: usize, j: usize| {
             [b[i][0] * b[j][0], b[i][1] * b[j][0] + b[i][0] * b[j][1], b[i][2] * b[j][0] + b[i][0] * b[j][2]]
         };
-        return (b, [product(0, 1), product(1, 2), product(2, 0), [0.0; 3]]);
+        return (b, [product(0, 1), product(1, 2), product(2, 0), [0.0; 3], [0.0; 3]]);
     }
     let ((be, de), (bz, dz)) = ((e * f, f - e), (z * y, y - z));
     (
         [[f * y, -y, -f], [e * y, y, -e], [e * z, z, e], [f * z, -z, f]],
-        [[be * y, de * y, -be], [bz * e, bz, dz * e], [be * z, de * z, be], [bz * f, -bz, dz * f]],
+        [
+            [be * y, de * y, -be],
+            [bz * e, bz, dz * e],
+            [be * z, de * z, be],
+            [bz * f, -bz, dz * f],
+            [be * bz, de * bz, be * dz],
+        ],
     )
 }
 
