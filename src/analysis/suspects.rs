@@ -183,7 +183,8 @@ fn of_contact(
     if contact.discretization == Discretization::OnePass && slides_freely {
         let what = if quadratic { "a finer slave" } else { "`discretization = \"segment\"`, which feels the mean" };
         remedies.push(format!(
-            "contact `{name}` has one pass, and what slides without friction may go to and fro over edges of its master's facets: take {what}"
+            "contact `{name}` has one pass, and what slides without friction may go to and fro over edges of its master's facets: \
+             take {what}"
         ));
     }
     if matches!(contact.method, Enforcement::Lagrange | Enforcement::Uzawa) && cause != Cause::Rounds {

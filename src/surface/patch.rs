@@ -4,12 +4,10 @@
 //! `[0,1]^2`, nodes 0 to 3 at (0,0), (1,0), (1,1), (0,1), a quadrilateral is
 //!
 //! ```text
-//!     P = sum w_i x_i - [ c_0 e(1-e)(1-z) + c_2 e(1-e) z + c_3 z(1-z)(1-e) + c_1 z(1-z) e + m e(1-e) z(1-z) ],   w bilinear
+//!     P = sum w_i x_i - [ c_0 e(1-e)(1-z) + c_2 e(1-e) z + c_3 z(1-z)(1-e) + c_1 z(1-z) e + m e(1-e) z(1-z) ]
 //! ```
 //!
-//! with m = 0 unless it is biquadratic,
-//!
-//! and on 0 <= z <= e <= 1, nodes 0 to 2 at (0,0), (1,0), (1,1), a triangle is
+//! with w bilinear and m = 0 unless it is biquadratic, and on 0 <= z <= e <= 1, nodes 0 to 2 at (0,0), (1,0), (1,1), a triangle is
 //!
 //! ```text
 //!     P = sum b_i x_i - [ c_0 b_0 b_1 + c_1 b_1 b_2 + c_2 b_2 b_0 ],   b = (1-e, e-z, z)

@@ -80,9 +80,10 @@ pub struct Variation {
     turns: Vec<[Mat3; BENDS]>,
     /// Those by the own nodes at fixed normals.
     direct: [[Mat3; BENDS]; OWN],
-    /// How many nodes are corners, how many the patch's own, and whether it has their quadratic shape.
+    /// How many nodes are corners, how many the patch's own, how many coefficients count, and whether it has their quadratic shape.
     corners: usize,
     own: usize,
+    bends: usize,
     is_quadratic: bool,
     hessian: Hessian,
 }
@@ -133,6 +134,7 @@ impl MovingPatch {
             turns.iter_mut().zip(shares).for_each(|(t, share)| *t += Mat3::from_diagonal_element(share * self.bulge));
         }
         (to.corners, to.own, to.is_quadratic) = (count, self.own(), self.is_quadratic);
+        to.bends = if to.own == OWN { BENDS } else { count };
         to.direct[..to.own].copy_from_slice(&to.turns[..to.own]);
         for (l, link) in to.links.iter().enumerate().rev() {
             for k in 0..count {
@@ -258,15 +260,14 @@ impl Variation {
         self.rows(j, self.bearing(transfer, j))
     }
 
-    fn rows(&self, j: usize, turns: &[Mat3; BENDS]) -> [Mat3; 3] {
+    fn rows(&self, j: usize, turns: &[Mat3]) -> [Mat3; 3] {
         std::array::from_fn(|d| self.combined(j, turns, |h| self.functions[h][d]))
     }
 
     /// The derivative by node j of what is so linear in the handles, whose coefficients change as `turns` say.
-    fn combined(&self, j: usize, turns: &[Mat3; BENDS], phi: impl Fn(usize) -> f64) -> Mat3 {
+    fn combined(&self, j: usize, turns: &[Mat3], phi: impl Fn(usize) -> f64) -> Mat3 {
         let own = Mat3::from_diagonal_element(if j < self.corners { phi(j) } else { 0.0 });
-        let sum = (0..self.corners).fold(own, |sum, k| sum + turns[k] * phi(EDGES + k));
-        if self.own == OWN { sum + turns[BENDS - 1] * phi(HANDLES - 1) } else { sum }
+        turns.iter().zip(EDGES..).fold(own, |sum, (turn, h)| sum + turn * phi(h))
     }
 
     /// The derivative by node j of the sum of the handles times these.
@@ -284,9 +285,9 @@ impl Variation {
         self.corners
     }
 
-    /// dc_k/dx_j, and dm/dx_j.
-    pub fn turns(&self, j: usize) -> &[Mat3; BENDS] {
-        &self.turns[j]
+    /// dc_k/dx_j, and dm/dx_j of what has an m.
+    pub fn turns(&self, j: usize) -> &[Mat3] {
+        &self.turns[j][..self.bends]
     }
 
     /// dn_l/dx_j of a normal by the nodes.
@@ -303,14 +304,15 @@ impl Variation {
     }
 
     /// What takes the place of dc_k/dx_j in the weights W_j.
-    pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3; BENDS] {
-        match transfer {
+    pub fn bearing(&self, transfer: Transfer, j: usize) -> &[Mat3] {
+        let all = match transfer {
             // On a quadratic face linear weights would not be in balance with an even pressure.
             _ if self.is_quadratic => &self.turns[j],
             Transfer::Variational => &self.turns[j],
             Transfer::Patch if j < self.own => &self.direct[j],
             _ => &AT_REST,
-        }
+        };
+        &all[..self.bends]
     }
 
     /// W_j^T F of forces on the handles.
