@@ -280,7 +280,7 @@ controls! {
     }
     "kinks" {
         kink_gap: f64 = 1e-3, [0.0, 0.02], "shortest edge of a patch",
-            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: a tenth of what the watch takes for a penetration. Only such nodes do. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 64 with this.";
+            "A node that iterations carry to and fro over a kink between patches, tools' or bodies', keeps to its side from then on, however slight the kink, while its gap there differs from that on the other side by no more: a tenth of what the watch takes for a penetration. Only such nodes do. One without friction in a hollow is held between both sides, so that no side's gap differs from their mean by more while all press it. When all did that crossed a kink, forces of shallow ironing were off by 4e-4 for it and those of the strip by 3e-3. A block that is drawn over an edge takes 73 increments with none, 64 with this.";
         kink_returns: usize = 2, [1, 100], "returns",
             "How often a node has come back to a patch within an increment when it counts as going to and fro; once, where the increment has failed before. Of 24 strips that close onto themselves none fails with 1 or 2, three with 3.";
         hand_over: f64 = 0.1, [0.0, 1.0], "longest edge of the slave facets",

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, Run, assert_close, assert_small};
+use common::{Bench, History, Run, assert_close, assert_small, msh};
 
 /// A scene of inputs/ with its mesh.
 fn bench_of(scene: &str, mesh: &str) -> Bench {
@@ -206,4 +206,74 @@ fn jumps_do_not_depend_on_the_number_of_ranks() {
             assert_small(&format!("{ranks} ranks"), difference, 1e-8);
         }
     }
+}
+
+/// A dome of rubber on a slab of it, without friction: where its nodes press those of the slab down, the slab's surface has hollows,
+/// between whose sides a node with one normal force goes to and fro. What holds it in them bears with both sides: nothing pulls the
+/// dome along, it gives back what it has taken, and the forces are those of segments and of a slab that is finer than the dome.
+#[test]
+fn nodes_without_friction_rest_in_hollows() {
+    let dome = |[x, y, z]: [f64; 3]| {
+        let (x, up) = (5.0 * x - 2.5, 2.0 * y);
+        [x, 2.0 + up + 0.06 * x * x * (1.0 - 0.25 * up), z]
+    };
+    let scene = r#"
+        [body.dome]
+        mesh = "dome.msh"
+        material = "rubber"
+        element = "hex8-fbar"
+        plane_strain = true
+        [body.slab]
+        block = { box = { origin = [-5.0, 0.0, 0.0], size = [12.0, 2.0, 1.0] }, elements = [30, 4, 1] }
+        material = "rubber"
+        element = "hex8-fbar"
+        plane_strain = true
+        [material.rubber]
+        model = "neo-hookean"
+        young = 7.2
+        poisson = 0.49
+        [contact.between]
+        slave = "dome.ymin"
+        master = "slab.ymax"
+        friction = 0.0
+        discretization = "one-pass"
+        [[step]]
+        increments = 8
+        fix = [{ set = "slab.ymin" }]
+        move = [{ target = "dome.ymax", by = [0.0, -0.35, 0.0] }]
+        [[step]]
+        increments = 16
+        keep = true
+        move = [{ target = "dome.ymax", by = [1.7, 0.0, 0.0] }]
+        [[step]]
+        increments = 16
+        keep = true
+        move = [{ target = "dome.ymax", by = [-1.7, 0.0, 0.0] }]
+        [output]
+        every = 100
+        history = ["dome.ymax", "slab.ymin"]
+        "#;
+    let solve = |around: usize, ranks: usize, settings: &[&str]| {
+        let bench = Bench::new(scene);
+        bench.write("dome.msh", &msh::block([around, 3, 1], false, dome));
+        let run = bench.solve(ranks, &settings.iter().flat_map(|set| ["--set", set]).collect::<Vec<_>>());
+        let cuts = run.summary()["cutbacks"].as_u64().unwrap();
+        (run.history(), cuts)
+    };
+    let (segments, _) = solve(20, 1, &["contact.between.discretization=segment"]);
+    for around in [18, 20] {
+        let (history, cuts) = solve(around, 1, &[]);
+        assert!(cuts <= 2, "{around}: {cuts} cuts");
+        assert_small("balance", imbalance(&history, ["dome.ymax", "slab.ymin"]), 1e-9);
+        let down = history.largest_force("dome.ymax");
+        let along = history.column("dome.ymax.fx").iter().fold(0.0_f64, |most, f| most.max(f.abs()));
+        assert_small("along", along / down, 5e-3);
+        assert_close("down", history.last("dome.ymax.fy"), segments.last("dome.ymax.fy"), 1e-2);
+        let pressed = history.steps.iter().filter(|step| **step == history.steps[1]).count();
+        let back = history.last("dome.ymax.fy") / history.column("dome.ymax.fy")[pressed] - 1.0;
+        // Gaps of `kink_gap` of an edge over the depth.
+        assert_small("back where it was", back.abs(), 3e-3);
+    }
+    let [(one, _), (two, _)] = [1, 2].map(|ranks| solve(20, ranks, &[]));
+    assert_small("ranks", one.difference(&two), 1e-8);
 }

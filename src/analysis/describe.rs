@@ -94,15 +94,25 @@ pub fn farewell(summary: &Summary, out: &Path) -> String {
     text
 }
 
+/// Why no other increment is tried after one that has failed.
+#[derive(Clone, Copy, Debug)]
+pub enum Last<'a> {
+    /// No shorter one is allowed.
+    Smallest,
+    /// A path of little but jumps has come to its end.
+    Jumps,
+    /// A shorter one has failed for its shortness, for this reason.
+    Lost(&'a str),
+}
+
 /// Says where and how far from equilibrium, and what to try: with the `reason` of the failure, what makes the matrix
-/// ill-conditioned, the worst equation in words, and the `remedies` that contacts call for. Where no shorter increment is
-/// allowed, it was the `smallest`; else a path of little but jumps has come to its end.
+/// ill-conditioned, the worst equation in words, the `remedies` that contacts call for, and why it was the `last` try.
 pub fn failure(
     f: &Failure,
     reason: &str,
     (conditioning, worst): (Option<&str>, Option<&str>),
     remedies: &[String],
-    smallest: bool,
+    last: Last,
 ) -> String {
     let mut text = format!("step `{}`, after time {:.6}: {reason}", f.step, f.time);
     if let Some(reason) = conditioning {
@@ -112,11 +122,12 @@ pub fn failure(
     match f.cause {
         Cause::Singular => text += ": something can move freely",
         Cause::Rounding => return text,
-        _ if smallest => {
-            let _ = write!(text, " with the smallest increment, {:.3e}", f.size);
-        }
         _ => {
-            let _ = write!(text, " with an increment of {:.3e}, and too many jumps", f.size);
+            let _ = match last {
+                Last::Smallest => write!(text, " with the smallest increment, {:.3e}", f.size),
+                Last::Jumps => write!(text, " with an increment of {:.3e}, and too many jumps", f.size),
+                Last::Lost(why) => write!(text, " with an increment of {:.3e}; in a shorter one {why}", f.size),
+            };
         }
     }
     if let Some(worst) = worst.filter(|_| f.cause.is_linear() || f.cause.is_of_iteration()) {

@@ -263,7 +263,7 @@ impl Ladder {
     /// In which way contacts are sought now; `ahead` where the iteration begins from an extrapolation.
     pub fn manner(&self, ahead: bool) -> Manner {
         Manner {
-            settles: self.way() == Way::Newton { settle: true },
+            settles: self.way() == Way::Newton { settle: true } && !self.glides(),
             glides: self.glides(),
             ahead,
             automatic: self.is_remedy() || self.yields(),
@@ -361,7 +361,7 @@ impl Ladder {
         if let Some(remedy) = self.turn(cause, is_long) {
             return Some(remedy);
         }
-        let may_glide = self.means.glide && !self.settles && !is_long && cause.is_of_iteration() && !self.is_remedy();
+        let may_glide = self.means.glide && !is_long && cause.is_of_iteration() && !self.is_remedy();
         if is_new(&mut self.tries.glides, may_glide) {
             return Some(Remedy::Glide);
         }
@@ -636,10 +636,12 @@ mod tests {
         helped.succeed();
         assert!(!helped.manner(false).glides);
         assert_eq!(helped.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
-        // What friction alone holds would be without anything.
+        // Friction alone may not be all that holds something: what it holds without a force is let go, and nothing is lost.
         let mut ladder = begin(Means { settle: true, glide: true, ..means() });
         ladder.settles = true;
-        assert_ne!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Glide));
+        assert!(ladder.manner(false).settles);
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Glide));
+        assert!(ladder.manner(false).glides && !ladder.manner(false).settles);
     }
 
     #[test]

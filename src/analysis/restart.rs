@@ -440,6 +440,7 @@ impl<'a> Simulation<'a> {
             max_iterations: 1,
             seen: &self.state.seen,
             floors: &self.floors,
+            least: 0.0,
         };
         let system = System {
             comm: self.comm,

@@ -224,6 +224,15 @@ pub enum Multiplier {
     Held { gap: f64, tangential: Vec3, force: Vec3 },
 }
 
+impl Multiplier {
+    /// λ_n without friction.
+    pub fn normal(&self) -> f64 {
+        match self {
+            Self::Augmented(force) | Self::Force(force, _) | Self::Held { force, .. } => force.x,
+        }
+    }
+}
+
 /// Derivatives by gap, normal, path and multiplier, as if these were independent.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Slopes {

@@ -459,6 +459,16 @@ impl<'a> Ground<'a> {
         found
     }
 
+    /// The points of a slave node of a pair at `x` on given pieces of the master, where any two of these make a hollow; none where
+    /// they do not.
+    pub fn hollow_of(&self, pair: &Pair, x: &Vec3, pieces: &[u32]) -> Vec<Projection> {
+        let turn = pair.controls.even_turn;
+        match self {
+            Self::Tool(tool) => tool.hollow(x, pieces, turn),
+            Self::Surface(surface, _) => surface.shapes().hollow(x, pieces, turn),
+        }
+    }
+
     /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
     /// starts at `warm`. Past the end of a tool, the wall beside the point is not opposite to it.
     pub fn project_point(

@@ -20,6 +20,8 @@ pub struct Meeting {
     carried: Vec3,
     /// On the master, unless that is out of reach or feels nothing of the node.
     contact: Option<(Projection, Touch)>,
+    /// With what stiffness both sides of a hollow kink hold it, force per length.
+    wedge: f64,
     /// Where neither can give way.
     pub guide: Guide,
 }
@@ -86,6 +88,11 @@ impl Meeting {
             !keeps && entrance.map(|p| p.patch).is_none_or(|side| projection.is_some_and(|p| p.patch == side));
         let projection = entrance.or(projection);
         let projection = projection.filter(|p| !is_beside(pair, ground, s, position, p));
+        let sigma = slave.local.at(|mover| match mover {
+            Mover::Slave(n) => Some((ahead.place)(n)),
+            Mover::Master(n) => ground.position_of(n),
+        });
+        let multiplier = slave.multiplier(pair.rules.method, unknown * slave.law.normal, sigma);
         let (tangent, controls) = (pair.rules.tangent, pair.controls);
         let closed = if first { controls.touching_gap * pair.facet_size } else { 0.0 };
         let seen = projection.or_else(|| ahead.segments.and_then(|segments| segments.weightiest(pair, s)));
@@ -99,8 +106,13 @@ impl Meeting {
         let is_on = |pieces: &[Beside]| projection.is_none_or(|p| pieces.iter().any(|piece| piece.patch == p.patch));
         let kept = (may_keep && !is_free).then_some(&slave.pieces[..]);
         let kept = kept.filter(|pieces| pieces.is_empty() || is_on(pieces));
-        let even = projection.filter(|_| kept.is_some() || is_nearest);
+        let from = warm.filter(|_| may_keep).map(|(patch, _)| patch);
+        let wedge = projection.and_then(|at| Wedge::new(pair, ground, s, (position, multiplier.normal()), (&at, from)));
+        let Wedge { stiffness, points } = wedge.unwrap_or_default();
+        let projection = points.iter().copied().min_by(|a, b| a.gap.total_cmp(&b.gap)).or(projection);
+        let even = projection.filter(|_| points.is_empty() && (kept.is_some() || is_nearest));
         let even = even.map_or(Vec::new(), |at| ground.evenly(pair, position, &at, kept));
+        let even = if stiffness > 0.0 { shared(&points) } else { even };
         let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
         let (projection, several) = match (met, between) {
             (Some(met), _) => met.map_or((None, None), |(mean, shares)| (Some(mean), Some(Touch::Faces(shares)))),
@@ -113,6 +125,7 @@ impl Meeting {
         slave.trial.stand(projection, number_of(&slave.pieces).or(projection.map(|p| p.patch)), last);
         slave.trial.kinks.keeps = keeps;
         slave.trial.kinks.note_entrance(enters);
+        slave.trial.kinks.wedge = stiffness;
         // A node goes on to yield until it is twice as far away, so that iterations do not go to and fro, but not where it is half as
         // deep as the watch lets it be.
         let is_deep = |p: Projection| p.gap < -0.5 * controls.watch_deep * pair.facet_size;
@@ -123,11 +136,6 @@ impl Meeting {
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
         let touch = |p: &Projection| several.unwrap_or_else(|| Touch::Node(ground.slip_origin(slave, p)));
         let contact = felt.map(|p| (touching(p, closed), touch(&p)));
-        let sigma = slave.local.at(|mover| match mover {
-            Mover::Slave(n) => Some((ahead.place)(n)),
-            Mover::Master(n) => ground.position_of(n),
-        });
-        let multiplier = slave.multiplier(pair.rules.method, unknown * slave.law.normal, sigma);
         (slave.trial.sigma, slave.trial.position) = (sigma, *position);
         let from_last = contact.as_ref().filter(|(_, touch)| match touch {
             Touch::Node(SlipOrigin::Carried(id, xi)) => Some((*id, *xi)) == slave.committed.warm,
@@ -151,7 +159,7 @@ impl Meeting {
         slave.met.sort_unstable();
         slave.met.dedup();
         let method = Method { law: slave.law, transfer: ground.transfer(), tangent };
-        Self { method, multiplier, carried, contact, guide }
+        Self { method, multiplier, carried, contact, wedge: stiffness, guide }
     }
 
     /// The same where all that touches sticks where it is, with the force that it has at a solution, and the exact tangent of a
@@ -214,6 +222,77 @@ pub fn pieces_of(even: &[(Projection, f64)]) -> Vec<Beside> {
 /// The mean of the points that a slave node has `even`ly; the rest is that of `at`.
 pub fn mean_of_pieces(even: &[(Projection, f64)], at: &Projection) -> Option<Projection> {
     mean_of(even.iter().map(|(p, share)| (p, *share)), at)
+}
+
+/// A slave node without friction in a hollow kink between pieces of the master. A force on either side pushes it over to the other:
+/// it has but its normal force to be found, and equilibrium there is with both gaps zero. One that iterations have carried to
+/// and fro is held between the sides by springs over the differences of its gaps, see [`super::element`], as long as all sides press it.
+#[derive(Default)]
+struct Wedge {
+    /// k; 0 where a single point is left.
+    stiffness: f64,
+    points: Vec<Projection>,
+}
+
+impl Wedge {
+    /// What holds slave node `s` at `x`, with the normal force of its multiplier, where its nearest point is `at`; `from` a piece
+    /// that it has left for that.
+    fn new(
+        pair: &Pair,
+        ground: &Ground,
+        s: usize,
+        (x, force): (&Vec3, f64),
+        (at, from): (&Projection, Option<u32>),
+    ) -> Option<Self> {
+        // By how much, over its share, a side may pull, and by what factor forces may differ from that of k.
+        const PULLS: f64 = 1e-6;
+        const FACTOR: f64 = 4.0;
+        let slave = &pair.slaves[s];
+        let most = ground.kink(at, &pair.controls);
+        let has_points = pair.faces.is_some() || pair.is_by_nodes();
+        if pair.rules.friction > 0.0 || has_points || force >= 0.0 || most == 0.0 {
+            return None;
+        }
+        let was = slave.trial.kinks.wedge;
+        let mut pieces: Vec<u32> = match was > 0.0 {
+            true => slave.pieces.iter().map(|piece| piece.patch).collect(),
+            false => from.into_iter().collect(),
+        };
+        let is_new = !pieces.contains(&at.patch);
+        if is_new {
+            pieces.push(at.patch);
+        }
+        let mut points = ground.hollow_of(pair, x, &pieces);
+        if points.is_empty() && is_new && was > 0.0 {
+            pieces.pop();
+            points = ground.hollow_of(pair, x, &pieces);
+        }
+        let stiffness = match -force / most {
+            stiffness if stiffness < FACTOR * was && was < FACTOR * stiffness => was,
+            stiffness => stiffness,
+        };
+        // An increment begins with what it was between, and what has just come is not held yet.
+        let is_judged = was > 0.0 && slave.trial.projection.is_some() && slave.trial.position != *x;
+        while is_judged && points.len() > 1 {
+            let mean = points.iter().map(|at| at.gap).sum::<f64>() / points.len() as f64;
+            let (k, highest) = points.iter().enumerate().max_by(|(_, a), (_, b)| a.gap.total_cmp(&b.gap))?;
+            if highest.patch == at.patch && is_new || 1.0 + was * (highest.gap - mean) / force >= -PULLS {
+                break;
+            }
+            points.remove(k);
+        }
+        match points.len() {
+            0 => None,
+            1 if was == 0.0 => None,
+            1 => Some(Self { stiffness: 0.0, points }),
+            _ => Some(Self { stiffness, points }),
+        }
+    }
+}
+
+/// Points with the same shares each.
+fn shared(points: &[Projection]) -> Vec<(Projection, f64)> {
+    points.iter().map(|at| (*at, 1.0 / points.len() as f64)).collect()
 }
 
 /// What a slave node, which has the point `at`, meets where it is exactly between pieces of the master, on which it has points
@@ -314,6 +393,7 @@ impl Workspace {
                     normal: along(&free, &p.normal),
                     free,
                     carried: meeting.carried,
+                    wedge: meeting.wedge,
                 }
             };
             let spread = meeting.contact.as_ref().map(spread);

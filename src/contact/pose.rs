@@ -60,13 +60,16 @@ pub struct Pose {
     pub turned: f64,
     /// The axis about which a torque turns it, or did last, in the tool's frame.
     pub axle: Option<Axle>,
+    /// A point of the first axis about which anything turned it, in the tool's frame.
+    pub center: Vec3,
 }
 
-crate::words!(Pose { rotation, translation, driven, turned, axle });
+crate::words!(Pose { rotation, translation, driven, turned, axle, center });
 
 impl Default for Pose {
     fn default() -> Self {
-        Self { rotation: Mat3::identity(), translation: Vec3::zeros(), driven: Vec3::zeros(), turned: 0.0, axle: None }
+        let (rotation, still) = (Mat3::identity(), Vec3::zeros());
+        Self { rotation, translation: still, driven: still, turned: 0.0, axle: None, center: still }
     }
 }
 
@@ -90,6 +93,7 @@ impl Pose {
             pose.rotation = turn * self.rotation;
             let point = r.point + self.driven;
             pose.translation = turn * (self.translation - point) + point;
+            pose.center = self.center_of_turn(&point);
         }
         pose.translation += by * fraction;
         pose
@@ -105,10 +109,21 @@ impl Pose {
         let turn = *Rotation3::from_axis_angle(&Unit::new_unchecked(axle.axis), angle).matrix();
         let rotation = turn * self.rotation;
         let translation = turn * (self.translation - axle.point) + axle.point;
-        let mut pose = Self { rotation, translation, turned: self.turned + angle, ..*self };
+        let center = self.center_of_turn(&axle.point);
+        let mut pose = Self { rotation, translation, turned: self.turned + angle, center, ..*self };
         let (point, axis) = (pose.inward(&axle.point), rotation.tr_mul(&axle.axis));
         pose.axle = Some(Axle { point, axis, ..*axle });
         pose
+    }
+
+    /// The center once it turns about an axis through a point in space. As long as nothing has turned it all points go the same way.
+    fn center_of_turn(&self, point: &Vec3) -> Vec3 {
+        if self.rotation == Mat3::identity() { self.inward(point) } else { self.center }
+    }
+
+    /// How far its center is from where that was at first.
+    pub fn displacement(&self) -> Vec3 {
+        self.outward(&self.center) - self.center
     }
 
     /// The axis of its torque in space.
@@ -192,6 +207,21 @@ mod tests {
         let (x, h) = (Vec3::new(-0.4, 2.0, 1.0), 1e-6);
         let at = |way: f64| start.turned_by(&axle, way / axle.lever).outward(&start.inward(&x));
         assert!(((at(h) - at(-h)) / (2.0 * h) - axle.velocity(&x)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn what_turns_is_displaced_by_the_way_of_its_axis_wherever_the_origin_is() {
+        let axis = Vec3::new(0.0, 0.0, 1.0);
+        let (by, offset) = (Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.0, -0.3, 0.1));
+        for point in [Vec3::zeros(), Vec3::new(900.0, 42.0, 7.0)] {
+            let lowered = Pose::default().moved(&by, None, 1.0);
+            let turn = Rotation { point: point + by, axis, angle: 30.0 };
+            let rolled = lowered.moved(&Vec3::zeros(), Some(&turn), 1.0).driven_by(&offset);
+            let axle = Axle { point: point + by + offset, axis, lever: 2.0 };
+            for pose in [rolled, lowered.driven_by(&offset).turned_by(&axle, 0.4)] {
+                assert!((pose.displacement() - by - offset).norm() < 1e-12, "{point}: {}", pose.displacement());
+            }
+        }
     }
 
     #[test]

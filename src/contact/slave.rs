@@ -91,6 +91,8 @@ pub struct Committed {
     /// It keeps to that patch beyond its kink, and still does so as the next increment begins: the state would not be in
     /// equilibrium on the other side.
     pub keeps: bool,
+    /// The stiffness with which both sides of a hollow kink hold it, see [`Kinks`].
+    pub wedge: f64,
     pub status: Status,
     /// What a multiplier that is no unknown begins the next increment with.
     pub held: Held,
@@ -98,7 +100,7 @@ pub struct Committed {
     pub slid: f64,
 }
 
-crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, status, held, slid });
+crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, wedge, status, held, slid });
 
 /// As many pieces as are told apart besides the first: six triangles around a corner.
 const BESIDE: usize = 5;
@@ -249,10 +251,11 @@ impl Slave {
     pub fn begin(&mut self, manner: &Manner, controls: &Controls, facet_size: f64) {
         let (status, yields) = (self.committed.status, self.accepted.yields);
         let patience = if manner.again { 1 } else { controls.kink_returns as u32 };
-        let returns = if self.committed.keeps { patience } else { 0 };
+        let is_settled = self.committed.keeps || self.committed.wedge > 0.0;
+        let returns = if is_settled { patience } else { 0 };
         self.pieces.clear();
         self.pieces.extend(self.committed.origins().filter(|_| self.committed.was_between()));
-        let kinks = Kinks { patience, returns, ..Kinks::default() };
+        let kinks = Kinks { patience, returns, wedge: self.committed.wedge, ..Kinks::default() };
         self.trial = Trial { status, yields, kinks, ..Trial::default() };
         let automatic = manner.automatic || manner.soft;
         let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
@@ -424,6 +427,7 @@ impl Slave {
             place: Some(ground.inward(position)),
             warm: projection.map(|p| (p.patch, p.xi)),
             keeps: self.trial.kinks.keeps,
+            wedge: self.trial.kinks.wedge,
             status: self.trial.status,
             slid,
         };

@@ -39,15 +39,16 @@ impl Tool {
         self.trial.inward(to) - self.committed.inward(from)
     }
 
-    /// How far the origin of the tool's frame has moved since the beginning, at the last converged increment.
+    /// How far it has moved since the beginning, at the last converged increment: where it turns, the axis of that.
     pub fn displacement(&self) -> Vec3 {
-        self.committed.translation
+        self.committed.displacement()
     }
 
-    /// Where its node stands: 0 is its translation, 1, in the first component, its rotation by a torque, as its unknown has it.
+    /// Where its node stands: 0 is its translation, with a torque that of the axis, 1, in the first component, its rotation by the
+    /// torque, as its unknown has it.
     pub fn place(&self, node: u32) -> Vec3 {
         match node {
-            0 => self.trial.translation,
+            0 => self.trial.axle_in_space().map_or(self.trial.translation, |axle| axle.point),
             _ => Vec3::x() * (self.trial.turned * self.trial.axle.map_or(0.0, |axle| axle.lever)),
         }
     }
@@ -79,6 +80,16 @@ impl Tool {
         let own = Projection { normal: self.trial.rotation.tr_mul(&at.normal), point: place, ..*at };
         let found = self.surface.near().evenly(&x, &own, even);
         found.iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
+    }
+
+    /// The points of a point in space on given pieces of the tool that make a hollow: see [`crate::surface::PieceSet::hollow`]. Not on
+    /// one that a torque turns.
+    pub fn hollow(&self, point: &Vec3, ids: &[u32], turn: f64) -> Vec<Projection> {
+        if self.trial.axle.is_some() {
+            return Vec::new();
+        }
+        let found = self.surface.near().hollow(&self.trial.inward(point), ids, turn);
+        found.iter().map(|p| self.in_space(p)).collect()
     }
 
     /// Perpendiculars from a point in space to all pieces of the tool at its trial pose, no longer than `most`; they may miss a piece

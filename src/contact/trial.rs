@@ -16,9 +16,11 @@ pub struct Kinks {
     pub keeps: bool,
     /// How often it has come to the side that it was on, or left it.
     pub entrances: u32,
+    /// k: the stiffness with which both sides of a hollow kink hold it between them, force per length; 0 where they do not.
+    pub wedge: f64,
 }
 
-crate::words!(Kinks { left, returns, patience, keeps, entrances });
+crate::words!(Kinks { left, returns, patience, keeps, entrances, wedge });
 
 impl Kinks {
     /// Whether it has gone to and fro so often that it keeps to its side.

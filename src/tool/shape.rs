@@ -50,6 +50,15 @@ impl Shape {
         }
     }
 
+    /// The points of `x` on given pieces that make a hollow: see [`PieceSet::hollow`]. None of shapes without pieces.
+    pub fn hollow(&self, x: &Vec3, ids: &[u32], turn: f64) -> Vec<Projection> {
+        match self {
+            Self::Patches(patches) => patches.hollow(x, ids, turn),
+            Self::Faces(faces) => faces.hollow(x, ids, turn),
+            Self::Analytic(_) => Vec::new(),
+        }
+    }
+
     /// Whether the point of contact `at` of `x` is past an end by more than `aside`, where a piece is extended; shapes without
     /// pieces are not.
     pub fn is_past_end(&self, x: &Vec3, at: &Projection, aside: f64) -> bool {

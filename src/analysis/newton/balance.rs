@@ -511,7 +511,8 @@ impl Newton<'_> {
             let asked = converged && g < first_tool && residual > model.controls.rounding_cap * forces;
             (asked && self.is_stretched(g)).then_some(forces)
         };
-        groups.filter_map(|g| Some((g, self.at_stake(g).or_else(|| by_supports(g))?))).find_map(|(g, forces)| {
+        let stakes = groups.filter_map(|g| Some((g, self.at_stake(g).or_else(|| by_supports(g))?)));
+        stakes.map(|(g, forces)| (g, forces.max(self.strategy.least))).find_map(|(g, forces)| {
             let (residual, rest) = (self.found.balance.groups[g].residual, rest(g));
             let allowed = model.controls.rounding_cap.max(self.strategy.tolerance) * forces;
             let rounds = residual > allowed && residual <= self.rounding(g);
@@ -523,7 +524,8 @@ impl Newton<'_> {
                 } else if self.rounding(g) > self.own_rounding(g) {
                     &self.rounded_by(g)
                 } else {
-                    "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools"
+                    "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools, and forces \
+                     that are of no interest, as those of a weak dashpot alone, are below `force_floor` of the table `solver`"
                 };
                 let word = format!("what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}");
                 (Lost(lost / (model.controls.rounding_cap * forces)), word)

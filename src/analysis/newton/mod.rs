@@ -111,6 +111,8 @@ pub struct Course {
 struct Strategy<'a> {
     share: Share,
     tolerance: f64,
+    /// A force below which nothing is of interest, N.
+    least: f64,
     max_iterations: usize,
     watcher: &'a mut Watcher<'a>,
     /// What touches sticks until all is nearly in balance, or slips without friction.
@@ -159,6 +161,8 @@ pub struct Start<'a> {
     /// Largest force of each group of [`Balance`] in converged increments, and the forces that count while there are none.
     pub seen: &'a [f64],
     pub floors: &'a [f64],
+    /// A force below which nothing is of interest, N, as it is given.
+    pub least: f64,
     pub manner: Manner,
     /// Each residual must be below the last where plastic flow shortens steps.
     pub strict: bool,
@@ -177,6 +181,7 @@ impl<'a> Newton<'a> {
         let strategy = Strategy {
             share: start.share,
             tolerance: start.tolerance,
+            least: start.least,
             max_iterations: start.max_iterations,
             watcher,
             settling: start.manner.settles || start.manner.glides,

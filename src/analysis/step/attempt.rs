@@ -160,6 +160,7 @@ impl<'a> Simulation<'a> {
             max_iterations: max_iterations.min(if drag > 0.0 { controls.jump_iterations } else { usize::MAX }),
             seen: &self.state.seen,
             floors: &self.floors,
+            least: self.scene.solver.force_floor.as_ref().map_or(0.0, |floor| floor.value),
         };
         let system = System {
             comm: self.comm,

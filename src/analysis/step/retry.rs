@@ -1,5 +1,6 @@
 //! What becomes of an increment that has failed: how it is tried again, or what is told of it.
 
+use super::super::describe::Last;
 use super::super::ladder::{Way, Yields};
 use super::super::last_iterate::LastIterate;
 use super::super::newton::Lost;
@@ -56,11 +57,12 @@ impl Simulation<'_> {
             }
             let of_remedy = is_remedy && failed.cause.is_of_remedy();
             let plain = frame.plain.take().filter(|plain| of_remedy || is_of_cuts(&failed, plain, done));
+            let lost = Some(failed.reason.clone()).filter(|_| plain.is_some() && failed.cause == Cause::Rounding);
             let mut told = plain.unwrap_or(failed);
             let size = (told.end - done) * duration;
             let time = frame.progress.start + told.end * duration;
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
-            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size))));
+            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size, lost.as_deref()))));
         };
         if (ladder.is_soft(), ladder.is_by_sets()) != was {
             // Multipliers are unknowns over the penalty.
@@ -84,8 +86,8 @@ impl Simulation<'_> {
         if any(self.comm, unknown.any(meets)) { Yields::Anew } else { Yields::OnceSingular }
     }
 
-    /// Names the worst equation of all ranks, and what to try. Collective.
-    fn tell_failure(&mut self, frame: &Frame, failed: &Failed, size: f64) -> Failure {
+    /// Names the worst equation of all ranks, and what to try; `lost` says why a shorter increment is none. Collective.
+    fn tell_failure(&mut self, frame: &Frame, failed: &Failed, size: f64, lost: Option<&str>) -> Failure {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
         let node = |equation| frame.dofs.place(&self.model, equation).map_or(String::new(), |place| place.to_line());
@@ -119,14 +121,13 @@ impl Simulation<'_> {
             remedies.extend(suspects::holding(self.comm, &self.model));
         }
         let Progress { increments, ladder, .. } = &frame.progress;
-        let smallest = !ladder.jumps_on() || increments.is_shortest(failed.end);
-        let what = describe::failure(
-            &failure,
-            &failed.reason,
-            (conditioning.as_deref(), word.as_deref()),
-            &remedies,
-            smallest,
-        );
+        let last = match lost {
+            Some(why) => Last::Lost(why),
+            None if !ladder.jumps_on() || increments.is_shortest(failed.end) => Last::Smallest,
+            None => Last::Jumps,
+        };
+        let what =
+            describe::failure(&failure, &failed.reason, (conditioning.as_deref(), word.as_deref()), &remedies, last);
         Failure { what, ..failure }
     }
 }

@@ -99,10 +99,12 @@ impl Run {
         functions: &[[f64; 3]; HANDLES],
     ) {
         let w = point.weight;
-        let normal_force = spread.normal.dot(&response.force) * w;
-        let force = spread.bears(point, &response.force) * w;
+        let normal_force = spread.normal.dot(&response.force) * w + spread.wedged(point);
+        let force = spread.bears(point, &response.force);
         let apart = (point.at.normal - spread.normal) * w;
-        let turning = parts.each_ref().map(|part| part.normal * normal_force);
+        let pressing = parts
+            .each_ref()
+            .map(|part| part.normal * normal_force + point.at.normal * part.gap.transpose() * (spread.wedge * w));
         let sliding = [0, 1].map(|a| parts.each_ref().map(|part| force * part.parameters[a].transpose()));
         // By handles and the nodes of the face: φ, ℓ_a and N.
         let on_face = point.shapes.iter().map(|shape| [0.0, 0.0, 0.0, *shape]);
@@ -125,7 +127,7 @@ impl Run {
             if r < HANDLES {
                 self.forces[r] += force * phi;
             }
-            let row = std::array::from_fn(|k| turning[k] * (shape - phi) - sliding[0][k] * l - sliding[1][k] * m);
+            let row = std::array::from_fn(|k| pressing[k] * (shape - phi) - sliding[0][k] * l - sliding[1][k] * m);
             for (own, by) in self.own[r].iter_mut().zip(&moves).filter(|(_, by)| **by != [0.0; 4]) {
                 *own += combined(&row, by);
             }

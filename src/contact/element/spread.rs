@@ -14,6 +14,13 @@
 //! others dn = (I - nn)/|P m| P dm, m = Σ w_q n_q.
 //! A tangential force that is held goes with the tool; with a patch it stands still in the tangent.
 //!
+//! The points of a node that is wedged in a hollow, which share its normal force as equilibrium and not as w_q has it, bear in
+//! addition k w_q (g_q - g) n_q, which has the potential k/2 Σ w_q (g_q - g)² and no part in the normal force, for g is the mean gap:
+//!
+//! ```text
+//!     dR_a += Σ_q T_qa n_q k w_q (dg_q - dg) + Σ_q k w_q (g_q - g) T_qa dn_q
+//! ```
+//!
 //! The points of a face on one patch are summed as [`super::run`] does.
 
 use super::motion::Motion;
@@ -68,6 +75,8 @@ pub struct Spread<'a> {
     pub free: Mat3,
     /// With a multiplier that is held, a part of λ_t, in space.
     pub carried: Vec3,
+    /// k.
+    pub wedge: f64,
 }
 
 impl Spread<'_> {
@@ -77,9 +86,15 @@ impl Spread<'_> {
         Kinematics { gap: self.gap, normal: self.normal, point, origin }
     }
 
-    /// B_q F.
+    /// k w_q (g_q - g).
+    pub(super) fn wedged(&self, point: &Portion) -> f64 {
+        self.wedge * point.weight * (point.at.gap - self.gap)
+    }
+
+    /// f_q.
     pub(super) fn bears(&self, point: &Portion, force: &Vec3) -> Vec3 {
-        force + (point.at.normal - self.normal) * self.normal.dot(force)
+        let share = force + (point.at.normal - self.normal) * self.normal.dot(force);
+        share * point.weight + point.at.normal * self.wedged(point)
     }
 }
 
@@ -143,7 +158,7 @@ impl Element {
             let with_patch = bed.patch(points[0].at.patch);
             let mut on_handles = [Vec3::zeros(); HANDLES];
             for point in points {
-                let force = spread.bears(point, &response.load) * point.weight;
+                let force = spread.bears(point, &response.load);
                 for (node, shape) in point.nodes.iter().zip(point.shapes) {
                     let share = force * *shape;
                     if *node == spread.node {
@@ -285,9 +300,11 @@ impl Element {
         for r in 0..count {
             let leans = sums.leaning[r] * response.force.transpose() - sums.share[r] * normal_force;
             let bearing = sums.share[r] + sums.leaning[r] * n.transpose();
+            let wedged = (sums.share[r] * n + sums.leaning[r]) * spread.wedge;
             self.set(start(r), 3, [3, width], &(bearing * by.multiplier * epsilon));
             for c in 0..count {
-                let block = bearing * by_column[c] + leans * turned[c] + sums.own[r * count + c];
+                let block = bearing * by_column[c] + leans * turned[c] + sums.own[r * count + c]
+                    - wedged * sums.gap[c].transpose();
                 self.set(start(r), start(c), [3, 3], &block);
             }
         }
@@ -305,6 +322,6 @@ fn link(patch: &MovingPatch, stencil: &[u32], bed: &dyn Bed, (positions, to): (&
 /// The response with the sum of what the points bear for the force.
 fn summed(response: Response, spread: Option<&Spread>) -> Response {
     let Some(spread) = spread.filter(|_| response.status != Status::Gap) else { return response };
-    let bears = |point: &Portion| spread.bears(point, &response.force) * point.weight;
+    let bears = |point: &Portion| spread.bears(point, &response.force);
     Response { force: spread.portions.iter().map(bears).sum(), ..response }
 }

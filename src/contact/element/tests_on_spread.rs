@@ -41,6 +41,7 @@ struct Scene {
     multiplier: Vec3,
     friction: f64,
     guide: Guide,
+    wedge: f64,
 }
 
 impl Bed for Scene {
@@ -61,13 +62,13 @@ impl Scene {
         let stencils = patches.iter().map(|patch| patch.nodes.iter().map(|&n| n as u32).collect()).collect();
         let points = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
         let (slaves, multiplier, guide) = (Vec::new(), Vec3::zeros(), Guide::default());
-        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide }.placed()
+        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide, wedge: 0.0 }.placed()
     }
 
     fn ball() -> Self {
         let (points, slaves) = (vec![Vec3::from(CENTER)], Vec::new());
         let (patches, stencils, multiplier, guide) = (Vec::new(), Vec::new(), Vec3::zeros(), Guide::default());
-        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide }.placed()
+        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide, wedge: 0.0 }.placed()
     }
 
     /// Puts the slave nodes where the points are about where they are said to be.
@@ -135,6 +136,7 @@ impl Scene {
             normal: (self.guide.free() * sum(&|p| p.at.normal)).normalize(),
             free: self.guide.free(),
             carried: Vec3::zeros(),
+            wedge: self.wedge,
         };
         let friction = if width == 3 { self.friction } else { 0.0 };
         let method = Method { law: Law { friction, ..LAW }, transfer, tangent: Tangent::Exact };
@@ -194,11 +196,13 @@ fn the_tangent_of_points_is_the_derivative_of_the_residual() {
                 let (status, error, _) = Scene { friction, ..pressed.clone() }.errors(3, transfer);
                 assert!(status == expected && error < 1e-8, "{status:?} {transfer:?}: {error:e}");
             }
-            let smooth = Scene { multiplier: Vec3::new(-12.0, 0.0, 0.0), ..scene.clone() };
-            let (status, error, skew) = smooth.errors(1, transfer);
-            assert!(status == Status::Slip && error < 1e-8, "{transfer:?}: {error:e}");
-            let is_symmetric = transfer == Transfer::Variational || scene.patches.is_empty();
-            assert!(!is_symmetric || skew < 1e-12, "{skew:e}");
+            for wedge in [0.0, 90.0] {
+                let smooth = Scene { multiplier: Vec3::new(-12.0, 0.0, 0.0), wedge, ..scene.clone() };
+                let (status, error, skew) = smooth.errors(1, transfer);
+                assert!(status == Status::Slip && error < 1e-8, "{transfer:?} {wedge}: {error:e}");
+                let is_symmetric = transfer == Transfer::Variational || scene.patches.is_empty();
+                assert!(!is_symmetric || skew < 1e-12, "{skew:e}");
+            }
         }
     }
 }
@@ -233,7 +237,7 @@ fn the_tangent_of_points_is_the_derivative_where_nodes_are_guided() {
 /// Without friction the points bear forces along their normals, which the variational transfer balances in moments, too.
 #[test]
 fn moments_of_points_balance() {
-    let scene = Scene { multiplier: Vec3::new(-12.0, 0.0, 0.0), ..Scene::new(Smoothing::Nagata) };
+    let scene = Scene { multiplier: Vec3::new(-12.0, 0.0, 0.0), wedge: 90.0, ..Scene::new(Smoothing::Nagata) };
     let (_, e, _) = scene.element(1, Transfer::Variational);
     let slaves = e.beside.iter().zip(&e.beside_forces).map(|(n, f)| scene.slaves[*n as usize].cross(f));
     let masters = e.nodes.iter().zip(&e.forces).map(|(n, f)| scene.points[*n as usize].cross(f));

@@ -299,6 +299,22 @@ impl<P: Piece> PieceSet<P> {
         }
     }
 
+    /// The points of `x` on given pieces or their extensions, in this order, where any two of the pieces make a hollow: over their
+    /// kink, of no more than `turn`, 1 - cosine, their normals lean towards each other. Otherwise none.
+    pub fn hollow(&self, x: &Vec3, ids: &[u32], turn: f64) -> Vec<Projection> {
+        let on = |id: &u32| {
+            let piece = self.get(*id)?;
+            let foot = descend(piece, x, &[EXTENSION; 4], piece.center());
+            (foot.limits == 0).then(|| (on_surface(piece, x, &foot), piece.point(piece.center())))
+        };
+        let found: Vec<_> = ids.iter().filter_map(on).collect();
+        let leans = |[(a, from), (b, to)]: [&(Projection, Vec3); 2]| {
+            (to - from).dot(&(b.normal - a.normal)) < 0.0 && a.normal.dot(&b.normal) >= 1.0 - turn
+        };
+        let all = (0..found.len()).all(|b| (0..b).all(|a| leans([&found[a], &found[b]])));
+        if all && found.len() == ids.len() { found.into_iter().map(|(at, _)| at).collect() } else { Vec::new() }
+    }
+
     /// Those of given pieces, or of their extensions, that are as near as `at`, which is on one of them.
     fn kept(&self, x: &Vec3, at: &Projection, kept: &[u32]) -> Vec<(Projection, f64)> {
         let near = search::KEEP * self.largest;
