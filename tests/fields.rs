@@ -175,26 +175,32 @@ fn a_uniform_stretch() {
     assert_small("largest", end.last("displacement.z.max"), 1e-12);
 }
 
-/// Bending of small strain: the stress goes with the height, and so it does at all nodes, also of tetrahedra's neighbours.
+/// Bending of small strain: the stress goes with the height, and so it does at all nodes, also of tetrahedra's neighbours; of a single
+/// layer, too, whose elements are of second order.
 #[test]
 fn a_linear_stress_is_recovered() {
     on_ranks("a_linear_stress_is_recovered", &[1, 2], |comm| {
         const CURVATURE: f64 = 1e-7;
         let petsc = Petsc::initialize(comm, &[]).unwrap();
-        let scene = scene::parse("bar", &BAR.replace("0.3\n", "0.0\n"), Path::new("."), &[]).unwrap();
-        let simulation = Simulation::new(comm, &petsc, &scene).unwrap();
-        let model = simulation.model();
-        // Even rows along x: the strain in the middle of an element is that of the parabola.
-        let bent = |x: &Vec3| CURVATURE * Vec3::new(-x.x * x.y, 0.5 * x.x * x.x, 0.0);
-        let u: Vec<Vec3> = model.part.points.iter().map(bent).collect();
-        let recovered = Recovered::new(comm, model, &u).unwrap();
-        for (n, x) in model.part.points.iter().enumerate() {
-            let stress = recovered.stress(model, n);
-            let expected = -10.0 * CURVATURE * x.y;
-            assert!((stress[0] - expected).abs() < 1e-6 * 10.0 * CURVATURE, "{x:?}: {stress:?}");
+        let of_one_layer = BAR
+            .replace("elements = [4, 2, 3], grading = [2, 1, 3]", "elements = [8, 2, 2]")
+            .replace("[body.bar]", "[body.bar]\nelement = \"hex27\"");
+        for text in [BAR.to_string(), of_one_layer] {
+            let scene = scene::parse("bar", &text.replace("0.3\n", "0.0\n"), Path::new("."), &[]).unwrap();
+            let simulation = Simulation::new(comm, &petsc, &scene).unwrap();
+            let model = simulation.model();
+            // Even rows along x: the strain in the middle of an element is that of the parabola.
+            let bent = |x: &Vec3| CURVATURE * Vec3::new(-x.x * x.y, 0.5 * x.x * x.x, 0.0);
+            let u: Vec<Vec3> = model.part.points.iter().map(bent).collect();
+            let recovered = Recovered::new(comm, model, &u).unwrap();
+            for (n, x) in model.part.points.iter().enumerate() {
+                let stress = recovered.stress(model, n);
+                let expected = -10.0 * CURVATURE * x.y;
+                assert!((stress[0] - expected).abs() < 1e-6 * 10.0 * CURVATURE, "{x:?}: {stress:?}");
+            }
+            let jumps = jumps(model, &recovered, &u).unwrap();
+            assert!(jumps.iter().all(|jump| jump.is_finite()));
         }
-        let jumps = jumps(model, &recovered, &u).unwrap();
-        assert!(jumps.iter().all(|jump| jump.is_finite()));
     });
 }
 
@@ -248,7 +254,9 @@ fn probes_and_fields_on_any_number_of_ranks() {
         let (bench, at) = beam(kind);
         let [alone, shared] = [1, 2].map(|ranks| bench.solve(ranks, &[]));
         for name in ["node", "face", "other", "side", "line"] {
-            assert_small(name, probe(&alone, name).difference(&probe(&shared, name)), 1e-11);
+            // What iterations leave is more at corners to which stresses of second order are extrapolated.
+            let tolerance = if kind == "ten" { 1e-9 } else { 1e-11 };
+            assert_small(name, probe(&alone, name).difference(&probe(&shared, name)), tolerance);
         }
         same_fields(&alone, &shared);
         for run in [&alone, &shared] {

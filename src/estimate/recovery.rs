@@ -2,15 +2,17 @@
 //!
 //! The superconvergent patch recovery of Zienkiewicz and Zhu (IJNME 33, 1992, 1331-1364): around every node a linear
 //! polynomial is fitted to the values in the middles of its elements, by least squares; its value at the node is the
-//! recovered one, and between nodes shape functions interpolate. Where the middles lie in a plane, a line or a point, as at
+//! recovered one, and between nodes shape functions interpolate. The stress of elements of second order is linear in itself: it is fitted
+//! to that of all their integration points, by their weights. Where the middles lie in a plane, a line or a point, as at
 //! the nodes of a face, an edge or a corner, the polynomial knows nothing of some directions; the value is then the mean of
 //! those of the polynomials of the nodes next to it that know more.
 
 use crate::error::Result;
+use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::model::elements::{carrying, lost, medium, samples};
 use crate::parallel::{agree, max};
-use crate::solid::element::{Inverted, Sample};
+use crate::solid::element::{Inverted, Sample, hex27, tet10};
 use crate::solid::voigt::logarithmic_strain;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -44,6 +46,13 @@ struct Layer {
     known: Vec<f64>,
 }
 
+/// Where an element has values, with its share of the element.
+struct Point {
+    place: Vec3,
+    share: f64,
+    values: Values,
+}
+
 /// Sums over the elements around a node, places from the node.
 #[derive(Clone, Default)]
 struct Sums {
@@ -65,20 +74,21 @@ struct Fit {
 }
 
 impl Sums {
-    fn add(&mut self, corners: impl Iterator<Item = Vec3> + Clone, values: &Values) {
-        let count = corners.clone().count() as f64;
-        let middle = corners.clone().sum::<Vec3>() / count;
+    fn add(&mut self, corners: impl Iterator<Item = Vec3>, points: &[Point], node: &Vec3) {
         self.elements += 1.0;
-        self.middle += middle;
-        self.middles += middle * middle.transpose();
-        self.corners += count;
-        for y in corners {
+        for y in corners.map(|corner| corner - node) {
+            self.corners += 1.0;
             self.corner += y;
             self.corner_squares += y * y.transpose();
         }
-        for ((sum, moment), value) in self.value.iter_mut().zip(&mut self.moments).zip(values) {
-            *sum += value;
-            *moment += middle * *value;
+        for Point { place, share, values } in points {
+            let y = place - node;
+            self.middle += y * *share;
+            self.middles += y * y.transpose() * *share;
+            for ((sum, moment), value) in self.value.iter_mut().zip(&mut self.moments).zip(values) {
+                *sum += share * value;
+                *moment += y * (share * value);
+            }
         }
     }
 
@@ -144,16 +154,30 @@ pub fn values_at(model: &Model, e: usize, q: usize, sample: &Sample) -> std::res
     Ok(std::array::from_fn(|k| if k < 6 { stress[k] } else { strain[k - 6] }))
 }
 
-/// Their mean over an element: the values in its middle, but for terms of second order.
-fn middle(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<Values, Inverted> {
+/// Where element `e` has values: its middle with their mean, which is that there but for terms of second order, or, if it is of second
+/// order, its integration points.
+fn points_of(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<Vec<Point>, Inverted> {
     let samples = samples(model, e, u)?;
-    let (mut mean, mut weight) = ([0.0; WIDTH], 0.0);
+    let all: f64 = samples.iter().map(|sample| sample.weight).sum();
+    let nodes = || nodes_of(model, e).map(|n| model.part.points[n]);
+    let functions = |q: usize| match model.part.solids[e].shape {
+        SolidShape::Hex27 => Some(&hex27::VALUES[q][..]),
+        SolidShape::Tet10 => Some(&tet10::VALUES[q][..]),
+        _ => None,
+    };
+    let mut points = Vec::new();
+    let mut mean = Point { place: nodes().sum::<Vec3>() / nodes().count() as f64, share: 1.0, values: [0.0; WIDTH] };
     for (q, sample) in samples.iter().enumerate() {
-        let values = values_at(model, e, q, sample)?;
-        mean.iter_mut().zip(values).for_each(|(sum, value)| *sum += sample.weight * value);
-        weight += sample.weight;
+        let (share, values) = (sample.weight / all, values_at(model, e, q, sample)?);
+        match functions(q) {
+            Some(shape) => {
+                let place = nodes().zip(shape).map(|(x, share)| x * *share).sum();
+                points.push(Point { place, share, values });
+            }
+            None => mean.values.iter_mut().zip(values).for_each(|(sum, value)| *sum += share * value),
+        }
     }
-    Ok(mean.map(|sum| sum / weight))
+    Ok(if points.is_empty() { vec![mean] } else { points })
 }
 
 impl Recovered {
@@ -235,12 +259,12 @@ impl Layer {
         let mut plane = vec![false; part.owned];
         let mut outcome = Ok(());
         for e in (0..part.solids.len()).filter(|e| of(*e)) {
-            let values = middle(model, e, u).unwrap_or_else(|_| {
+            let points = points_of(model, e, u).unwrap_or_else(|_| {
                 outcome = Err(lost(model, e));
-                [0.0; WIDTH]
+                Vec::new()
             });
             for n in nodes_of(model, e).filter(|n| *n < part.owned) {
-                sums[n].add(nodes_of(model, e).map(|m| part.points[m] - part.points[n]), &values);
+                sums[n].add(nodes_of(model, e).map(|m| part.points[m]), &points, &part.points[n]);
                 plane[n] = model.is_of_layer(&model.part.solids[e]);
             }
         }
