@@ -62,8 +62,10 @@ fn of_end(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<Strin
             let (at, force) = (&slave.accepted, slave.accepted.force.norm());
             let near = ground.nearest(pair, s, &ground.seen_from(&at.position), pair.reach);
             let aside = pair.sides().aside;
+            // In a kink it may keep to a piece that is not the nearest.
+            let is_in_kink = at.kinks.keeps || at.kinks.wedge > 0.0;
             let hangs = near.zip(at.projection).is_some_and(|(near, at)| near.gap.abs() > at.gap.abs() + aside);
-            sums = [sums[0] + force, sums[1] + if hangs { force } else { 0.0 }];
+            sums = [sums[0] + force, sums[1] + if hangs && !is_in_kink { force } else { 0.0 }];
         }
     }
     sum(comm, &mut sums);

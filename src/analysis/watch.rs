@@ -630,6 +630,10 @@ fn judge_pair(
 /// Friction that pushes a node along its way over a tool, which is seen by places alone: what slips from node to node or from
 /// point to point has other ways, and a penalty holds what it has before it slips.
 fn pushed(ground: &Ground, pair: &Pair, s: usize, [from, to]: [&Vec3; 2], residual: f64) -> Option<Finding> {
+    // Both sides of a hollow may push it along the mean of them.
+    if pair.rules.friction == 0.0 {
+        return None;
+    }
     /// A way that is no rounding, over a facet.
     const WAY: f64 = 1e-6;
     let Ground::Tool(tool) = ground else { return None };

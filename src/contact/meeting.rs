@@ -248,7 +248,8 @@ impl Wedge {
         const PULLS: f64 = 1e-6;
         const FACTOR: f64 = 4.0;
         let slave = &pair.slaves[s];
-        let most = ground.kink(at, &pair.controls);
+        // The master's facets may be far larger than the slave's, and so would be what the node is aside.
+        let most = ground.kink(at, &pair.controls).min(pair.controls.kink_gap * pair.facet_size);
         let has_points = pair.faces.is_some() || pair.is_by_nodes();
         if pair.rules.friction > 0.0 || has_points || force >= 0.0 || most == 0.0 {
             return None;
@@ -275,8 +276,8 @@ impl Wedge {
         let is_judged = was > 0.0 && slave.trial.projection.is_some() && slave.trial.position != *x;
         while is_judged && points.len() > 1 {
             let mean = points.iter().map(|at| at.gap).sum::<f64>() / points.len() as f64;
-            let (k, highest) = points.iter().enumerate().max_by(|(_, a), (_, b)| a.gap.total_cmp(&b.gap))?;
-            if highest.patch == at.patch && is_new || 1.0 + was * (highest.gap - mean) / force >= -PULLS {
+            let (k, farthest) = points.iter().enumerate().max_by(|(_, a), (_, b)| a.gap.total_cmp(&b.gap))?;
+            if farthest.patch == at.patch && is_new || 1.0 + was * (farthest.gap - mean) / force >= -PULLS {
                 break;
             }
             points.remove(k);

@@ -116,7 +116,7 @@ impl Trial {
             let tangential = self.force - p.normal * p.normal.dot(&self.force);
             tangential.dot(&force) < -1e-12 * force.norm_squared()
         };
-        let slips = status == Status::Slip && self.status == Status::Slip;
+        let slips = status == Status::Slip && self.status == Status::Slip && self.kinks.wedge == 0.0;
         let turned = slips && self.projection.as_ref().is_some_and(turned);
         self.changed = status != self.status || turned;
         self.flips = if self.changed { self.flips + 1 } else { 0 };

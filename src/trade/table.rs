@@ -85,7 +85,10 @@ pub fn markdown(title: &str, sheet: &Sheet, plan: &Plan) -> String {
     let mut text = format!("# {title}\n\n");
     let mut lines = cells(sheet).into_iter();
     let heads = lines.next().unwrap_or_default();
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
+    };
     text += &line(&heads);
     text += &line(&vec!["---".to_string(); heads.len()]);
     lines.for_each(|cells| text += &line(&cells));
