@@ -277,3 +277,63 @@ fn nodes_without_friction_rest_in_hollows() {
     let [(one, _), (two, _)] = [1, 2].map(|ranks| solve(20, ranks, &[]));
     assert_small("ranks", one.difference(&two), 1e-8);
 }
+
+/// A pad of rubber in the hollow of a tool of large facets, 3 degrees a side, pressed, moved along and back without friction. The node in
+/// the bottom bears on both sides, as it does where each is a tool of its own with a contact.
+#[test]
+fn a_pad_in_a_hollow_of_large_facets() {
+    let slope = 3.0_f64.to_radians().tan();
+    let pad = |[x, y, z]: [f64; 3]| {
+        let (x, bottom) = (4.0 * x - 2.0, (4.0 * x - 2.0).abs() * slope);
+        [x, bottom + y * (1.5 - bottom), z]
+    };
+    let valley = |s: f64, t: f64| [20.0 * s - 10.0, (20.0 * s - 10.0).abs() * slope, 2.0 - 3.0 * t];
+    let solve = |tools: &str| {
+        let bench = Bench::new(&format!(
+            r#"
+            [body.pad]
+            mesh = "pad.msh"
+            material = "rubber"
+            element = "hex8-fbar"
+            plane_strain = true
+            [material.rubber]
+            model = "neo-hookean"
+            young = 6.0
+            poisson = 0.45
+            {tools}
+            [[step]]
+            increments = 5
+            fix = [{{ set = "pad.ymax", directions = "z" }}]
+            move = [{{ target = "pad.ymax", by = [0.0, -0.25, 0.0], directions = "xy" }}]
+            [[step]]
+            increments = 5
+            keep = true
+            move = [{{ target = "pad.ymax", by = [0.1, 0.0, 0.0], directions = "xy" }}]
+            [[step]]
+            increments = 5
+            keep = true
+            move = [{{ target = "pad.ymax", by = [-0.1, 0.0, 0.0], directions = "xy" }}]
+            [output]
+            every = 100
+            history = ["pad.ymax"]
+            "#
+        ));
+        bench.write("pad.msh", &msh::block([10, 4, 1], false, pad));
+        bench.write("valley.msh", &msh::surface(2, valley));
+        bench.solve(1, &[]).history()
+    };
+    let contact = |tool: &str| format!("[contact.{tool}]\nslave = \"pad.ymin\"\nmaster = \"{tool}\"\nfriction = 0.0\n");
+    let facets = format!("[tool.v]\nmesh = \"valley.msh\"\nsmoothing = \"facet\"\n{}", contact("v"));
+    let side = |tool: &str, x: f64| format!("[tool.{tool}]\nplane = {{ point = [0, 0, 0], normal = [{x:?}, 1, 0] }}\n");
+    let sides = ["l", "r"].map(contact).join("") + &side("l", slope) + &side("r", -slope);
+    let (one, two) = (solve(&facets), solve(&sides));
+    let press = two.largest_force("pad.ymax");
+    for name in ["pad.ymax.fx", "pad.ymax.fy"] {
+        let off = one.column(name).iter().zip(two.column(name)).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+        // Gaps to both sides differ by up to `kink_gap` of a facet of the slave.
+        assert_small(name, off / press, 2e-3);
+    }
+    let along = one.column("pad.ymax.fx");
+    assert!(along[10].abs() > 0.02 * press, "{along:?}");
+    assert_small("back where it was", along[along.len() - 1].abs() / press, 1e-8);
+}
