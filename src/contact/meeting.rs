@@ -257,7 +257,7 @@ impl Wedge {
         let was = slave.trial.kinks.wedge;
         let mut pieces: Vec<u32> = match was > 0.0 {
             true => slave.pieces.iter().map(|piece| piece.patch).collect(),
-            false => from.into_iter().collect(),
+            false => vec![from.filter(|from| *from != at.patch)?],
         };
         let is_new = !pieces.contains(&at.patch);
         if is_new {
@@ -284,7 +284,6 @@ impl Wedge {
         }
         match points.len() {
             0 => None,
-            1 if was == 0.0 => None,
             1 => Some(Self { stiffness: 0.0, points }),
             _ => Some(Self { stiffness, points }),
         }
