@@ -205,25 +205,22 @@ move = [{ target = "roller", rotate = { point = [0.0, 50.0, 0.0], axis = [0.0, 0
 every = 1000
 history = ["slab.ymin"]
 "#;
-    // The history has the displacement of the origin of a tool's frame, which turns about the roller's axis, too.
-    let origin = |x: f64, height: f64, angle: f64| x * (1.0 - angle.cos()) - height * angle.sin();
-    // Carter's creep is 1.757e-3 of the way of 3, and the pull moves the roller by less than 1e-2.
-    let carried = 3.0 + origin(0.0, 50.0, 0.06);
     vec![
         Case::text("a free roller on rubber", free)
-            .oracle(near("roller.ux", 9.885 + origin(12.0, 20.0, 1.0), 9.885, 3e-3, "penalty=4"))
+            .oracle(near("roller.ux", 9.885, 9.885, 3e-3, "penalty=4"))
             .oracle(balance(&["roller", "pad.zmin"], 1e-8))
             .must_run()
             .limit(300),
+        // Carter's creep is 1.757e-3 of the way of 3, and the pull moves the roller by less than 1e-2.
         Case::text("Carter's roller", carter)
-            .oracle(near("roller.ux", carried, 3.0, 1e-2, "rolling without slip"))
+            .oracle(near("roller.ux", 3.0, 3.0, 1e-2, "rolling without slip"))
             .oracle(balance(&["roller", "slab.ymin"], 1e-8))
             .must_run()
             .slow()
             .limit(300),
         Case::text("Carter's roller, lagrange", carter)
             .set("contact.c.method=lagrange")
-            .oracle(near("roller.ux", carried, 3.0, 1e-2, "rolling without slip"))
+            .oracle(near("roller.ux", 3.0, 3.0, 1e-2, "rolling without slip"))
             .slow()
             .limit(300),
     ]
