@@ -334,6 +334,6 @@ fn a_pad_in_a_hollow_of_large_facets() {
         assert_small(name, off / press, 2e-3);
     }
     let along = one.column("pad.ymax.fx");
-    assert!(along[9].abs() > 0.01 * press, "{along:?}");
+    assert!(along[9].abs() > 5e-3 * press, "{press}: {along:?}");
     assert_small("back where it was", along[along.len() - 1].abs() / press, 1e-8);
 }
