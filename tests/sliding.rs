@@ -210,7 +210,7 @@ fn jumps_do_not_depend_on_the_number_of_ranks() {
 
 /// A dome of rubber on a slab of it, without friction: where its nodes press those of the slab down, the slab's surface has hollows,
 /// between whose sides a node with one normal force goes to and fro. What holds it in them bears with both sides: nothing pulls the
-/// dome along, it gives back what it has taken, and the forces are those of segments and of a slab that is finer than the dome.
+/// dome along, it gives back what it has taken, and the force is that of segments.
 #[test]
 fn nodes_without_friction_rest_in_hollows() {
     let dome = |[x, y, z]: [f64; 3]| {
