@@ -304,8 +304,7 @@ impl<P: Piece> PieceSet<P> {
     pub fn hollow(&self, x: &Vec3, ids: &[u32], turn: f64) -> Vec<Projection> {
         let on = |id: &u32| {
             let piece = self.get(*id)?;
-            let foot = descend(piece, x, &[EXTENSION; 4], piece.center());
-            (foot.limits == 0).then(|| (on_surface(piece, x, &foot), piece.point(piece.center())))
+            Some((extended(piece, x, EXTENSION, piece.center())?, piece.point(piece.center())))
         };
         let found: Vec<_> = ids.iter().filter_map(on).collect();
         let leans = |[(a, from), (b, to)]: [&(Projection, Vec3); 2]| {
@@ -323,10 +322,9 @@ impl<P: Piece> PieceSet<P> {
             if *id == at.patch {
                 return Some((*at, search::angle(piece, piece.clamp(at.xi))));
             }
-            let foot = descend(piece, x, &[EXTENSION; 4], piece.center());
-            let found = on_surface(piece, x, &foot);
-            let is_even = foot.limits == 0 && (found.gap - at.gap).abs() <= near;
-            is_even.then(|| (found, search::angle(piece, piece.clamp(foot.xi))))
+            let found = extended(piece, x, EXTENSION, piece.center())?;
+            let is_even = (found.gap - at.gap).abs() <= near;
+            is_even.then(|| (found, search::angle(piece, piece.clamp(found.xi))))
         };
         kept.iter().filter_map(on).collect()
     }
@@ -355,8 +353,8 @@ impl<P: Piece> PieceSet<P> {
         self.tree.meeting(&(edge - around), &(edge + around)).filter_map(move |(k, _)| {
             let (piece, extent) = (&self.pieces[k], self.extent(k));
             let core = piece.core(extent, edge, None, touch);
-            let foot = (core.distance <= touch).then(|| descend(piece, x, &[extension; 4], core.xi))?;
-            (foot.limits == 0).then(|| (on_surface(piece, x, &foot), search::angle(piece, core.xi)))
+            let found = if core.distance <= touch { extended(piece, x, extension, core.xi) } else { None }?;
+            Some((found, search::angle(piece, core.xi)))
         })
     }
 
@@ -377,10 +375,8 @@ impl<P: Piece> PieceSet<P> {
         let perpendicular = |k: u32| {
             let (piece, extent) = (&self.pieces[k as usize], self.extent(k as usize));
             let core = piece.core(extent, x, None, most + aside);
-            let foot = descend(piece, x, &[EXTENSION; 4], core.xi);
-            let found = on_surface(piece, x, &foot);
-            let is_near = found.gap.abs() <= most && (found.point - core.local.point).norm() <= aside;
-            (foot.limits == 0 && is_near).then_some(found)
+            let is_near = |at: &Projection| at.gap.abs() <= most && (at.point - core.local.point).norm() <= aside;
+            extended(piece, x, EXTENSION, core.xi).filter(is_near)
         };
         self.within(&(x - around), &(x + around)).into_iter().filter_map(perpendicular).collect()
     }
@@ -414,6 +410,12 @@ impl<P: Piece> PieceSet<P> {
     fn index(&self, id: u32) -> Option<usize> {
         self.pieces.binary_search_by_key(&id, Piece::id).ok()
     }
+}
+
+/// The projection of `x` onto a piece extended by so much of its parameters, from `start` on; `None` beyond that.
+fn extended<P: Piece>(piece: &P, x: &Vec3, extension: f64, start: [f64; 2]) -> Option<Projection> {
+    let foot = descend(piece, x, &[extension; 4], start);
+    (foot.limits == 0).then(|| on_surface(piece, x, &foot))
 }
 
 /// The projection of `x` onto a piece at a foot that is on no edge.
