@@ -207,6 +207,12 @@ controls! {
             "Between the facets of tools the solution of elastic bodies jumps: extrapolated, it would be sought on the facet that a node is about to leave. Flow is path-dependent anyway, and without extrapolation hardly gets on. Ironing with faceted fillets in 90 increments takes 13 % fewer iterations with 2, but other branches of the chatter: forces differ by up to 3 % in between.";
         extrapolate_farthest: f64 = 2.0, [0.1, 100.0], "the increments that it goes on from",
             "A short last increment, to a time of the grid, says too little of a long one: what it follows is then part of the base.";
+        linger: f64 = 1e-4, [1e-8, 1.0], "largest nodal stiffness of the body",
+            "Springs of the first stage that keep in place what comes loose: under them bodies keep their shape.";
+        linger_fall: f64 = 0.01, [1e-6, 0.9], "of the springs",
+            "The next stage begins where the last has ended, with springs so much weaker: a sheet is far softer in bending than its nodes are.";
+        linger_stages: usize = 4, [1, 100], "stages",
+            "What is not in balance without springs then is let go. Weaker ones would be lost among the roundings of a matrix.";
         remedy_period: usize = 2, [1, 100], "failures",
             "An increment that fails is tried by turns: in plastic bodies with the last residual alone (`line_search_memory`) after the first failure of each period, with contacts that settle after its last. Neither serves both contacts that come and go and flow that overshoots.";
     }

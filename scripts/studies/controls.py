@@ -31,6 +31,38 @@ ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": 
                "SCOTCH_PTHREAD_NUMBER": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self,vader",
                "OMPI_MCA_rmaps_base_oversubscribe": "1", "OMPI_MCA_hwloc_base_binding_policy": "none"}
 
+# A block that nothing else holds is pressed onto a floor, and the plate is lifted again.
+RELEASE = """
+[body.block]
+block = { box = { size = [10.0, 10.0, 5.0] }, elements = [4, 4, 2] }
+material = "soft"
+[material.soft]
+model = "neo-hookean"
+young = 10.0
+poisson = 0.3
+[tool.floor]
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }
+[tool.plate]
+plane = { point = [0.0, 0.0, 5.0], normal = [0.0, 0.0, -1.0] }
+[contact.below]
+slave = "block.zmin"
+master = "floor"
+friction = 0.1
+[contact.above]
+slave = "block.zmax"
+master = "plate"
+friction = 0.3
+[[step]]
+name = "press"
+increments = 3
+move = [{ target = "plate", by = [0.0, 0.0, -0.3] }]
+[[step]]
+name = "lift"
+keep = true
+increments = 2
+move = [{ target = "plate", by = [0.0, 0.0, 1.0] }]
+"""
+
 # A block is drawn over the edge of a table, from which its nodes go at once.
 EDGE = """
 [body.table]
@@ -322,6 +354,7 @@ SCENES = {
     "punch": (PUNCH, [], "between sharp"),
     "sheet": (SHEET, [], "central failing"),
     "leaves": (LEAVES, [], "lagrange failing"),
+    "release": (RELEASE, [], "released failing"),
     "ring": (RING, [], "crushed"),
     "column": (COLUMN, [], "buckling"),
     "ironing-deformable": ("ironing-deformable", ["body.slab.block.elements=[60, 10, 1]", "step.press.increments=4",
@@ -375,7 +408,7 @@ USED = [
     ("soft_augmentation", "failing driven"), ("end_*", "kinks"),
     ("coplanar", "kinks"), ("straight_misfit", "kinks"), ("step_halvings", "plastic at-once"),
     ("extrapolate*", "plain faceted sharp plastic self"), ("augmentation", "plain sharp self driven lagrange"),
-    ("creep", "crushed"), ("stability_checks", "buckling crushed"),
+    ("creep", "crushed"), ("linger*", "released"), ("stability_checks", "buckling crushed"),
     ("touching_gap", "driven sharp plain lagrange"), ("no_gap", "lagrange sharp"),
     ("*", "at-once sharp self plastic faceted"),
 ]

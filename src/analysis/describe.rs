@@ -310,6 +310,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
         Remedy::Cut => "in a shorter one",
         Remedy::Follow => "with what touches going along at first",
         Remedy::Creep => "with friction that grows a little with slip",
+        Remedy::Linger => "with what comes loose staying in place",
         Remedy::Yield => "with constraints that give way before they are tightened",
         Remedy::Hold => "with held multipliers (\"uzawa\") of contacts whose conditions may say what others say",
         Remedy::Ease => "with lower penalties of held multipliers",

@@ -42,6 +42,8 @@ pub enum Remedy {
     Follow,
     /// Friction grows a little with slip.
     Creep,
+    /// What comes loose stays in place.
+    Linger,
     /// Constraints give way before they are tightened.
     Yield,
     /// Multipliers of contacts that make the same conditions are held.

@@ -6,6 +6,7 @@ use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Pair, Slave, Status, Trial};
+use crate::controls::Controls;
 use crate::failure::Cause;
 use crate::parallel::any;
 
@@ -36,9 +37,8 @@ impl Simulation<'_> {
         !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
     }
 
-    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. What is near and has not moved
-    /// since the last converged increment counts as touching: a body that rests and bears nothing may as well be off by a
-    /// rounding as in by one. Collective.
+    /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. What is near and [`rests`](Self::rests)
+    /// counts as touching: a body that bears nothing may as well be off by a rounding as in by one. Collective.
     fn held(
         &self,
         frame: &Frame,
@@ -55,7 +55,7 @@ impl Simulation<'_> {
                 let Some(at) = trial.projection else { continue };
                 let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
                 let near = slave.law.gap(at.gap) <= pair.controls.touching_gap * pair.facet_size;
-                if trial.status == Status::Gap && !(near && self.rests(pair, slave, u)) {
+                if trial.status == Status::Gap && !(near && self.rests(frame, pair, slave, u)) {
                     continue;
                 }
                 let x = place(slave.node as usize);
@@ -70,10 +70,13 @@ impl Simulation<'_> {
         motions
     }
 
-    /// Whether a slave node that nodes displaced by `u` belong to has moved by less than the shape of the body is known to.
-    fn rests(&self, pair: &Pair, slave: &Slave, u: &[Vec3]) -> bool {
+    /// Whether a slave node has not moved since the last converged increment, with nodes displaced by `u`; where it was tried to keep
+    /// in place what comes loose, whether it has moved by less than the shape of the body is known to.
+    fn rests(&self, frame: &Frame, pair: &Pair, slave: &Slave, u: &[Vec3]) -> bool {
         let n = slave.node as usize;
-        (u[n] - self.state.u[n]).norm() <= pair.controls.watch_deep * pair.facet_size
+        let Controls { no_gap, watch_deep, .. } = pair.controls;
+        let little = if frame.progress.ladder.has_lingered() { watch_deep } else { no_gap };
+        (u[n] - self.state.u[n]).norm() <= little * pair.facet_size
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
@@ -82,12 +85,12 @@ impl Simulation<'_> {
         if !frame.hangs {
             return Attempt::Converged(converged);
         }
-        // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What has moved by less
-        // than the shape of the body is known to has not been let go.
+        // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What rests has not been let
+        // go.
         let bears = |p: usize, slave: &Slave| {
             let (pair, n) = (&self.model.pairs[p], slave.node as usize);
             let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
-            self.rests(pair, slave, &converged.u) || slave.trial.force.norm() > rounding.max(converged.limits[p])
+            self.rests(frame, pair, slave, &converged.u) || slave.trial.force.norm() > rounding.max(converged.limits[p])
         };
         let rubs = |p: usize| self.model.pairs[p].rules.friction > 0.0;
         let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {

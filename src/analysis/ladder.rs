@@ -20,6 +20,8 @@
 //!    each other to and fro.
 //!    Where friction alone holds a body, and all of it slips, equilibrium does not say where it is: friction grows a little with
 //!    slip then, and in the rest of the step if that has helped.
+//!    Where a body comes loose, as when a tool that has pressed it is lifted, what it rested on no longer says where it is: it goes
+//!    along with whatever the iteration let go last. So it *lingers*, on springs that end: it stays on what it rested on.
 //! 3. The same in shorter increments, by turns with contacts that *settle*: what touches sticks until all is nearly in
 //!    balance, for a few iterations at most, and slips only then; with the automatic penalty, too, where another one is
 //!    given. Where friction alone holds a body, an iteration that lets all slip at once, as far as the tool has moved,
@@ -100,6 +102,8 @@ pub struct Tries {
     creeps: Option<bool>,
     /// Friction comes when all is in balance without it; `None` when it did not help in this increment.
     glides: Option<bool>,
+    /// Weak springs keep in place what comes loose; `None` when it did not help in this increment.
+    lingers: Option<bool>,
     way: Way,
     /// Penalties are lower.
     soft: bool,
@@ -150,6 +154,7 @@ crate::words!(Tries {
     follows,
     creeps,
     glides,
+    lingers,
     way,
     soft,
     sets,
@@ -188,6 +193,8 @@ pub struct Ladder {
     /// Friction alone holds something: what is done otherwise when an increment has failed is done first, and the other way
     /// round.
     pub settles: bool,
+    /// Contacts hold something that supports do not.
+    pub hangs: bool,
     /// Jumps that the watch has refused.
     refused: usize,
     controls: Controls,
@@ -202,6 +209,7 @@ impl Ladder {
             follows: Some(false),
             creeps: Some(false),
             glides: Some(false),
+            lingers: Some(false),
             way: Way::Newton { settle: false },
             soft: false,
             sets: false,
@@ -213,7 +221,7 @@ impl Ladder {
             jumps: 0,
             jumped: 0,
         };
-        Self { means, tries, settles: false, refused: 0, controls: *controls }
+        Self { means, tries, settles: false, hangs: false, refused: 0, controls: *controls }
     }
 
     /// How far it is.
@@ -287,6 +295,16 @@ impl Ladder {
         self.tries.glides == Some(true) && self.tries.way != Way::Jump
     }
 
+    /// Whether weak springs keep in place what comes loose.
+    pub fn lingers(&self) -> bool {
+        self.tries.lingers == Some(true) && self.tries.way != Way::Jump
+    }
+
+    /// Whether it was tried to keep in place what comes loose.
+    pub fn has_lingered(&self) -> bool {
+        self.tries.lingers != Some(false)
+    }
+
     /// Whether constraints of multipliers give way until they are tightened.
     pub fn yields(&self) -> bool {
         self.tries.yields == Some(true)
@@ -307,6 +325,7 @@ impl Ladder {
         self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.creeps = Some(self.tries.creeps == Some(true));
         self.tries.glides = Some(false);
+        self.tries.lingers = Some(self.lingers());
         self.tries.jumped = if self.tries.way == Way::Jump {
             self.tries.jumped + self.controls.jump_weight
         } else {
@@ -339,6 +358,10 @@ impl Ladder {
         let is_open = self.settles && (cause == Cause::Loose || cause.is_linear());
         if is_open && is_new(&mut self.tries.creeps, true) {
             return Some(Remedy::Creep);
+        }
+        let is_loose = self.hangs && (cause == Cause::Loose || cause.is_linear());
+        if is_loose && is_new(&mut self.tries.lingers, true) {
+            return Some(Remedy::Linger);
         }
         // What fails by sets says nothing of what else may help.
         let by_sets = std::mem::take(&mut self.tries.sets) && self.means.sort && self.tries.way != Way::Jump;

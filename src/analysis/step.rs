@@ -229,6 +229,7 @@ impl<'a> Simulation<'a> {
         let frictional = self.model.pairs.iter().any(|p| p.rules.friction > 0.0);
         let duration = frame.progress.step.duration;
         while let Some(end) = frame.progress.increments.next() {
+            frame.progress.ladder.hangs = frame.hangs;
             frame.progress.ladder.settles = frictional && frame.hangs && self.is_held_by_friction(frame);
             let increments = &frame.progress.increments;
             let done = increments.done;

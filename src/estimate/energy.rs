@@ -103,9 +103,10 @@ impl Energy {
             (body[1], body[2]) = (stored + flown, flown);
         }
         sum(comm, sums.as_flattened_mut());
-        // Of displacements that are rounding, as of what has been let go.
+        // Of displacements that are rounding, as of what has been let go, or that leave no more than the rounding of energies.
         for (body, of) in sums.iter_mut().zip(&model.bodies) {
-            let least = 0.5 * of.stiffness * (STILL * model.size).powi(2);
+            let rounding = 16.0 * f64::EPSILON * body[4];
+            let least = 0.5 * of.stiffness * model.size.powi(2) * rounding.max(STILL.powi(2));
             if body[1] <= least {
                 (body[0], body[1]) = (0.0, 0.0);
             }

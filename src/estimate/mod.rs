@@ -92,10 +92,11 @@ pub fn of(
 ) -> Estimate {
     let mut contacts = Vec::new();
     for (p, pair) in model.pairs.iter().enumerate().filter(|(_, pair)| !pair.pass.is_second()) {
-        if let Some(pressure) = Pressure::new(comm, model, pair, u) {
-            let bodies = connected(model, pair.side.body);
-            let [error, all] = [|b: &OfBody| b.error, |b: &OfBody| b.energy]
-                .map(|of| bodies.iter().map(|b| of(&energy.bodies[*b])).sum::<f64>());
+        let bodies = connected(model, pair.side.body);
+        let [error, all] = [|b: &OfBody| b.error, |b: &OfBody| b.energy]
+            .map(|of| bodies.iter().map(|b| of(&energy.bodies[*b])).sum::<f64>());
+        // What deforms nothing presses with but what rounding leaves.
+        if let Some(pressure) = Pressure::new(comm, model, pair, u).filter(|_| all > 0.0) {
             let force = force_error(error, all, &pressure);
             contacts.push((p, OfContact { force, size: force_of(comm, pair), pressure }));
         }

@@ -179,7 +179,7 @@ impl Newton<'_> {
     }
 
     /// The next solve judges this iterate again.
-    pub(super) fn again(&mut self) -> Round {
+    pub fn again(&mut self) -> Round {
         self.judge_again();
         Round::Again
     }

@@ -3,6 +3,7 @@
 use super::super::between::Between;
 use super::super::ending;
 use super::super::last_iterate::LastIterate;
+use super::super::newton::drag::Kind;
 use super::super::newton::{Lost, Newton, Round, Share, Start, System};
 use super::super::state::Progress;
 use super::super::strays::Strays;
@@ -150,6 +151,7 @@ impl<'a> Simulation<'a> {
         let trial = frame.progress.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
         let Progress { conditions, poses, offsets, ladder, past, .. } = &mut frame.progress;
+        let lingers = ladder.lingers();
         let start = Start {
             offsets,
             s: end,
@@ -174,7 +176,12 @@ impl<'a> Simulation<'a> {
             damped: &self.state.damped,
         };
         let mut newton = Newton::new(system, (&start, &mut watcher));
-        newton.set_drag(drag);
+        let lingers = lingers && drag == 0.0;
+        newton.set_drag(match drag {
+            0.0 if lingers => Kind::Each(controls.linger, 1),
+            0.0 => Kind::Nothing,
+            drag => Kind::All(drag),
+        });
         if self.state.increments == 0 {
             newton.begin_with_what_touches(sorted);
         }
@@ -197,9 +204,14 @@ impl<'a> Simulation<'a> {
             }) {
                 break Err(error);
             }
-            if let ControlFlow::Break(end) = judge(&mut newton, &outcome.reason, x, max_iterations)? {
+            let ControlFlow::Break(end) = judge(&mut newton, &outcome.reason, x, max_iterations)? else { continue };
+            if end.is_some() || !lingers || newton.stands_without_drag(&x.array()?) {
                 break Ok(end);
             }
+            if !newton.drags() {
+                break Ok(Some((Cause::Loose, None, FALLS.to_string())));
+            }
+            newton.again();
         };
         note(&mut self.summary, &newton);
         Ok(match ended? {
@@ -297,6 +309,9 @@ fn judge(newton: &mut Newton, reason: &Reason, x: &Vector, max_iterations: usize
         Round::Contradicts(reason) => ControlFlow::Break(Some((Cause::Contradiction, None, reason))),
     })
 }
+
+/// Why what lingers is no solution.
+const FALLS: &str = "what comes loose stays in place only while something keeps it there,";
 
 /// Why there is no solution: what rounding has lost, and all of it in words.
 type Why = (Cause, Option<Lost>, String);
