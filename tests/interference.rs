@@ -85,3 +85,47 @@ fn interference_is_not_for_a_surface_that_meets_itself() {
     let run = fit(RAMPED).run(1, &["--set", "contact.c.master=hub.rmin"]);
     assert!(run.code == 2 && run.stderr.contains("means nothing in self-contact"), "{}", run.stderr);
 }
+
+/// What is pushed out is not let in again where a later increment fails.
+#[test]
+fn what_is_pushed_out_stays_out() {
+    let run = Bench::new(
+        r#"
+[body.b]
+material = "m"
+axisymmetric = true
+element = "hex8-sri"
+block = { box = { size = [3.0, 1.0, 0.1] }, elements = [18, 6, 1] }
+[material.m]
+model = "j2"
+young = 1000.0
+poisson = 0.3
+yield_stress = 5.0
+hardening = { linear = 20.0 }
+[tool.floor]
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }
+[tool.ball]
+cylinder = { point = [0.0, 2.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.0 }
+[tool.bore]
+plane = { point = [2.99, 0.0, 0.0], normal = [-1.0, 0.0, 0.0] }
+[contact.floor]
+slave = "b.ymin"
+master = "floor"
+friction = 0.3
+[contact.ball]
+slave = "b.ymax"
+master = "ball"
+friction = 0.3
+[contact.bore]
+slave = "b.xmax"
+master = "bore"
+friction = 0.2
+[[step]]
+increments = 5
+move = [{ target = "ball", by = [0.0, -0.2, 0.0] }]
+"#,
+    )
+    .solve(1, &[]);
+    assert!(!run.log().contains("pushed out over the step"), "{}", run.log());
+    run.history().column("bore.max_penetration").iter().for_each(|deep| assert!(*deep < 1e-9, "{deep}"));
+}

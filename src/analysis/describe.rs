@@ -176,6 +176,14 @@ fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> 
     }
 }
 
+/// Warns of a body that nothing holds any more.
+pub fn loose(step: &str, time: f64, who: &str) -> String {
+    format!(
+        "step `{step}`: nothing holds {who} any more from time {time:.6} on, and nothing pushes it: it stays where it is, and no \
+         force depends on where that is"
+    )
+}
+
 /// Warns of equations that MUMPS replaced: of what is `free`, if that is why.
 pub fn null_pivots(step: &str, count: usize, free: Option<&str>) -> String {
     match free {

@@ -79,9 +79,34 @@ impl Simulation<'_> {
         (u[n] - self.state.u[n]).norm() <= little * pair.facet_size
     }
 
+    /// Whether nothing that a body still touches which has come loose has come towards it, with nodes displaced by `u`: that pushes it
+    /// along, against nothing. Collective.
+    fn stays(&self, free: &Free, u: &[Vec3]) -> bool {
+        let tools = &self.model.masters.tools;
+        let comes = |pair: &Pair, slave: &Slave| {
+            let (Controls { no_gap, watch_deep, .. }, n) = (pair.controls, slave.node as usize);
+            let Some(at) = slave.trial.projection else { return false };
+            match pair.master.tool() {
+                Some(t) => {
+                    let (trial, committed) = (&tools[t].trial, &tools[t].committed);
+                    (at.point - committed.outward(&trial.inward(&at.point))).dot(&at.normal) > no_gap * pair.facet_size
+                }
+                None => (u[n] - self.state.u[n]).dot(&at.normal).abs() > watch_deep * pair.facet_size,
+            }
+        };
+        let own = |pair: &&Pair| [Some(pair.side.body), pair.master_body()].contains(&Some(free.index));
+        // What bears nothing may be off by a rounding.
+        let touches = |pair: &Pair, slave: &Slave| {
+            let gap = slave.trial.projection.map(|at| slave.law.gap(at.gap).abs());
+            slave.trial.status != Status::Gap || gap.is_some_and(|gap| gap <= pair.controls.no_gap * pair.facet_size)
+        };
+        let is_pushed = |pair: &Pair| pair.slaves.iter().any(|slave| touches(pair, slave) && comes(pair, slave));
+        !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed)) && !free.is_tool
+    }
+
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
     /// rounding. Collective.
-    pub(super) fn still_held(&self, frame: &Frame, converged: Box<Converged>) -> Attempt {
+    pub(super) fn still_held(&self, frame: &Frame, mut converged: Box<Converged>) -> Attempt {
         if !frame.hangs {
             return Attempt::Converged(converged);
         }
@@ -106,11 +131,20 @@ impl Simulation<'_> {
         // A tool whose force ends is let go.
         let (conditions, end, tools) = (frame.conditions(), converged.end, self.model.masters.tools.len());
         let is_let_go = |t: usize| [t, tools + t].iter().all(|&k| conditions.tool_forces[k].at(end) == Vec3::zeros());
-        let first = |free: Vec<Free>| free.into_iter().find(|free| !(free.is_tool && is_let_go(free.index)));
+        let all = |free: Vec<Free>| -> Vec<Free> {
+            free.into_iter().filter(|free| !(free.is_tool && is_let_go(free.index))).collect()
+        };
         // What has lost all friction is not held along the slight slope of what it still touches.
         let steep = self.model.controls.friction_steep;
-        let free = first(held(&as_it_is).free(self.comm)).or_else(|| first(held(&stuck).free_along(self.comm, steep)));
-        match free {
+        let mut free = all(held(&as_it_is).free(self.comm));
+        if free.is_empty() {
+            free = all(held(&stuck).free_along(self.comm, steep));
+        }
+        if frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u)) {
+            converged.loose = free.into_iter().next().map(|free| free.who);
+            return Attempt::Converged(converged);
+        }
+        match free.into_iter().next() {
             None => Attempt::Converged(converged),
             Some(free) => {
                 let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);

@@ -318,14 +318,15 @@ impl Ladder {
         self.tries.way == Way::Jump || self.tries.central.unwrap_or(by_turns)
     }
 
-    /// The increment has converged. Says how it was found.
-    pub fn succeed(&mut self) -> Way {
+    /// The increment has converged, with something that `is_loose`. Says how it was found.
+    pub fn succeed(&mut self, is_loose: bool) -> Way {
         let found = self.way();
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
         self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.creeps = Some(self.tries.creeps == Some(true));
         self.tries.glides = Some(false);
-        self.tries.lingers = Some(self.lingers());
+        self.tries.lingers = Some(self.lingers() && is_loose);
+        self.means.ramp = false;
         self.tries.jumped = if self.tries.way == Way::Jump {
             self.tries.jumped + self.controls.jump_weight
         } else {
@@ -359,8 +360,8 @@ impl Ladder {
         if is_open && is_new(&mut self.tries.creeps, true) {
             return Some(Remedy::Creep);
         }
-        let is_loose = self.hangs && (cause == Cause::Loose || cause.is_linear());
-        if is_loose && is_new(&mut self.tries.lingers, true) {
+        let is_loose = cause == Cause::Loose || cause.is_linear() || cause.is_of_iteration();
+        if is_loose && is_new(&mut self.tries.lingers, self.hangs) {
             return Some(Remedy::Linger);
         }
         // What fails by sets says nothing of what else may help.
@@ -549,7 +550,7 @@ mod tests {
             (ladder.fail(&mut increments, end, Cause::Iteration), ladder.is_soft(), end)
         };
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), true, 0.5));
-        ladder.succeed();
+        ladder.succeed(false);
         assert!(ladder.is_soft());
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false, 0.5));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), true, 0.5));
@@ -571,7 +572,7 @@ mod tests {
         };
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Sets), true));
-        ladder.succeed();
+        ladder.succeed(false);
         assert!(ladder.is_by_sets());
         assert_eq!(fail(&mut ladder, Cause::Singular), (Some(Remedy::Sets), false));
         assert_eq!(fail(&mut ladder, Cause::Iteration), (Some(Remedy::Soften), false));
@@ -612,7 +613,7 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), false));
         assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), false));
-        ladder.succeed();
+        ladder.succeed(false);
         assert!(ladder.is_central() && ladder.is_soft() && !ladder.is_by_sets());
         assert_eq!((fail(&mut ladder), ladder.is_strict()), ((Some(Remedy::Central), true), true));
         assert!(!ladder.is_soft());
@@ -620,7 +621,7 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
         let mut ladder = begin(Means { soften: true, center: true, ..means() });
-        ladder.succeed();
+        ladder.succeed(false);
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
@@ -637,11 +638,31 @@ mod tests {
         let mut ladder = begin(Means { soften: true, ..means() });
         ladder.note(Yields::OnceSingular, false);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Follow));
-        ladder.succeed();
+        ladder.succeed(false);
         assert!(ladder.manner(false).clings);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), Some(Remedy::Yield));
         assert!(!ladder.manner(false).clings);
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
+    }
+
+    /// What hangs lingers where it fails, once, and on through the step while it is loose; what supports hold does not.
+    #[test]
+    fn what_comes_loose_lingers() {
+        let bounds = Increment { initial: 0.5, min: 0.01, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut ladder = begin(means());
+        assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Loose), Some(Remedy::Cut));
+        for is_loose in [true, false] {
+            let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+            let mut ladder = Ladder { hangs: true, ..begin(means()) };
+            assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Loose), Some(Remedy::Linger));
+            assert!(ladder.lingers() && ladder.has_lingered());
+            let mut failed = ladder;
+            assert_eq!(failed.fail(&mut increments, 0.5, Cause::Loose), Some(Remedy::Cut));
+            assert!(!failed.lingers() && failed.has_lingered());
+            ladder.succeed(is_loose);
+            assert_eq!(ladder.lingers(), is_loose);
+        }
     }
 
     /// Where nothing has converged, friction comes later, once; after increments that converge one that does not is too long.
@@ -656,7 +677,7 @@ mod tests {
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
         assert!(!ladder.manner(false).glides);
         assert_eq!(ladder.fail(&mut increments, 0.25, Cause::Iteration), Some(Remedy::Cut));
-        helped.succeed();
+        helped.succeed(false);
         assert!(!helped.manner(false).glides);
         assert_eq!(helped.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
         // Friction alone may not be all that holds something: what it holds without a force is let go, and nothing is lost.
@@ -678,7 +699,7 @@ mod tests {
             let mut ladder = begin(means());
             ladder.note(Yields::OnceSingular, false);
             assert_eq!((ladder.fail(&mut increments, 0.5, cause), ladder.yields()), (Some(Remedy::Yield), true));
-            ladder.succeed();
+            ladder.succeed(false);
             assert!(ladder.yields());
             assert!(ladder.fail(&mut increments, 0.5, cause) != Some(Remedy::Yield) && !ladder.yields());
         }
@@ -704,7 +725,7 @@ mod tests {
             assert_ne!(ladder.fail(&mut increments, 0.5, cause), Some(Remedy::Hold));
         }
         // After one that converged, what does not is cut first.
-        ladder.succeed();
+        ladder.succeed(false);
         assert_eq!({ ladder }.fail(&mut increments, 0.5, Cause::Degenerate), Some(Remedy::Hold));
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Iteration), Some(Remedy::Cut));
         assert_eq!(ladder.fail(&mut increments, 0.25, Cause::Iteration), Some(Remedy::Hold));

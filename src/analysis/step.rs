@@ -72,6 +72,7 @@ pub(super) struct Told {
     out_of_core: bool,
     impatience: bool,
     unpaid: bool,
+    loose: bool,
 }
 
 impl Frame {
@@ -276,7 +277,11 @@ impl<'a> Simulation<'a> {
                         continue;
                     }
                     let unpaid = self.unpaid(frame, &converged)?.filter(|_| !std::mem::replace(&mut told.unpaid, true));
+                    let loose = converged.loose.clone().filter(|_| !std::mem::replace(&mut told.loose, true));
                     let increment = self.accept(frame, *converged, x)?;
+                    if let Some(who) = loose {
+                        self.warn(describe::loose(frame.name(), self.state.time, &who), observer)?;
+                    }
                     if let Some(unpaid) = unpaid {
                         self.warn(unpaid, observer)?;
                     }
@@ -357,7 +362,8 @@ impl<'a> Simulation<'a> {
         {
             observer(&Event::Detail(&describe::impatience(frame.name(), mean)))?;
         }
-        if null_pivots > 0 && !std::mem::replace(&mut told.null_pivots, true) {
+        // Of what lingers it is known.
+        if null_pivots > 0 && !frame.progress.ladder.lingers() && !std::mem::replace(&mut told.null_pivots, true) {
             let free = self.free_motion(frame, snes)?;
             let warning = describe::null_pivots(frame.name(), null_pivots, free.as_deref());
             self.warn(warning, observer)?;

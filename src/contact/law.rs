@@ -13,8 +13,6 @@
 //!   stick  |λ̂_t| <= -μ λ̂_n      F = λ̂_n n + λ̂_t
 //!   slip   otherwise            F = λ̂_n (n - μ t),  t = λ̂_t / |λ̂_t|
 //!
-//! What rests and bears nothing touches, for λ̂ is then but what places round to, of either sign.
-//!
 //! A direction in which neither the node nor the master can give way makes no condition of its own:
 //!
 //! - Where the node stands still relative to the master (a plane of symmetry, plane strain), it meets the master's
@@ -450,14 +448,13 @@ fn frictional(
     let lambda_t = tangential * combined + kappa;
     let size = lambda_t.norm();
     // What rounding of places makes of a node that stands still has no direction to slip along.
-    let still = rounding(place) * law.tangential;
-    let rests = lambda_n <= rounding(place) * law.normal && size <= still;
+    let still = 16.0 * f64::EPSILON * place.point.amax() * law.tangential;
     // A node that slipped last stands on the cone to rounding, and is taken to slip on.
     let status = match set {
         // Without a direction.
         Some(Status::Slip) if size <= 1e-12 * lambda_n.abs() => Status::Stick,
         Some(status) => status,
-        None if lambda_n > 0.0 && !rests && !law.clings => Status::Gap,
+        None if lambda_n > 0.0 && !law.clings => Status::Gap,
         None if law.glides => Status::Slip,
         None if (law.rough || law.clings || size <= (bound * (1.0 - 1e-9)).max(still)) && !drawn => Status::Stick,
         None => Status::Slip,
@@ -538,14 +535,9 @@ fn frictional(
     Response { force_by: by, ..response }
 }
 
-/// How exact a place is.
-fn rounding(place: &Kinematics) -> f64 {
-    16.0 * f64::EPSILON * place.point.amax()
-}
-
 fn frictionless(law: Law, multiplier: f64, place: &Kinematics, set: Option<Status>) -> Response {
     let (pressure, share) = law.pressed(multiplier + law.normal * place.gap);
-    let touching = set.map_or(pressure <= rounding(place) * law.normal || law.clings, |set| set != Status::Gap);
+    let touching = set.map_or(pressure <= 0.0 || law.clings, |set| set != Status::Gap);
     if !touching {
         return gap(law, &Vec3::new(multiplier, 0.0, 0.0), Vec3::zeros());
     }

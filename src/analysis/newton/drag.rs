@@ -64,6 +64,12 @@ impl Newton<'_> {
         stands
     }
 
+    /// The weakest springs of what lingers, for the tangent.
+    pub fn keep_in_place(&mut self) {
+        let Controls { linger, linger_fall, linger_stages, .. } = self.system.model.controls;
+        self.set_drag(Kind::Each(linger * linger_fall.powi(linger_stages as i32 - 1), linger_stages));
+    }
+
     /// Takes over the numbers of equations.
     pub(super) fn number_drag(&mut self) {
         let Model { part, sections, .. } = &*self.system.model;

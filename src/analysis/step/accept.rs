@@ -63,8 +63,8 @@ impl Simulation<'_> {
     pub(super) fn accept(&mut self, frame: &mut Frame, converged: Converged, x: &Vector) -> Result<Increment> {
         let busy = self.is_busy();
         let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
-        let is_remedy = ladder.is_remedy();
-        let way = ladder.succeed();
+        let is_remedy = ladder.is_remedy() || ladder.lingers();
+        let way = ladder.succeed(converged.loose.is_some());
         let end = converged.end;
         let iterations = converged.effort.residuals.len() - 1;
         let size = (end - increments.done) * step.duration;

@@ -32,6 +32,8 @@ pub struct Converged {
     pub limits: Vec<f64>,
     /// Of each pair how deep its master is between nodes, as the watch saw it.
     pub between: Vec<Between>,
+    /// A body that nothing holds, and that stays where it was, in words.
+    pub loose: Option<String>,
     /// What it saw of nodes that no contact names.
     pub strays: Vec<Strays>,
     /// How many eigenvalues of the tangent are negative.
@@ -147,11 +149,12 @@ impl<'a> Simulation<'a> {
         };
         let controls = self.model.controls;
         let smooth = self.model.can_flow() || self.model.masters.tools.iter().all(|t| !t.surface.faceted);
-        let may_extrapolate = controls.extrapolate > usize::from(!smooth);
+        let lingers = frame.progress.ladder.lingers() && drag == 0.0;
+        // What is loose would go on.
+        let may_extrapolate = controls.extrapolate > usize::from(!smooth) && !lingers;
         let trial = frame.progress.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
         let Progress { conditions, poses, offsets, ladder, past, .. } = &mut frame.progress;
-        let lingers = ladder.lingers();
         let start = Start {
             offsets,
             s: end,
@@ -176,7 +179,6 @@ impl<'a> Simulation<'a> {
             damped: &self.state.damped,
         };
         let mut newton = Newton::new(system, (&start, &mut watcher));
-        let lingers = lingers && drag == 0.0;
         newton.set_drag(match drag {
             0.0 if lingers => Kind::Each(controls.linger, 1),
             0.0 => Kind::Nothing,
@@ -217,7 +219,9 @@ impl<'a> Simulation<'a> {
         Ok(match ended? {
             None => {
                 let negative = match drag {
-                    0.0 if !frame.is_unstable => stability::negative(&mut newton, snes, &mut frame.judged)?,
+                    0.0 if !frame.is_unstable => {
+                        stability::negative(&mut newton, snes, frame.hangs, &mut frame.judged)?
+                    }
                     _ => Negative::Unknown,
                 };
                 Attempt::Converged(Box::new(converged(newton, &x.array()?, negative)))
@@ -349,6 +353,7 @@ fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
         offsets: found.offsets,
         limits,
         between: Vec::new(),
+        loose: None,
         strays: Vec::new(),
         negative,
         effort: Effort {

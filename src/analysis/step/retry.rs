@@ -48,7 +48,8 @@ impl Simulation<'_> {
         let (can_yield, can_hold) = (self.yields(), self.shares_nodes(frame.conditions()));
         let Progress { increments, ladder, past, .. } = &mut frame.progress;
         let was = (ladder.is_soft(), ladder.is_by_sets());
-        let is_other = ladder.yields() || ladder.is_by_sets() || ladder.glides() || ladder.way() == Way::Jump;
+        let is_other =
+            ladder.yields() || ladder.is_by_sets() || ladder.glides() || ladder.lingers() || ladder.way() == Way::Jump;
         let is_remedy = ladder.is_remedy() || is_other;
         ladder.note(can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {

@@ -6,6 +6,9 @@
 //! takes a factorization more, and is done a few times in a step, and wherever the determinant of the tangent has another sign
 //! than at the last time: then one eigenvalue, or three, have changed theirs. An attempt that is refused for something else is
 //! made again in shorter ones, which are judged anew.
+//!
+//! A body that contacts alone hold may be free to move, and a motion that no force acts against is not unstable: it is judged on
+//! the weakest springs of what lingers.
 
 use super::super::newton::{Newton, System};
 use crate::contact::Slave;
@@ -21,7 +24,7 @@ pub struct Judged {
 }
 
 /// How many eigenvalues of the tangent at a converged iterate are negative, as far as it is to be known there. Collective.
-pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged>) -> Result<Negative> {
+pub fn negative(newton: &mut Newton, snes: &mut Snes, hangs: bool, judged: &mut Option<Judged>) -> Result<Negative> {
     let System { comm, model, dofs, conditions, .. } = &newton.system;
     // What meets itself has conditions that repeat each other and give way; nodes that rub on nodes have given false alarms, of
     // which the cause is not known.
@@ -33,7 +36,7 @@ pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged
     // That of F-bar, or of a pressure that follows, has no symmetric part to judge by.
     let by_sign = !conditions.has_symmetric_bodies(model) || !conditions.pressures.is_empty();
     let tells = conditions.is_symmetric(model) || by_sign && !slips();
-    if tells && factors != Negative::Unknown {
+    if tells && factors != Negative::Unknown && !hangs {
         return Ok(factors);
     }
     // Where conditions repeat each other, or something is free, those that stick say no more.
@@ -48,6 +51,9 @@ pub fn negative(newton: &mut Newton, snes: &mut Snes, judged: &mut Option<Judged
         return Ok(Negative::Unknown);
     }
     let multipliers = dofs.total_multipliers as usize;
+    if hangs {
+        newton.keep_in_place();
+    }
     let factorization = if by_sign { Factorization::Lu } else { Factorization::Ldlt };
     let negative = match newton.stuck_tangent() {
         Some(values) => snes.negative_eigenvalues(values, factorization)?,
