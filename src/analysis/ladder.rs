@@ -195,6 +195,8 @@ pub struct Ladder {
     pub settles: bool,
     /// Contacts hold something that supports do not.
     pub hangs: bool,
+    /// A contact that touched did not where the last attempt ended.
+    pub lets_go: bool,
     /// Jumps that the watch has refused.
     refused: usize,
     controls: Controls,
@@ -221,7 +223,7 @@ impl Ladder {
             jumps: 0,
             jumped: 0,
         };
-        Self { means, tries, settles: false, hangs: false, refused: 0, controls: *controls }
+        Self { means, tries, settles: false, hangs: false, lets_go: false, refused: 0, controls: *controls }
     }
 
     /// How far it is.
@@ -360,7 +362,7 @@ impl Ladder {
         if is_open && is_new(&mut self.tries.creeps, true) {
             return Some(Remedy::Creep);
         }
-        let is_loose = cause == Cause::Loose || cause.is_linear() || cause.is_of_iteration();
+        let is_loose = cause == Cause::Loose || cause.is_linear() || self.lets_go && cause.is_of_iteration();
         if is_loose && is_new(&mut self.tries.lingers, self.hangs) {
             return Some(Remedy::Linger);
         }
