@@ -362,7 +362,10 @@ impl Ladder {
         if is_open && is_new(&mut self.tries.creeps, true) {
             return Some(Remedy::Creep);
         }
-        let is_loose = cause == Cause::Loose || cause.is_linear() || self.lets_go && cause.is_of_iteration();
+        // What loads press on a tool that goes away follows it.
+        let may_follow = cause == Cause::Singular && !self.settles && self.tries.follows == Some(false);
+        let is_linear = cause.is_linear() && !may_follow;
+        let is_loose = cause == Cause::Loose || is_linear || self.lets_go && cause.is_of_iteration();
         if is_loose && is_new(&mut self.tries.lingers, self.hangs) {
             return Some(Remedy::Linger);
         }
