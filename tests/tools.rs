@@ -473,8 +473,7 @@ fn what_only_loads_press_goes_down_with_its_table() {
         let history = bench.solve(2, &[]).history();
         let column = history.column("block.zmax.uz");
         assert_close("it goes down", column[2] - column[0], -1.0, 1e-3);
-        // Nine nodes, of each of which the tolerance lets 1e-10 of the force through, and as much of friction.
-        assert_close("pressed as before", history.last(force).abs(), 1.0, 2e-9);
+        assert_close("pressed as before", history.last(force).abs(), 1.0, 1e-9);
     }
 }
 

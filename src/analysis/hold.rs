@@ -101,7 +101,7 @@ impl Simulation<'_> {
             slave.trial.status != Status::Gap || gap.is_some_and(|gap| gap <= pair.controls.no_gap * pair.facet_size)
         };
         let is_pushed = |pair: &Pair| pair.slaves.iter().any(|slave| touches(pair, slave) && comes(pair, slave));
-        !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed)) && !free.is_tool
+        !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed))
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
@@ -140,12 +140,13 @@ impl Simulation<'_> {
         if free.is_empty() {
             free = all(held(&stuck).free_along(self.comm, steep));
         }
-        if frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u)) {
-            converged.loose = free.into_iter().next().map(|free| free.who);
-            return Attempt::Converged(converged);
-        }
+        let stays = frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u));
         match free.into_iter().next() {
             None => Attempt::Converged(converged),
+            Some(free) if stays => {
+                converged.loose = Some(free.who);
+                Attempt::Converged(converged)
+            }
             Some(free) => {
                 let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
                 let why = match any(self.comm, slaves.any(Slave::rubs)) {

@@ -363,7 +363,7 @@ impl Ladder {
             return Some(Remedy::Creep);
         }
         // What loads press on a tool that goes away follows it.
-        let may_follow = cause == Cause::Singular && !self.settles && self.tries.follows == Some(false);
+        let may_follow = cause == Cause::Singular && self.means.soften && self.tries.follows == Some(false);
         let is_linear = cause.is_linear() && !may_follow;
         let is_loose = cause == Cause::Loose || is_linear || self.lets_go && cause.is_of_iteration();
         if is_loose && is_new(&mut self.tries.lingers, self.hangs) {

@@ -171,7 +171,7 @@ impl Simulation<'_> {
         let ends_step = converged.end >= 1.0;
         let ends_run = self.begun >= self.steps;
         let ended = ends_step.then_some((&self.state.touches[..], ends_run));
-        let idle = &idle(self.comm, &self.model.pairs)[..];
+        let idle = &idle(self.comm, &self.model.pairs, |slave| slave.trial.status)[..];
         let motion = Motion { before: &self.state.u, after: &converged.u, residuals: &converged.limits, ended, idle };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let mut told: Option<(usize, usize, Finding)> = None;
@@ -586,8 +586,8 @@ pub(super) fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'
 }
 
 /// Of which pairs no slave node of any rank is in contact. Collective.
-fn idle(comm: &SimpleCommunicator, pairs: &[Pair]) -> Vec<bool> {
-    let acts = |pair: &Pair| pair.slaves.iter().any(|slave| slave.trial.status != Status::Gap);
+pub(super) fn idle(comm: &SimpleCommunicator, pairs: &[Pair], status: fn(&Slave) -> Status) -> Vec<bool> {
+    let acts = |pair: &Pair| pair.slaves.iter().any(|slave| status(slave) != Status::Gap);
     let mut acting: Vec<f64> = pairs.iter().map(|pair| f64::from(acts(pair))).collect();
     max(comm, &mut acting);
     acting.iter().map(|acts| *acts == 0.0).collect()

@@ -32,9 +32,6 @@ pub struct OfBody {
     pub thin: f64,
 }
 
-/// Displacements below this share of an element deform nothing.
-const STILL: f64 = 1e-9;
-
 impl OfBody {
     /// e / ||u||; zero where nothing deforms.
     pub fn relative(&self) -> f64 {
@@ -103,11 +100,10 @@ impl Energy {
             (body[1], body[2]) = (stored + flown, flown);
         }
         sum(comm, sums.as_flattened_mut());
-        // Of displacements that are rounding, as of what has been let go, or that leave no more than the rounding of energies.
+        // No more than the rounding of energies, as of what has been let go.
         for (body, of) in sums.iter_mut().zip(&model.bodies) {
             let rounding = 16.0 * f64::EPSILON * body[4];
-            let least = 0.5 * of.stiffness * model.size.powi(2) * rounding.max(STILL.powi(2));
-            if body[1] <= least {
+            if body[1] <= 0.5 * of.stiffness * model.size.powi(2) * rounding {
                 (body[0], body[1]) = (0.0, 0.0);
             }
         }

@@ -96,7 +96,9 @@ pub fn of(
         let [error, all] = [|b: &OfBody| b.error, |b: &OfBody| b.energy]
             .map(|of| bodies.iter().map(|b| of(&energy.bodies[*b])).sum::<f64>());
         // What deforms nothing presses with but what rounding leaves.
-        if let Some(pressure) = Pressure::new(comm, model, pair, u).filter(|_| all > 0.0) {
+        if all > 0.0
+            && let Some(pressure) = Pressure::new(comm, model, pair, u)
+        {
             let force = force_error(error, all, &pressure);
             contacts.push((p, OfContact { force, size: force_of(comm, pair), pressure }));
         }

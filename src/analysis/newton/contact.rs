@@ -385,7 +385,7 @@ impl Newton<'_> {
     }
 
     /// The next solve judges this iterate again.
-    pub(super) fn judge_again(&mut self) {
+    pub fn judge_again(&mut self) {
         self.course.trace.pop();
         self.course.since = self.course.trace.len();
         self.course.changes.pop();

@@ -47,16 +47,18 @@ impl Newton<'_> {
 
     /// Whether what is in balance at `x` is so without the drag, too. If not, weaker springs begin there, so many times at most;
     /// then nothing drags any more. Collective.
+    ///
+    /// What springs leave has one sign at all nodes, and adds up: it is to be a small share of the tolerance, and no rounding excuses
+    /// it, but in the last stage.
     pub fn stands_without_drag(&mut self, x: &[f64]) -> bool {
         let mut drag = std::mem::take(&mut self.strategy.drag);
         let sound = self.evaluate(x, &mut vec![0.0; x.len()], false);
         let Controls { linger_fall, linger_stages, .. } = self.system.model.controls;
-        // What springs leave has one sign at all nodes, and adds up: in the last stage alone it may be all that is let through.
-        let share = if matches!(drag.kind, Kind::Each(_, stage) if stage < linger_stages) { linger_fall } else { 1.0 };
-        let stands = sound && self.found.balance.holds(share * self.tolerance_now());
-        if let (false, Kind::Each(share, stage)) = (stands, drag.kind)
-            && stage < linger_stages
-        {
+        let (balance, tolerance) = (&self.found.balance, self.tolerance_now());
+        let Kind::Each(share, stage) = drag.kind else { return sound && balance.holds(tolerance) };
+        let is_last = stage >= linger_stages;
+        let stands = sound && balance.holds(tolerance) && (is_last || balance.relative() <= linger_fall * tolerance);
+        if !stands && !is_last {
             drag.kind = Kind::Each(share * linger_fall, stage + 1);
             for (k, rest, force) in &mut drag.rest {
                 (*rest, *force) = (x[*k], *force * linger_fall);

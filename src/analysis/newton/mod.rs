@@ -11,7 +11,7 @@ mod backtrack;
 pub(super) mod balance;
 mod central;
 mod contact;
-pub mod drag;
+pub(super) mod drag;
 mod growth;
 mod rounds;
 mod share;

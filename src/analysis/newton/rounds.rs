@@ -179,7 +179,7 @@ impl Newton<'_> {
     }
 
     /// The next solve judges this iterate again.
-    pub fn again(&mut self) -> Round {
+    pub(super) fn again(&mut self) -> Round {
         self.judge_again();
         Round::Again
     }

@@ -213,7 +213,7 @@ impl<'a> Simulation<'a> {
             if !newton.drags() {
                 break Ok(Some((Cause::Loose, None, FALLS.to_string())));
             }
-            newton.again();
+            newton.judge_again();
         };
         note(&mut self.summary, &newton);
         Ok(match ended? {

@@ -8,10 +8,10 @@ use super::super::state::Progress;
 use super::super::{Event, Observer, Remedy, Retried, Simulation, conditioning, describe, suspects, watch};
 use super::Frame;
 use super::attempt::Failed;
-use crate::contact::{Pair, Slave, Status};
+use crate::contact::{Pair, Status};
 use crate::error::{Error, Result};
 use crate::failure::{Cause, Failure, Place};
-use crate::parallel::{any, max, word_of_largest};
+use crate::parallel::{any, word_of_largest};
 use mpi::topology::SimpleCommunicator;
 
 /// Whether an increment fails for its shortness: rounding leaves too much of what it adds to the state at `done`, but not of what
@@ -47,7 +47,7 @@ impl Simulation<'_> {
             return Ok(remedy);
         }
         let (can_yield, can_hold) = (self.yields(), self.shares_nodes(frame.conditions()));
-        frame.progress.ladder.lets_go = lets_go(self.comm, &self.model.pairs);
+        frame.progress.ladder.lets_go = frame.hangs && lets_go(self.comm, &self.model.pairs);
         let Progress { increments, ladder, past, .. } = &mut frame.progress;
         let was = (ladder.is_soft(), ladder.is_by_sets());
         let is_other =
@@ -137,9 +137,7 @@ impl Simulation<'_> {
 
 /// Whether some contact touched in the last converged increment, and nowhere where an attempt has ended. Collective.
 fn lets_go(comm: &SimpleCommunicator, pairs: &[Pair]) -> bool {
-    let touches = |pair: &Pair, of: fn(&Slave) -> Status| pair.slaves.iter().any(|slave| of(slave) != Status::Gap);
-    let both = |pair: &Pair| [touches(pair, |slave| slave.committed.status), touches(pair, |slave| slave.trial.status)];
-    let mut touching: Vec<f64> = pairs.iter().flat_map(|pair| both(pair).map(|t| f64::from(u8::from(t)))).collect();
-    max(comm, &mut touching);
-    touching.as_chunks::<2>().0.iter().any(|[before, now]| *before > 0.0 && *now == 0.0)
+    let before = watch::idle(comm, pairs, |slave| slave.committed.status);
+    let now = watch::idle(comm, pairs, |slave| slave.trial.status);
+    before.iter().zip(&now).any(|(before, now)| !before && *now)
 }
