@@ -322,9 +322,9 @@ impl Cli {
                 let rates = calibrate(comm, &petsc, repeats.get())?;
                 let kept = machine::keep(comm, &rates);
                 if comm.rank() == 0 {
-                    let _ = write!(std::io::stdout(), "{}", describe::rates(&rates, kept.as_deref()));
+                    let _ = write!(std::io::stdout(), "{}", describe::rates(&rates, kept.as_deref().ok()));
                 }
-                Ok(())
+                agree(comm, kept.map(drop))
             }
             Command::Surface(arguments) => arguments.measure(comm),
             // In a process without MPI, see `run`.

@@ -3,7 +3,6 @@
 use super::cost::work::Rates;
 use super::{Increment, Remedy, Retried};
 use crate::contact::{BodySurface, Tool};
-use crate::error::Error;
 use crate::failure::{Cause, Failure};
 use crate::model::Model;
 use crate::output::summary::Summary;
@@ -291,16 +290,15 @@ fn body(scene: &Scene, model: &Model, b: usize, body: &Body) -> String {
     text
 }
 
-/// What `nagata calibrate` prints: what each kind of work takes, and where that is kept, or why it is not.
-pub fn rates(rates: &Rates, kept: std::result::Result<&Path, &Error>) -> String {
+/// What `nagata calibrate` prints: what each kind of work takes, and where that is kept, if it is.
+pub fn rates(rates: &Rates, kept: Option<&Path>) -> String {
     let mut text = String::from("    ns  of\n");
     for (work, seconds) in rates.iter() {
         let _ = writeln!(text, "{:>10.4}  {}", 1e9 * seconds, work.name());
     }
-    let _ = match kept {
-        Ok(path) => writeln!(text, "kept in {}", path.display()),
-        Err(error) => writeln!(text, "warning: not kept: {error}"),
-    };
+    if let Some(path) = kept {
+        let _ = writeln!(text, "kept in {}", path.display());
+    }
     text
 }
 

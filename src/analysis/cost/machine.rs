@@ -67,13 +67,18 @@ impl Machine {
     }
 }
 
-/// Keeps what was measured, where there is a place for it: the file, or why there is none. Collective.
+/// Keeps what was measured: in which file.
 ///
 /// # Errors
-/// None that matters: without a cache rates are default ones.
+/// On the first rank, there is no place for it.
 pub fn keep(comm: &SimpleCommunicator, rates: &Rates) -> Result<PathBuf> {
     let host = host(comm);
-    let path = cache().ok_or_else(|| Error::System("neither XDG_CACHE_HOME nor HOME says where to keep it".into()))?;
+    let lost = |why: String| {
+        Error::System(format!(
+            "what was measured is not kept: {why}; XDG_CACHE_HOME names a folder for it, which is to be writable"
+        ))
+    };
+    let path = cache().ok_or_else(|| lost("neither XDG_CACHE_HOME nor HOME is set".into()))?;
     if comm.rank() > 0 {
         return Ok(path);
     }
@@ -82,8 +87,8 @@ pub fn keep(comm: &SimpleCommunicator, rates: &Rates) -> Result<PathBuf> {
     let others = known.into_iter().filter(|k| (&k.host, k.ranks) != (&new.host, new.ranks));
     let all: Vec<Kept> = others.chain([new.clone()]).collect();
     let folder = path.parent().map(std::fs::create_dir_all).transpose();
-    folder.map_err(|error| Error::System(format!("{}: {error}", path.display())))?;
-    replace(&path, &encode(&all))?;
+    folder.map_err(|error| lost(format!("{}: {error}", path.display())))?;
+    replace(&path, &encode(&all)).map_err(|error| lost(error.to_string()))?;
     Ok(path)
 }
 
