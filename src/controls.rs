@@ -212,7 +212,7 @@ controls! {
         linger_fall: f64 = 0.01, [1e-6, 0.9], "of the springs",
             "The next stage begins where the last has ended, with springs so much weaker: a sheet is far softer in bending than its nodes are.";
         linger_stages: usize = 4, [1, 100], "stages",
-            "What is not in balance without springs then is let go. Weaker ones would be lost among the roundings of a matrix.";
+            "Weaker ones would be lost among the roundings of a matrix. More of the last follow while each leaves no more than `linger_fall` of what was not in balance; what is not then is let go.";
         remedy_period: usize = 2, [1, 100], "failures",
             "An increment that fails is tried by turns: in plastic bodies with the last residual alone (`line_search_memory`) after the first failure of each period, with contacts that settle after its last. Neither serves both contacts that come and go and flow that overshoots.";
     }

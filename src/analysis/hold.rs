@@ -104,18 +104,54 @@ impl Simulation<'_> {
         !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed))
     }
 
+    /// Whether a slave node bears more than the gaps round to, and than the `limits` of what is let through of each contact.
+    fn presses(&self, p: usize, slave: &Slave, trial: &Trial, limits: &[f64]) -> bool {
+        let far = self.model.part.points[slave.node as usize].amax();
+        let rounding = self.model.pairs[p].controls.rounding * f64::EPSILON * slave.law.normal * far;
+        trial.force.norm() > rounding.max(limits[p])
+    }
+
+    /// Bodies that supports leave free and no contact presses on, in words. Collective.
+    fn unpressed(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, limits: &[f64]) -> Vec<String> {
+        let place = |n: usize| self.model.part.points[n] + u[n];
+        let supported = supported(self.comm, &self.model, frame.conditions(), true, place);
+        let mut motions = supported.clone();
+        for (p, pair) in self.model.pairs.iter().enumerate() {
+            let ground = self.model.masters.of(pair.master);
+            for slave in pair.slaves.iter().filter(|slave| self.presses(p, slave, of(slave), limits)) {
+                let own = self.model.part.component[slave.node as usize] as usize;
+                let Some(at) = of(slave).projection else { continue };
+                let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
+                motions.touch(own, side, &place(slave.node as usize), &at.normal, true);
+            }
+        }
+        // As free as without contacts.
+        let motions_of = |free: &Free| (free.along.len(), free.about.len());
+        let before = supported.free(self.comm);
+        let is_as_before = |free: &Free| before.iter().any(|b| b.who == free.who && motions_of(b) == motions_of(free));
+        let bodies = motions.free(self.comm).into_iter().filter(|free| !free.is_tool && is_as_before(free));
+        bodies.map(|free| free.who).collect()
+    }
+
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
     /// rounding. Collective.
     pub(super) fn still_held(&self, frame: &Frame, mut converged: Box<Converged>) -> Attempt {
         if !frame.hangs {
             return Attempt::Converged(converged);
         }
+        let limits = &converged.limits;
+        let mut unpressed = self.unpressed(frame, &converged.u, |slave| &slave.trial, limits);
+        if !unpressed.is_empty() {
+            let before = self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits);
+            converged.unpressed = true;
+            unpressed.retain(|who| !before.contains(who));
+            converged.let_go = unpressed;
+        }
         // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What rests has not been let
         // go.
         let bears = |p: usize, slave: &Slave| {
-            let (pair, n) = (&self.model.pairs[p], slave.node as usize);
-            let rounding = pair.controls.rounding * f64::EPSILON * slave.law.normal * self.model.part.points[n].amax();
-            self.rests(frame, pair, slave, &converged.u) || slave.trial.force.norm() > rounding.max(converged.limits[p])
+            self.rests(frame, &self.model.pairs[p], slave, &converged.u)
+                || self.presses(p, slave, &slave.trial, &converged.limits)
         };
         let rubs = |p: usize| self.model.pairs[p].rules.friction > 0.0;
         let as_it_is = |p: usize, slave: &Slave| match slave.trial.status {
@@ -141,10 +177,10 @@ impl Simulation<'_> {
             free = all(held(&stuck).free_along(self.comm, steep));
         }
         let stays = frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u));
-        match free.into_iter().next() {
+        match free.first() {
             None => Attempt::Converged(converged),
-            Some(free) if stays => {
-                converged.loose = Some(free.who);
+            Some(_) if stays => {
+                converged.loose = free.into_iter().map(|free| free.who).collect();
                 Attempt::Converged(converged)
             }
             Some(free) => {

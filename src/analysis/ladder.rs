@@ -461,7 +461,8 @@ impl Ladder {
     /// A shorter increment; or, where that hardly serves, contacts that settle, and a jump.
     fn shorten(&mut self, increments: &mut Increments, end: f64, cause: Cause) -> Option<Remedy> {
         self.tries.failures += 1;
-        let singular = matches!(cause, Cause::Singular | Cause::Rounding);
+        // What lets go passes through forces that are lost in rounding, in a shorter increment others.
+        let singular = cause == Cause::Singular || cause == Cause::Rounding && !self.hangs;
         let again = self.means.settle && !self.is_remedy();
         let short = increments.is_short(end);
         if again && (short || singular) {

@@ -72,7 +72,7 @@ pub(super) struct Told {
     out_of_core: bool,
     impatience: bool,
     unpaid: bool,
-    loose: bool,
+    loose: Vec<String>,
 }
 
 impl Frame {
@@ -277,10 +277,15 @@ impl<'a> Simulation<'a> {
                         continue;
                     }
                     let unpaid = self.unpaid(frame, &converged)?.filter(|_| !std::mem::replace(&mut told.unpaid, true));
-                    let loose = converged.loose.clone().filter(|_| !std::mem::replace(&mut told.loose, true));
+                    let Converged { loose, let_go, unpressed, .. } = &*converged;
+                    let is_loose = *unpressed || !loose.is_empty();
+                    let free: Vec<String> = loose.iter().chain(let_go).cloned().collect();
                     let increment = self.accept(frame, *converged, x)?;
-                    if let Some(who) = loose {
-                        self.warn(describe::loose(frame.name(), self.state.time, &who), observer)?;
+                    for who in free {
+                        if !told.loose.contains(&who) {
+                            self.warn(describe::loose(frame.name(), self.state.time, &who), observer)?;
+                            told.loose.push(who);
+                        }
                     }
                     if let Some(unpaid) = unpaid {
                         self.warn(unpaid, observer)?;
@@ -294,7 +299,7 @@ impl<'a> Simulation<'a> {
                     }
                     self.tell_of_strangers(observer)?;
                     observer(&Event::Increment(&increment))?;
-                    self.tell_of_solver(frame, snes, told, observer)?;
+                    self.tell_of_solver(frame, (snes, is_loose), told, observer)?;
                     return Ok(Some(increment));
                 }
                 Attempt::Failed(failed) if failed.extrapolated => {
@@ -345,7 +350,7 @@ impl<'a> Simulation<'a> {
     fn tell_of_solver(
         &mut self,
         frame: &Frame,
-        snes: &mut Snes,
+        (snes, is_loose): (&mut Snes, bool),
         told: &mut Told,
         observer: &mut Observer,
     ) -> Result<()> {
@@ -362,8 +367,8 @@ impl<'a> Simulation<'a> {
         {
             observer(&Event::Detail(&describe::impatience(frame.name(), mean)))?;
         }
-        // Of what lingers it is known.
-        if null_pivots > 0 && !frame.progress.ladder.lingers() && !std::mem::replace(&mut told.null_pivots, true) {
+        // Of what is loose it is known.
+        if null_pivots > 0 && !is_loose && !std::mem::replace(&mut told.null_pivots, true) {
             let free = self.free_motion(frame, snes)?;
             let warning = describe::null_pivots(frame.name(), null_pivots, free.as_deref());
             self.warn(warning, observer)?;

@@ -376,7 +376,8 @@ impl Newton<'_> {
         let capped = |g: usize| {
             let rounding = self.rounding(g);
             let cap = self.system.model.controls.rounding_cap;
-            self.at_stake(g).map_or(rounding, |forces| rounding.min(cap * forces))
+            let at_stake = self.at_stake(g).filter(|_| !self.keeps_in_place());
+            at_stake.map_or(rounding, |forces| rounding.min(cap * forces))
         };
         self.found.balance.limits = groups.map(capped).collect();
     }
@@ -481,8 +482,12 @@ impl Newton<'_> {
     }
 
     /// A body or tool whose forces are lost in rounding, in words: residuals that are rounding and yet not small, or internal
-    /// forces of an iterate that has `converged` that do not sum to zero, which they do whatever the state. Collective.
+    /// forces of an iterate that has `converged` that do not sum to zero, which they do whatever the state. What springs keep in
+    /// place is on its way to another balance, and forces that end there are of no account. Collective.
     pub fn unresolved(&self, converged: bool) -> Option<(Lost, String)> {
+        if self.keeps_in_place() {
+            return None;
+        }
         let model = &self.system.model;
         let mut sums: Vec<f64> = self.found.internal.iter().flat_map(|s| [s.x, s.y, s.z]).collect();
         sum(self.system.comm, &mut sums);

@@ -20,6 +20,8 @@ pub struct Drag {
     offsets: Vec<Vec3>,
     /// Local unknowns of displacements and tools with their values in the last converged state, and force per length.
     rest: Vec<(usize, f64, f64)>,
+    /// Of springs, the largest residual without those of the stage before, over the forces that it counts against.
+    left: f64,
 }
 
 /// What drags.
@@ -39,14 +41,19 @@ impl Newton<'_> {
         self.strategy.drag.kind != Kind::Nothing
     }
 
+    /// Whether springs keep in place what comes loose.
+    pub(super) fn keeps_in_place(&self) -> bool {
+        matches!(self.strategy.drag.kind, Kind::Each(..))
+    }
+
     /// Drags from now on.
     pub fn set_drag(&mut self, kind: Kind) {
-        self.strategy.drag = Drag { kind, offsets: self.found.offsets.clone(), rest: Vec::new() };
+        self.strategy.drag = Drag { kind, offsets: self.found.offsets.clone(), rest: Vec::new(), left: f64::INFINITY };
         self.number_drag();
     }
 
-    /// Whether what is in balance at `x` is so without the drag, too. If not, weaker springs begin there, so many times at most;
-    /// then nothing drags any more. Collective.
+    /// Whether what is in balance at `x` is so without the drag, too. If not, weaker springs begin there, so many times; then the
+    /// same, while each time next to nothing is left of what was; then nothing drags any more. Collective.
     ///
     /// What springs leave has one sign at all nodes, and adds up: it is to be a small share of the tolerance, and no rounding excuses
     /// it, but in the last stage.
@@ -56,20 +63,22 @@ impl Newton<'_> {
         let Controls { linger_fall, linger_stages, .. } = self.system.model.controls;
         let (balance, tolerance) = (&self.found.balance, self.tolerance_now());
         let Kind::Each(share, stage) = drag.kind else { return sound && balance.holds(tolerance) };
-        let is_last = stage >= linger_stages;
-        let stands = sound && balance.holds(tolerance) && (is_last || balance.relative() <= linger_fall * tolerance);
+        let (left, is_weakest) = (balance.relative(), stage >= linger_stages);
+        let is_last = is_weakest && !(sound && left <= linger_fall * drag.left);
+        let stands = sound && balance.holds(tolerance) && (is_last || left <= linger_fall * tolerance);
         if !stands && !is_last {
-            drag.kind = Kind::Each(share * linger_fall, stage + 1);
+            let fall = if is_weakest { 1.0 } else { linger_fall };
+            drag.kind = Kind::Each(share * fall, stage + 1);
             for (k, rest, force) in &mut drag.rest {
-                (*rest, *force) = (x[*k], *force * linger_fall);
+                (*rest, *force) = (x[*k], *force * fall);
             }
-            self.strategy.drag = drag;
+            self.strategy.drag = Drag { left, ..drag };
         }
         stands
     }
 
     /// The weakest springs of what lingers, for the tangent.
-    pub fn keep_in_place(&mut self) {
+    pub fn keep_weakly_in_place(&mut self) {
         let Controls { linger, linger_fall, linger_stages, .. } = self.system.model.controls;
         self.set_drag(Kind::Each(linger * linger_fall.powi(linger_stages as i32 - 1), linger_stages));
     }

@@ -61,10 +61,10 @@ impl Simulation<'_> {
 
     /// Makes a converged increment the state, and says what it was. Collective.
     pub(super) fn accept(&mut self, frame: &mut Frame, converged: Converged, x: &Vector) -> Result<Increment> {
-        let busy = self.is_busy();
+        let busy = self.is_busy(&converged.limits);
         let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy() || ladder.lingers();
-        let way = ladder.succeed(converged.loose.is_some());
+        let way = ladder.succeed(!converged.loose.is_empty());
         let end = converged.end;
         let iterations = converged.effort.residuals.len() - 1;
         let size = (end - increments.done) * step.duration;
@@ -121,14 +121,18 @@ impl Simulation<'_> {
 
     /// Whether this increment, which has converged, saw so much change of contact that the next should not be longer: many
     /// of the contact nodes changed sides, or a node slid so far on a curved surface that its path is no longer
-    /// short against the radius of curvature. Collective.
-    fn is_busy(&self) -> bool {
+    /// short against the radius of curvature. What bears no more than is let through of each contact touches or not as rounding has
+    /// it, and does not count. Collective.
+    fn is_busy(&self, limits: &[f64]) -> bool {
         let Controls { busy_share, busy_turn, .. } = self.model.controls;
         let mut counts = [0.0; 3];
-        for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
+        let slaves =
+            self.model.pairs.iter().zip(limits).flat_map(|(p, limit)| p.slaves.iter().map(move |s| (s, *limit)));
+        for (slave, limit) in slaves {
             let (before, now) = (slave.committed.status != Status::Gap, slave.trial.status != Status::Gap);
-            counts[0] += f64::from(before || now);
-            counts[1] += f64::from(before != now);
+            let bears = slave.accepted.force.norm().max(slave.trial.force.norm()) > limit;
+            counts[0] += f64::from((before || now) && bears);
+            counts[1] += f64::from(before != now && bears);
             let curvature = slave.trial.projection.map_or(0.0, |p| p.normal_gradient.norm());
             counts[2] += f64::from(now && slave.trial.slip.norm() * curvature > busy_turn);
         }

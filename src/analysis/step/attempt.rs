@@ -32,8 +32,11 @@ pub struct Converged {
     pub limits: Vec<f64>,
     /// Of each pair how deep its master is between nodes, as the watch saw it.
     pub between: Vec<Between>,
-    /// A body that nothing holds, and that stays where it was, in words.
-    pub loose: Option<String>,
+    /// Bodies that nothing holds, and that stay where they were, in words.
+    pub loose: Vec<String>,
+    /// Whether nothing presses on some body that supports do not hold, and those that something did before, in words.
+    pub unpressed: bool,
+    pub let_go: Vec<String>,
     /// What it saw of nodes that no contact names.
     pub strays: Vec<Strays>,
     /// How many eigenvalues of the tangent are negative.
@@ -207,8 +210,11 @@ impl<'a> Simulation<'a> {
                 break Err(error);
             }
             let ControlFlow::Break(end) = judge(&mut newton, &outcome.reason, x, max_iterations)? else { continue };
-            if end.is_some() || !lingers || newton.stands_without_drag(&x.array()?) {
+            if end.is_some() || !lingers {
                 break Ok(end);
+            }
+            if newton.stands_without_drag(&x.array()?) {
+                break Ok(newton.unresolved(true).map(of_rounding));
             }
             if !newton.drags() {
                 break Ok(Some((Cause::Loose, None, FALLS.to_string())));
@@ -353,7 +359,9 @@ fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
         offsets: found.offsets,
         limits,
         between: Vec::new(),
-        loose: None,
+        loose: Vec::new(),
+        unpressed: false,
+        let_go: Vec::new(),
         strays: Vec::new(),
         negative,
         effort: Effort {

@@ -52,7 +52,7 @@ pub fn negative(newton: &mut Newton, snes: &mut Snes, hangs: bool, judged: &mut 
     }
     let multipliers = dofs.total_multipliers as usize;
     if hangs {
-        newton.keep_in_place();
+        newton.keep_weakly_in_place();
     }
     let factorization = if by_sign { Factorization::Lu } else { Factorization::Ldlt };
     let negative = match newton.stuck_tangent() {
