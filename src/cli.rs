@@ -538,6 +538,12 @@ fn speaks() -> bool {
 fn run_alone() -> i32 {
     let rank = launched_as();
     let outcome = match (&rank, parse()) {
+        (_, Err(error)) => {
+            if speaks() {
+                let _ = error.print();
+            }
+            return error.exit_code();
+        }
         (Some(_), Ok(Cli { command: Command::Convert { .. } })) => {
             Err(Error::input_anywhere("`convert` runs in one process, not under mpirun", "start it without"))
         }
@@ -549,10 +555,6 @@ fn run_alone() -> i32 {
             convert::convert(&deck, out.as_deref()).map(|converted| tell_of(&converted))
         }
         (None, Ok(_)) => Err(Error::System("only `trade` and `convert` run alone".into())),
-        (None, Err(error)) => {
-            let _ = error.print();
-            return error.exit_code();
-        }
     };
     match outcome {
         Ok(()) => 0,

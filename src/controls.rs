@@ -200,7 +200,7 @@ controls! {
         stability_checks: usize = 20, [1, 1000000], "judgements in a step",
             "Where friction makes the tangent unsymmetric stability takes a factorization more: in steps of so many increments in each, in longer ones as often, and where the determinant changes its sign. In each of 100 increments it takes half the time of a disk that turns in a plate, which solves with the factors of earlier increments.";
         busy_share: f64 = 0.25, [0.0, 1.0], "contact nodes",
-            "Where more of them change sides the next increment is not longer.";
+            "Where more of those that bear change sides the next increment is not longer.";
         busy_turn: f64 = 0.3, [0.01, 10.0], "slip over the radius of curvature, radians",
             "Where a node slid farther, its path is no longer short against the radius and the next increment is not longer.";
         extrapolate: usize = 1, [0, 2], "0 never, 1 not for elastic bodies on facets, 2 always",

@@ -100,6 +100,16 @@ fn help_is_plain_text_and_said_once() {
     assert_eq!(run.stderr, "");
 }
 
+/// Also of what does not run under mpirun.
+#[test]
+fn help_is_had_under_mpirun() {
+    let bench = bench();
+    for name in ["trade", "convert"] {
+        let run = succeeds(&bench, &[name, "--help"]);
+        assert_eq!(run.stdout.matches(&format!("Usage: nagata {name}")).count(), 1, "{}", run.stdout);
+    }
+}
+
 /// Every help ends with examples: commands that are read, of its subcommand, whose scenes have what is overridden.
 #[test]
 fn help_has_examples_that_are_right() {

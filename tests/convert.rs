@@ -133,18 +133,17 @@ fn quadratic_tetrahedra_are_taken_over() {
 /// What is passed over is told with its line, on the terminal and in the scene.
 #[test]
 fn what_is_passed_over_is_named() {
-    let deck = PRESSURE.replace("*Expansion", "*Magic\n*Magic\n*Expansion");
+    let deck = PRESSURE.replace("*Expansion", "*Conductivity\n1.0\n*Conductivity\n1.0\n*Expansion");
     let (bench, found) = converted(&deck);
     let text = scene(&bench);
-    for (word, what) in
-        [("*Magic", "*MAGIC is not known, and passed over"), ("*Expansion", "*EXPANSION is passed over")]
+    for (word, what) in [("*Conductivity", "*CONDUCTIVITY is passed over"), ("*Expansion", "*EXPANSION is passed over")]
     {
         let at = line(&deck, word);
         assert!(found.notes.iter().any(|note| note.contains(&format!("deck.inp:{at}:1: {what}"))), "{:?}", found.notes);
         assert!(text.contains(&format!("# - line {at}: {what}")), "{text}");
     }
     assert!(text.contains("requests for output are passed over"), "{text}");
-    assert!(text.contains(&format!("(also line {})", line(&deck, "*Magic") + 1)), "{text}");
+    assert!(text.contains(&format!("(also line {})", line(&deck, "*Conductivity") + 2)), "{text}");
     let more = "*Material, Name=Air\n*Amplitude, Name=Wind\n0, 0, 1, 1\n*Surface interaction, Name=Ice\n** Sections";
     let deck = PRESSURE.replace("** Sections", more);
     let (_, found) = converted(&deck);
@@ -316,6 +315,8 @@ fn what_cannot_be_converted_is_refused() {
         (CARDS, "OGDEN, N=3", "OGDEN, N=4", "N is not 1, 2 or 3"),
         (CARDS, "REDUCED POLYNOMIAL", "POLYNOMIAL", "POLYNOMIAL, N=2 or 3"),
         (FRICTION, "*CONTACT PAIR", "*CLEARANCE, VALUE=1\n*CONTACT PAIR", "*CLEARANCE cannot be converted"),
+        (FRICTION, "*CONTACT PAIR", "*COHESIVE BEHAVIOR\n*CONTACT PAIR", "*COHESIVE BEHAVIOR cannot be converted"),
+        (FRICTION, "*CONTACT PAIR", "*MAGIC\n*CONTACT PAIR", "*MAGIC is not known"),
         (
             FRICTION,
             "*STEP",

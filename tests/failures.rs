@@ -422,6 +422,32 @@ fn conditions_that_say_what_others_say_are_told() {
     common::assert_close("sum of both", sum, one.history().last("p.fz"), 1e-8);
 }
 
+/// On a slope steeper than friction a block has no equilibrium, and what pushes it and what holds it is told, whichever the
+/// discretization; of that from segment to segment not that it has not begun.
+#[test]
+fn what_slides_down_a_slope_is_told() {
+    let scene = |kind: &str, degrees: f64| {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        format!(
+            "[body.b]\nmaterial = \"m\"\nblock = {{ box = {{ size = [10.0, 10.0, 10.0] }}, elements = [2, 2, 2] }}\n\
+             [material.m]\nmodel = \"hooke\"\nyoung = 10.0\npoisson = 0.3\ndensity = 1e-8\n\
+             [tool.plane]\nplane = {{ point = [0.0, 0.0, 0.0], normal = [0.0, 0.0, 1.0] }}\n\
+             [contact.c]\nslave = \"b.zmin\"\nmaster = \"plane\"\nfriction = 0.3\ndiscretization = \"{kind}\"\n\
+             [[step]]\nincrements = 1\ngravity = [{}, 0.0, {}]\n",
+            9810.0 * sin,
+            -9810.0 * cos
+        )
+    };
+    for kind in ["one-pass", "segment"] {
+        Bench::new(&scene(kind, 16.0)).solve(1, &[]);
+        let text = failure(&Bench::new(&scene(kind, 18.0)).run(2, &[]));
+        // tan 18 degrees.
+        let told = "help: contact `c` alone holds body `b`, and its loads push it along by 0.3249 of what they press with, of which \
+                    friction bears 0.3: it slides";
+        assert!(text.contains(told) && !text.contains("which is open"), "{told}\n{text}");
+    }
+}
+
 /// The warning of a run that ends in order that has these words: on the terminal, in the log and in the summary, once each.
 #[track_caller]
 fn told_once(run: &Run, words: &str) -> String {

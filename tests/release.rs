@@ -118,3 +118,58 @@ fn what_a_tool_pushes_goes_along() {
         displacements(&run).iter().for_each(|u| assert_small("along", u[2] - 0.5, 1e-6));
     }
 }
+
+/// Plates, a soft one among stiff ones, are pressed on each other and sheared, and let go by the uppermost: those between lie where
+/// they were, without forces, and are named.
+#[test]
+fn a_stack_is_let_go() {
+    let body = |name: &str, material: &str, [x, z, edge]: [f64; 3], elements: [u32; 3]| {
+        format!(
+            "[body.{name}]\nmaterial = \"{material}\"\n\
+             block = {{ box = {{ origin = [{x:?}, {x:?}, {z:?}], size = [{edge:?}, {edge:?}, 1.0] }}, elements = {elements:?} }}\n"
+        )
+    };
+    let bodies = [
+        body("a", "stiff", [0.0, 0.0, 4.0], [4, 4, 2]),
+        body("b", "soft", [0.5, 1.0, 3.0], [7, 7, 3]),
+        body("c", "stiff", [0.0, 2.0, 4.0], [5, 5, 2]),
+        body("d", "stiff", [1.0, 3.0, 2.0], [5, 5, 3]),
+    ];
+    let contact = |slave: &str, master: &str| {
+        let name = [&slave[..1], &master[..1]].concat();
+        format!("[contact.{name}]\nslave = \"{slave}\"\nmaster = \"{master}\"\nfriction = 0.3\n")
+    };
+    let contacts = [contact("b.zmin", "a.zmax"), contact("b.zmax", "c.zmin"), contact("d.zmin", "c.zmax")];
+    let step = |by: [f64; 3]| {
+        format!(
+            "[[step]]\nincrements = 5\nfix = [{{ set = \"a.zmin\" }}]\nmove = [{{ target = \"d.zmax\", by = {by:?} }}]\n"
+        )
+    };
+    let steps = [step([0.0, 0.0, -0.2]), step([0.05, 0.0, 0.0]), step([0.0, 0.0, 0.3]), step([0.3, 0.0, 0.3])];
+    let bench = Bench::new(&format!(
+        "{}[material.stiff]\nmodel = \"hooke\"\nyoung = 2e5\npoisson = 0.3\n\
+         [material.soft]\nmodel = \"neo-hookean\"\nyoung = 10.0\npoisson = 0.45\n{}{}\
+         [output]\nhistory = [\"a.zmin\", \"d.zmax\", \"b\", \"c\"]\n",
+        bodies.concat(),
+        contacts.concat(),
+        steps.concat()
+    ));
+    let run = bench.solve(2, &[]);
+    let (summary, history) = (run.summary(), run.history());
+    assert!(summary["cutbacks"].as_u64().unwrap() <= 3, "{}", run.log());
+    for body in ["b", "c"] {
+        assert!(run.log().contains(&format!("nothing holds body `{body}` any more")), "{}", run.log());
+        assert_small("aside", history.last(&format!("{body}.uy")), 1e-6);
+        let column = history.column(&format!("{body}.ux"));
+        let before = column[column.len() - 6];
+        assert_small("moved", history.last(&format!("{body}.ux")) - before, 1e-9);
+    }
+    for contact in ["ba", "bc", "dc"] {
+        for component in ["fx", "fy", "fz"] {
+            let forces = history.column(&format!("{contact}.{component}"));
+            let most =
+                history.column(&format!("{contact}.fz")).iter().fold(0.0f64, |most, force| most.max(force.abs()));
+            assert_small("force", forces[forces.len() - 1] / most, 1e-8);
+        }
+    }
+}

@@ -96,8 +96,8 @@ pub fn farewell(summary: &Summary, out: &Path) -> String {
 /// Why no other increment is tried after one that has failed.
 #[derive(Clone, Copy, Debug)]
 pub enum Last<'a> {
-    /// No shorter one is allowed.
-    Smallest,
+    /// No shorter one is allowed than that, which was tried last.
+    Smallest(f64),
     /// A path of little but jumps has come to its end.
     Jumps,
     /// A shorter one has failed for its shortness, for this reason.
@@ -123,7 +123,14 @@ pub fn failure(
         Cause::Rounding => return text,
         _ => {
             let _ = match last {
-                Last::Smallest => write!(text, " with the smallest increment, {:.3e}", f.size),
+                Last::Smallest(least) if least < f.size => {
+                    write!(
+                        text,
+                        " with an increment of {:.3e}, and nothing else that was tried down to {least:.3e} helps",
+                        f.size
+                    )
+                }
+                Last::Smallest(_) => write!(text, " with the smallest increment, {:.3e}", f.size),
                 Last::Jumps => write!(text, " with an increment of {:.3e}, and too many jumps", f.size),
                 Last::Lost(why) => write!(text, " with an increment of {:.3e}; in a shorter one {why}", f.size),
             };

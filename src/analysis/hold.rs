@@ -31,6 +31,14 @@ impl Simulation<'_> {
         !supported(self.comm, &self.model, frame.conditions(), true, place).free(self.comm).is_empty()
     }
 
+    /// Bodies that supports leave free to go any way. Collective.
+    pub(super) fn unsupported(&self, frame: &Frame) -> Vec<usize> {
+        let place = |n: usize| self.model.part.points[n] + self.state.u[n];
+        let free = supported(self.comm, &self.model, frame.conditions(), true, place).free(self.comm);
+        let bodies = free.iter().filter(|free| !free.is_tool && !free.is_piece && free.along.len() == 3);
+        bodies.map(|free| free.index).collect()
+    }
+
     /// Whether friction alone holds something now. Collective.
     pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
         let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, None);

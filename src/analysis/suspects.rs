@@ -1,6 +1,7 @@
 //! What of its contacts may be why an increment has no solution: roles, discretizations, methods and tangents that fail
 //! where others do not.
 
+use super::conditions::Conditions;
 use super::preflight::DEEP;
 use crate::Vec3;
 use crate::contact::{Discretization, Interference, Pair, Status, Tangent, guidance};
@@ -10,28 +11,85 @@ use crate::parallel::{any, sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene, Smoothing};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
+use std::collections::BTreeSet;
 
 /// Share of the friction that contacts can bear from which they hardly hold what they hold.
 const SPENT: f64 = 0.95;
 /// Over the stiffness of an element: a force below it is rounding.
 const NOTHING: f64 = 1e-9;
 
-/// What the last converged increment tells of contacts that hold something: that they have not begun, or bear all the friction
-/// that they can. Collective.
-pub fn holding(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
-    model.pairs.iter().filter_map(|pair| of_hold(comm, model, pair)).collect()
+/// What the last converged increment, with displacements `u`, tells of contacts that hold something: that they have not begun, or
+/// bear all the friction that they can. Collective.
+pub fn holding(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
+    model.pairs.iter().filter_map(|pair| of_hold(comm, model, pair, u)).collect()
 }
 
-fn of_hold(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Option<String> {
-    let mut sums = [0.0; 3];
+/// Slave nodes that are on the master, at displacements `u`, those with no force, too, with its outward normal there in space.
+fn on_master(model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<(u32, Vec3)> {
+    let ground = model.masters.of(pair.master);
+    let of = |(s, node): (usize, u32)| {
+        let x = ground.seen_from(&(model.part.points[node as usize] + u[node as usize]));
+        let near = ground.nearest(pair, s, &x, pair.reach)?;
+        let is_on = near.gap.abs() <= pair.controls.touching_gap * pair.facet_size;
+        is_on.then(|| (node, ground.in_space(&near.normal) - ground.in_space(&Vec3::zeros())))
+    };
+    pair.slaves.iter().enumerate().filter_map(|(s, slave)| of((s, slave.node))).collect()
+}
+
+/// Of `bodies`, which supports leave free, those that a single contact holds which loads push along it by more than its friction
+/// can bear, at fraction `end` of the step and displacements `u`: then there is no equilibrium. Collective.
+pub fn pushed(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    conditions: &Conditions,
+    (end, u): (f64, &[Vec3]),
+    bodies: &[usize],
+) -> Vec<String> {
+    if !conditions.pressures.is_empty() || !conditions.spins.is_empty() {
+        return Vec::new();
+    }
+    let of = |body: usize| {
+        let mut touching =
+            model.pairs.iter().filter(|pair| [Some(pair.side.body), pair.master_body()].contains(&Some(body)));
+        let (Some(pair), None) = (touching.next(), touching.next()) else { return None };
+        let loads = (0..model.part.owned).filter(|n| model.part.body[*n] as usize == body);
+        let load: Vec3 = loads.map(|n| conditions.loads[n].at(end)).sum();
+        let normal: Vec3 = on_master(model, pair, u).iter().map(|(_, normal)| normal).sum();
+        let mut sums = [load.x, load.y, load.z, normal.x, normal.y, normal.z];
+        sum(comm, &mut sums);
+        let [load, normal] = [0, 3].map(|k| Vec3::new(sums[k], sums[k + 1], sums[k + 2]));
+        // Onto the master, of which the slave is on the outer side.
+        let normal = normal.try_normalize(f64::MIN_POSITIVE)? * if body == pair.side.body { 1.0 } else { -1.0 };
+        let (presses, friction) = (-load.dot(&normal), pair.rules.friction);
+        let along = (load + normal * presses).norm();
+        (presses > 0.0 && along > friction * presses).then(|| {
+            format!(
+                "contact `{}` alone holds body `{}`, and its loads push it along by {:.4} of what they press with, of which friction bears \
+                 {friction}: it slides, and has no equilibrium: `move` it, hold it by a `spring`, or give it more friction",
+                pair.name,
+                model.bodies[body].name,
+                along / presses
+            )
+        })
+    };
+    bodies.iter().filter_map(|&body| of(body)).collect()
+}
+
+fn of_hold(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Option<String> {
+    let is_on = || {
+        let on: BTreeSet<u32> = on_master(model, pair, u).iter().map(|(node, _)| *node).collect();
+        pair.faces.as_ref().is_some_and(|faces| faces.any_of(&on))
+    };
+    let mut sums = [0.0, 0.0, 0.0, f64::from(u8::from(is_on()))];
     let touching = pair.slaves.iter().map(|slave| &slave.accepted).filter(|at| at.status != Status::Gap);
     for (at, normal) in touching.filter_map(|at| Some((at, at.projection?.normal))) {
         let pressed = at.force.dot(&normal).abs();
-        sums = [sums[0] + 1.0, sums[1] + at.traction().norm(), sums[2] + pair.rules.friction * pressed];
+        sums = [sums[0] + 1.0, sums[1] + at.traction().norm(), sums[2] + pair.rules.friction * pressed, sums[3]];
     }
     sum(comm, &mut sums);
-    let ([count, along, most], name) = (sums, &pair.name);
-    if count == 0.0 && pair.faces.is_some() {
+    let ([count, along, most, on], name) = (sums, &pair.name);
+    // A point or a line of it may be on the master all the same.
+    if count == 0.0 && pair.faces.is_some() && on == 0.0 {
         return Some(format!(
             "contact `{name}` is from segment to segment and feels the mean gap around a node, which is open: let the first \
              increment close it, or take `discretization = \"one-pass\"`"

@@ -68,9 +68,12 @@ fn fate(name: &str) -> Fate {
         "NODE PRINT" | "EL PRINT" | "NODE FILE" | "EL FILE" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "OUTPUT"
         | "CONTACT OUTPUT" | "CONTACT PRINT" | "CONTACT FILE" | "SECTION PRINT" | "SECTION FILE" | "ENERGY OUTPUT"
         | "ENERGY PRINT" | "ENERGY FILE" | "INTEGRATED OUTPUT" | "PREPRINT" | "PRINT" | "MONITOR" | "FILE FORMAT"
-        | "FILE OUTPUT" | "TIME POINTS" | "RESTART" | "REFERENCE" | "DIAGNOSTICS" => Fate::Output,
+        | "FILE OUTPUT" | "FILTER" | "POST OUTPUT" | "TIME POINTS" | "RESTART" | "REFERENCE" | "DIAGNOSTICS" => {
+            Fate::Output
+        }
         "CONTROLS"
         | "CONTACT CONTROLS"
+        | "CONTACT CONTROLS ASSIGNMENT"
         | "SECTION CONTROLS"
         | "HOURGLASS STIFFNESS"
         | "SOLUTION TECHNIQUE"
@@ -140,12 +143,23 @@ fn fate(name: &str) -> Fate {
         | "CAP PLASTICITY"
         | "CRUSHABLE FOAM"
         | "CONCRETE"
+        | "DAMAGE EVOLUTION"
+        | "DAMAGE STABILIZATION"
+        | "HYSTERESIS"
+        | "POROUS ELASTIC"
+        | "POROUS METAL PLASTICITY"
+        | "SHEAR FAILURE"
+        | "SWELLING"
+        | "TENSILE FAILURE"
         | "CAST IRON PLASTICITY"
         | "ANISOTROPIC HYPERELASTIC"
         | "HYPOELASTIC"
         | "VISCOUS" => Fate::Refused(NO_MODEL),
         "CONTACT" | "CONTACT INCLUSIONS" => {
             Fate::Refused("general contact: name the surfaces that meet by *CONTACT PAIR")
+        }
+        "COHESIVE BEHAVIOR" | "CONTACT INITIALIZATION DATA" | "CONTACT INITIALIZATION ASSIGNMENT" => {
+            Fate::Refused("contacts of nagata are hard, and open without a force")
         }
         "CLEARANCE" => Fate::Refused("surfaces meet where the mesh has them: move the nodes, or take it out"),
         "TRANSFORM" => Fate::Read(&["NSET", "TYPE"]),
@@ -161,6 +175,9 @@ fn fate(name: &str) -> Fate {
         | "SUBMODEL"
         | "INERTIA RELIEF"
         | "IMPORT"
+        | "FOUNDATION"
+        | "IMPERFECTION"
+        | "ADJUST"
         | "BOUNDARYF"
         | "RIGID SURFACE"
         | "MASS FLOW"
@@ -224,8 +241,7 @@ pub(super) fn sort(cards: &[Card], notes: &mut Notes) -> Result<()> {
             Fate::Refused(HEAT) if card.rows.is_empty() && card.keyword.has("OP") => {}
             Fate::Refused(why) => refused.push((card, format!("*{name} cannot be converted: {why}"))),
             Fate::Unknown => {
-                let what = "is not known, and passed over: what it does is missing in the scene";
-                pass(card, format!("*{name} {what}"));
+                refused.push((card, format!("*{name} is not known, and what it does would be missing in the scene")));
             }
         }
     }

@@ -206,9 +206,9 @@ impl Pairs<'_, '_> {
                     return Err(row.error(what, "take the nodes of its surface into the *RIGID BODY"));
                 }
                 _ => {
-                    return Err(
-                        row.error(format!("the tied surface '{name}' is on several bodies"), "write a *TIE for each")
-                    );
+                    let what = format!("the tied surface '{name}' is on several bodies");
+                    let help = "write a *TIE for each; of a master surface as their slaves, for a node is tied once";
+                    return Err(row.error(what, help));
                 }
             }
         }

@@ -12,8 +12,10 @@ pub(super) struct Namer {
 impl Namer {
     /// A name close to `wanted`, with letters, digits, `_` and `-` alone; `instead` for what has none.
     pub fn name(&mut self, wanted: &str, instead: &str) -> String {
+        // What makes one of two, or takes a number, stays short enough.
+        const MOST: usize = 100;
         let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
-        let name: String = wanted.chars().map(plain).collect();
+        let name: String = wanted.chars().map(plain).take(MOST).collect();
         let name = name.trim_matches(['-', '_']);
         let name = match name.chars().next() {
             None => instead.to_string(),

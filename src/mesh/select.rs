@@ -63,7 +63,16 @@ fn empty(file: &FileMesh, wish: &Wish) -> Error {
             let help = message::near(name, fitting(file, wish.purpose));
             Error::input(wish.at, format!("group '{name}' of '{}' has no {what}", file.mesh.source), help)
         }
-        None => Error::input(wish.at, format!("'{}' has no {what}", file.mesh.source), ""),
+        None => {
+            let help = match wish.purpose {
+                Purpose::Body => {
+                    "in Gmsh give the volume a physical group, for nothing else is saved; plane strain and rings take one layer of \
+                     hexahedra: extrude the faces by one"
+                }
+                Purpose::Tool => "in Gmsh give the surface a physical group, for nothing else is saved",
+            };
+            Error::input(wish.at, format!("'{}' has no {what}", file.mesh.source), help)
+        }
     }
 }
 

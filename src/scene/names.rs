@@ -6,10 +6,14 @@ const NEAR: f64 = 0.8;
 /// How many known names a message lists.
 const LISTED: usize = 20;
 
+/// Letters of a name: files of results have names of bodies and contacts in theirs, of 255 bytes at most.
+pub(super) const LONGEST: usize = 128;
+
 /// Whether `word` may name a body, material, tool, contact, step or face group: a letter, then letters, digits, `_`
-/// and `-`.
+/// and `-`, not too many of them.
 pub(super) fn is_name(word: &str) -> bool {
-    word.starts_with(|c: char| c.is_ascii_alphabetic())
+    word.len() <= LONGEST
+        && word.starts_with(|c: char| c.is_ascii_alphabetic())
         && word.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
@@ -62,6 +66,7 @@ mod tests {
     #[test]
     fn names_are_plain_words() {
         assert!(is_name("slab-2_b"));
+        assert!(is_name(&"a".repeat(LONGEST)) && !is_name(&"a".repeat(LONGEST + 1)));
         assert!(["", "2d", "a.b", "a b", "é"].iter().all(|word| !is_name(word)));
     }
 }

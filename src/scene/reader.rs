@@ -1,7 +1,7 @@
 //! Typed access to the tree of a scene: every error carries the place, what was found and what would be right.
 
 use super::Located;
-use super::names::{did_you_mean, is_name};
+use super::names::{LONGEST, did_you_mean, is_name};
 use super::tree::{self, Node, Value};
 use crate::Vec3;
 use crate::error::{Error, Faults, Location, Result};
@@ -287,6 +287,6 @@ impl<'a> Table<'a> {
 
 /// Refuses a name that dotted keys and history columns could not hold.
 pub(super) fn check_name(name: &str, at: &Location) -> Result<()> {
-    let help = "a name is a letter followed by letters, digits, `_` and `-`";
+    let help = format!("a name is a letter followed by letters, digits, `_` and `-`, {LONGEST} characters at most");
     if is_name(name) { Ok(()) } else { Err(Error::input(at, format!("{name:?} cannot be a name"), help)) }
 }

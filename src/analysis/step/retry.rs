@@ -62,10 +62,10 @@ impl Simulation<'_> {
             let plain = frame.plain.take().filter(|plain| of_remedy || is_of_cuts(&failed, plain, done));
             let lost = Some(failed.reason.clone()).filter(|_| plain.is_some() && failed.cause == Cause::Rounding);
             let mut told = plain.unwrap_or(failed);
-            let size = (told.end - done) * duration;
+            let sizes = [(told.end - done) * duration, size];
             let time = frame.progress.start + told.end * duration;
             self.last_iterate = told.last.take().map(|last| Box::new(LastIterate { time, ..*last }));
-            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, size, lost.as_deref()))));
+            return Err(Error::Diverged(Box::new(self.tell_failure(frame, &told, sizes, lost.as_deref()))));
         };
         if (ladder.is_soft(), ladder.is_by_sets()) != was {
             // Multipliers are unknowns over the penalty.
@@ -89,8 +89,9 @@ impl Simulation<'_> {
         if any(self.comm, unknown.any(meets)) { Yields::Anew } else { Yields::OnceSingular }
     }
 
-    /// Names the worst equation of all ranks, and what to try; `lost` says why a shorter increment is none. Collective.
-    fn tell_failure(&mut self, frame: &Frame, failed: &Failed, size: f64, lost: Option<&str>) -> Failure {
+    /// Names the worst equation of all ranks, and what to try, where an increment of a `size` has failed, and one of the `least` was
+    /// tried last; `lost` says why a shorter increment is none. Collective.
+    fn tell_failure(&mut self, frame: &Frame, failed: &Failed, [size, least]: [f64; 2], lost: Option<&str>) -> Failure {
         let worst = failed.worst.filter(|_| frame.dofs.count > 0);
         let told = word_of_largest(self.comm, worst, |equation| frame.dofs.describe(&self.model, equation));
         let node = |equation| frame.dofs.place(&self.model, equation).map_or(String::new(), |place| place.to_line());
@@ -110,10 +111,12 @@ impl Simulation<'_> {
         };
         let body = failure.place.as_ref().map(|place| place.body.as_str());
         let mut remedies = suspects::remedies(self.comm, self.scene, &self.model, (failure.cause, body));
-        if failed.cause.is_of_iteration() {
+        if failed.cause.is_of_iteration() || frame.hangs {
             // The last iterate has been kept.
             self.model.masters.tools.iter_mut().for_each(|tool| tool.trial = tool.committed);
             watch::attend(self.comm, &mut self.model, &self.state.u);
+        }
+        if failed.cause.is_of_iteration() {
             remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
             if self.state.increments == 0 {
                 remedies.splice(0..0, suspects::overlapping(self.comm, &self.model));
@@ -121,12 +124,17 @@ impl Simulation<'_> {
             remedies.splice(0..0, suspects::hollow(self.comm, &self.model, &self.state.u));
         }
         if frame.hangs {
-            remedies.extend(suspects::holding(self.comm, &self.model));
+            let at = (failed.end, &self.state.u[..]);
+            let pushed = suspects::pushed(self.comm, &self.model, frame.conditions(), at, &self.unsupported(frame));
+            if pushed.is_empty() {
+                remedies.extend(suspects::holding(self.comm, &self.model, &self.state.u));
+            }
+            remedies.extend(pushed);
         }
         let Progress { increments, ladder, .. } = &frame.progress;
         let last = match lost {
             Some(why) => Last::Lost(why),
-            None if !ladder.jumps_on() || increments.is_shortest(failed.end) => Last::Smallest,
+            None if !ladder.jumps_on() || increments.is_shortest(failed.end) => Last::Smallest(least),
             None => Last::Jumps,
         };
         let what =

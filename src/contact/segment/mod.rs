@@ -69,6 +69,7 @@ use crate::mortar::face::bilinear;
 use crate::mortar::rule::{on_line, on_triangle};
 use crate::partition::{Part, PartFacet};
 use crate::{Vec2, Vec3};
+use std::collections::BTreeSet;
 
 /// Gauss points along a side of a face, on a tool.
 const POINTS: usize = 3;
@@ -200,6 +201,11 @@ impl Face {
 }
 
 impl Faces {
+    /// Whether all nodes of one of them are among these.
+    pub fn any_of(&self, nodes: &BTreeSet<u32>) -> bool {
+        self.faces.iter().any(|face| face.nodes.iter().all(|node| nodes.contains(node)))
+    }
+
     /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
     /// rings. `bulges` has four coefficients of each facet of the set, or none; edges are sharp from `feature_angle` on, degrees.
     pub fn new(

@@ -320,7 +320,9 @@ impl Surfaces {
                 return Err(Error::input(at, "a solid has no positive or negative side", "use S1 to S6"));
             }
             (Slot::Facets { .. }, Side::Face(_)) => {
-                return Err(Error::input(at, "a surface element has no such face", "use SPOS or SNEG"));
+                let help = "of a shell use SPOS or SNEG; CPE and CPS are no bodies here, whose sides these would be: plane strain is one \
+                            layer of C3D8 with `plane_strain = true`, and CAX4 and CAX8 are read";
+                return Err(Error::input(at, "a surface element has no such face", help));
             }
             (Slot::Loose(_) | Slot::Halves(_), _) => {
                 return Err(Error::input(at, "a point or a line has no faces", ""));
