@@ -480,6 +480,8 @@ impl Ladder {
         self.tries.way = Way::Newton { settle: self.means.settle && ends_period };
         self.tries.soft = self.means.soften && !self.tries.soft;
         self.tries.sorted = !ends_period;
+        // What comes loose goes less far.
+        self.tries.lingers = Some(false);
         increments.cut(end, self.tries.failures > 1);
         Some(Remedy::Cut)
     }
