@@ -173,3 +173,18 @@ fn a_stack_is_let_go() {
         }
     }
 }
+
+/// The floor of what has been let go rises and goes aside, and would push it, against nothing, where the friction of forces that are
+/// none takes it: that is no result.
+#[test]
+fn what_was_let_go_is_not_carried_through_a_step() {
+    let plate = "plane = { point = [0.0, 0.0, 5.0], normal = [0.0, 0.0, -1.0] }";
+    let steps = "[[step]]\nincrements = 3\nmove = [{ target = \"two\", by = [0.0, 0.0, -0.3] }]\n\
+                 [[step]]\nincrements = 4\nkeep = true\nmove = [{ target = \"two\", by = [0.0, 0.0, 3.0] }]\n\
+                 [[step]]\nname = \"shake\"\nincrement = { initial = 0.2, min = 0.05 }\nkeep = true\n\
+                 move = [{ target = \"one\", by = [1.0, 0.0, 0.5] }]\n";
+    let run = scene(BLOCK, RUBBER, [["one", FLOOR, "zmin"], ["two", plate, "zmax"]], steps).run(2, &[]);
+    assert!(run.code == 1 && run.stderr.contains("step `shake`") && run.stderr.contains("holds it"), "{}", run.stderr);
+    let told = |step: &str| run.log().matches(&format!("step `{step}`: nothing holds body `b` any more")).count();
+    assert!(told("step 2") == 1 && told("shake") <= 1, "{}", run.log());
+}

@@ -182,12 +182,18 @@ fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> 
     }
 }
 
-/// Warns of a body that nothing holds any more.
-pub fn loose(step: &str, time: f64, who: &str) -> String {
-    format!(
-        "step `{step}`: nothing holds {who} any more from time {time:.6} on, and nothing pushes it: it stays where it is, and no \
-         force depends on where that is"
-    )
+/// Warns of a body that nothing holds any more, or against a `motion`, if that is not any.
+pub fn loose(step: &str, time: f64, who: &str, motion: Option<&str>) -> String {
+    match motion {
+        None => format!(
+            "step `{step}`: nothing holds {who} any more from time {time:.6} on, and nothing pushes it: it stays where it is, and no \
+             force depends on where that is"
+        ),
+        Some(motion) => format!(
+            "step `{step}`: {who} can {motion} from time {time:.6} on, for nothing holds or pushes it so: it stays as it is, and no force \
+             depends on that"
+        ),
+    }
 }
 
 /// Warns of equations that MUMPS replaced: of what is `free`, if that is why.

@@ -6,7 +6,6 @@ use super::preflight::support::supported;
 use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Pair, Slave, Status, Trial};
-use crate::controls::Controls;
 use crate::failure::Cause;
 use crate::parallel::any;
 
@@ -19,6 +18,11 @@ enum Hold {
     Across,
     /// All.
     Firm,
+}
+
+/// By how many of its facets the slave of a pair may move as it takes the shape that it has without forces; what has `settled` has it.
+fn shape(pair: &Pair, settled: &[usize]) -> f64 {
+    if settled.contains(&pair.side.body) { pair.controls.touching_gap } else { pair.controls.watch_deep }
 }
 
 /// What the friction of a slave node holds, of a pair by its index.
@@ -41,7 +45,7 @@ impl Simulation<'_> {
 
     /// Whether friction alone holds something now. Collective.
     pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
-        let motions = self.held(frame, &self.state.u, |slave| &slave.accepted, None);
+        let motions = self.held((frame, &[]), &self.state.u, |slave| &slave.accepted, None);
         !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
     }
 
@@ -49,7 +53,7 @@ impl Simulation<'_> {
     /// counts as touching: a body that bears nothing may as well be off by a rounding as in by one. Collective.
     fn held(
         &self,
-        frame: &Frame,
+        (frame, settled): (&Frame, &[usize]),
         u: &[Vec3],
         of: impl Fn(&Slave) -> &Trial,
         friction: Option<Friction>,
@@ -63,7 +67,7 @@ impl Simulation<'_> {
                 let Some(at) = trial.projection else { continue };
                 let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
                 let near = slave.law.gap(at.gap) <= pair.controls.touching_gap * pair.facet_size;
-                if trial.status == Status::Gap && !(near && self.rests(frame, pair, slave, u)) {
+                if trial.status == Status::Gap && !(near && self.rests((frame, settled), pair, slave, u)) {
                     continue;
                 }
                 let x = place(slave.node as usize);
@@ -79,36 +83,44 @@ impl Simulation<'_> {
     }
 
     /// Whether a slave node has not moved since the last converged increment, with nodes displaced by `u`; where it was tried to keep
-    /// in place what comes loose, whether it has moved by less than the shape of the body is known to.
-    fn rests(&self, frame: &Frame, pair: &Pair, slave: &Slave, u: &[Vec3]) -> bool {
+    /// in place what comes loose, whether it has moved by less than the shape of the body is known to, and nothing comes towards it.
+    /// What has `settled` without a force has its shape, and moves by no more than it touches from.
+    fn rests(&self, (frame, settled): (&Frame, &[usize]), pair: &Pair, slave: &Slave, u: &[Vec3]) -> bool {
         let n = slave.node as usize;
-        let Controls { no_gap, watch_deep, .. } = pair.controls;
-        let little = if frame.progress.ladder.has_lingered() { watch_deep } else { no_gap };
-        (u[n] - self.state.u[n]).norm() <= little * pair.facet_size
+        let moves = |little: f64| (u[n] - self.state.u[n]).norm() > little * pair.facet_size;
+        if !frame.progress.ladder.has_lingered() {
+            return !moves(pair.controls.no_gap);
+        }
+        let little = shape(pair, settled);
+        !moves(little) && !self.comes(pair, slave, u, little)
+    }
+
+    /// Whether what a slave node is on has come towards it, a body by more than that many facets of the slave.
+    fn comes(&self, pair: &Pair, slave: &Slave, u: &[Vec3], little: f64) -> bool {
+        let (tools, n) = (&self.model.masters.tools, slave.node as usize);
+        let Some(at) = slave.trial.projection else { return false };
+        match pair.master.tool() {
+            Some(t) => {
+                let (trial, committed) = (&tools[t].trial, &tools[t].committed);
+                let by = at.point - committed.outward(&trial.inward(&at.point));
+                by.dot(&at.normal) > pair.controls.no_gap * pair.facet_size
+            }
+            None => (u[n] - self.state.u[n]).dot(&at.normal).abs() > little * pair.facet_size,
+        }
     }
 
     /// Whether nothing that a body still touches which has come loose has come towards it, with nodes displaced by `u`: that pushes it
     /// along, against nothing. Collective.
-    fn stays(&self, free: &Free, u: &[Vec3]) -> bool {
-        let tools = &self.model.masters.tools;
-        let comes = |pair: &Pair, slave: &Slave| {
-            let (Controls { no_gap, watch_deep, .. }, n) = (pair.controls, slave.node as usize);
-            let Some(at) = slave.trial.projection else { return false };
-            match pair.master.tool() {
-                Some(t) => {
-                    let (trial, committed) = (&tools[t].trial, &tools[t].committed);
-                    (at.point - committed.outward(&trial.inward(&at.point))).dot(&at.normal) > no_gap * pair.facet_size
-                }
-                None => (u[n] - self.state.u[n]).dot(&at.normal).abs() > watch_deep * pair.facet_size,
-            }
-        };
+    fn stays(&self, free: &Free, u: &[Vec3], settled: &[usize]) -> bool {
         let own = |pair: &&Pair| [Some(pair.side.body), pair.master_body()].contains(&Some(free.index));
         // What bears nothing may be off by a rounding.
         let touches = |pair: &Pair, slave: &Slave| {
             let gap = slave.trial.projection.map(|at| slave.law.gap(at.gap).abs());
             slave.trial.status != Status::Gap || gap.is_some_and(|gap| gap <= pair.controls.no_gap * pair.facet_size)
         };
-        let is_pushed = |pair: &Pair| pair.slaves.iter().any(|slave| touches(pair, slave) && comes(pair, slave));
+        let is_pushed = |pair: &Pair| {
+            pair.slaves.iter().any(|slave| touches(pair, slave) && self.comes(pair, slave, u, shape(pair, settled)))
+        };
         !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed))
     }
 
@@ -119,8 +131,8 @@ impl Simulation<'_> {
         trial.force.norm() > rounding.max(limits[p])
     }
 
-    /// Bodies that supports leave free and no contact presses on, in words. Collective.
-    fn unpressed(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, limits: &[f64]) -> Vec<String> {
+    /// Bodies that supports leave free and no contact presses on. Collective.
+    fn unpressed(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, limits: &[f64]) -> Vec<Free> {
         let place = |n: usize| self.model.part.points[n] + u[n];
         let supported = supported(self.comm, &self.model, frame.conditions(), true, place);
         let mut motions = supported.clone();
@@ -137,8 +149,7 @@ impl Simulation<'_> {
         let motions_of = |free: &Free| (free.along.len(), free.about.len());
         let before = supported.free(self.comm);
         let is_as_before = |free: &Free| before.iter().any(|b| b.who == free.who && motions_of(b) == motions_of(free));
-        let bodies = motions.free(self.comm).into_iter().filter(|free| !free.is_tool && is_as_before(free));
-        bodies.map(|free| free.who).collect()
+        motions.free(self.comm).into_iter().filter(|free| !free.is_tool && is_as_before(free)).collect()
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
@@ -148,17 +159,19 @@ impl Simulation<'_> {
             return Attempt::Converged(converged);
         }
         let limits = &converged.limits;
-        let mut unpressed = self.unpressed(frame, &converged.u, |slave| &slave.trial, limits);
-        if !unpressed.is_empty() {
-            let before = self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits);
-            converged.unpressed = true;
-            unpressed.retain(|who| !before.contains(who));
-            converged.let_go = unpressed;
-        }
+        let [unpressed, before] = [
+            self.unpressed(frame, &converged.u, |slave| &slave.trial, limits),
+            self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits),
+        ];
+        converged.unpressed = !unpressed.is_empty();
+        let any_way: Vec<String> = unpressed.iter().map(|free| free.who.clone()).collect();
+        let is_new = |free: &Free| before.iter().all(|before| before.who != free.who);
+        converged.let_go = unpressed.into_iter().filter(is_new).map(|free| free.who).collect();
+        let settled: Vec<usize> = before.iter().map(|free| free.index).collect();
         // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What rests has not been let
         // go.
         let bears = |p: usize, slave: &Slave| {
-            self.rests(frame, &self.model.pairs[p], slave, &converged.u)
+            self.rests((frame, &settled), &self.model.pairs[p], slave, &converged.u)
                 || self.presses(p, slave, &slave.trial, &converged.limits)
         };
         let rubs = |p: usize| self.model.pairs[p].rules.friction > 0.0;
@@ -171,7 +184,7 @@ impl Simulation<'_> {
         };
         // As if all stuck that rubs, and that does not, which is not asked here.
         let stuck = |p: usize, slave: &Slave| if !rubs(p) || bears(p, slave) { Hold::Firm } else { Hold::Normal };
-        let held = |friction| self.held(frame, &converged.u, |slave| &slave.trial, Some(friction));
+        let held = |friction| self.held((frame, &settled), &converged.u, |slave| &slave.trial, Some(friction));
         // A tool whose force ends is let go.
         let (conditions, end, tools) = (frame.conditions(), converged.end, self.model.masters.tools.len());
         let is_let_go = |t: usize| [t, tools + t].iter().all(|&k| conditions.tool_forces[k].at(end) == Vec3::zeros());
@@ -184,11 +197,12 @@ impl Simulation<'_> {
         if free.is_empty() {
             free = all(held(&stuck).free_along(self.comm, steep));
         }
-        let stays = frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u));
+        let stays = frame.progress.ladder.lingers() && free.iter().all(|free| self.stays(free, &converged.u, &settled));
         match free.first() {
             None => Attempt::Converged(converged),
             Some(_) if stays => {
-                converged.loose = free.into_iter().map(|free| free.who).collect();
+                let motion = |free: &Free| Some(free.motion()).filter(|_| !any_way.contains(&free.who));
+                converged.loose = free.into_iter().map(|free| (free.who.clone(), motion(&free))).collect();
                 Attempt::Converged(converged)
             }
             Some(free) => {

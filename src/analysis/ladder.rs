@@ -653,7 +653,7 @@ mod tests {
         assert_eq!(ladder.fail(&mut increments, 0.5, Cause::Singular), None);
     }
 
-    /// What hangs lingers where it fails, once, and on through the step while it is loose; what supports hold does not.
+    /// What hangs lingers where it fails, once for each length, and on through the step while it is loose; what supports hold does not.
     #[test]
     fn what_comes_loose_lingers() {
         let bounds = Increment { initial: 0.5, min: 0.01, max: 0.5, limits: Limits::default() };
@@ -667,7 +667,8 @@ mod tests {
             assert!(ladder.lingers() && ladder.has_lingered());
             let mut failed = ladder;
             assert_eq!(failed.fail(&mut increments, 0.5, Cause::Loose), Some(Remedy::Cut));
-            assert!(!failed.lingers() && failed.has_lingered());
+            assert!(!failed.lingers() && !failed.has_lingered());
+            assert_eq!(failed.fail(&mut increments, 0.25, Cause::Loose), Some(Remedy::Linger));
             ladder.succeed(is_loose);
             assert_eq!(ladder.lingers(), is_loose);
         }

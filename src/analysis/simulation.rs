@@ -61,6 +61,8 @@ pub struct Simulation<'a> {
     pub(super) floors: Vec<f64>,
     /// The step that is under way.
     pub(super) running: Option<Running<'a>>,
+    /// Bodies of which it has been told that nothing holds them, and in which step.
+    pub(super) told_loose: Vec<(String, usize)>,
     /// Steps begun so far.
     pub(super) begun: usize,
     pub(super) phases: Phases,
@@ -104,6 +106,7 @@ impl<'a> Simulation<'a> {
             state,
             floors,
             running: None,
+            told_loose: Vec::new(),
             begun: 0,
             phases,
             summary,

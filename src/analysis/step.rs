@@ -72,7 +72,6 @@ pub(super) struct Told {
     out_of_core: bool,
     impatience: bool,
     unpaid: bool,
-    loose: Vec<String>,
 }
 
 impl Frame {
@@ -279,14 +278,9 @@ impl<'a> Simulation<'a> {
                     let unpaid = self.unpaid(frame, &converged)?.filter(|_| !std::mem::replace(&mut told.unpaid, true));
                     let Converged { loose, let_go, unpressed, .. } = &*converged;
                     let is_loose = *unpressed || !loose.is_empty();
-                    let free: Vec<String> = loose.iter().chain(let_go).cloned().collect();
+                    let (loose, let_go) = (loose.clone(), let_go.clone());
                     let increment = self.accept(frame, *converged, x)?;
-                    for who in free {
-                        if !told.loose.contains(&who) {
-                            self.warn(describe::loose(frame.name(), self.state.time, &who), observer)?;
-                            told.loose.push(who);
-                        }
-                    }
+                    self.tell_of_loose(frame.name(), (loose, let_go), observer)?;
                     if let Some(unpaid) = unpaid {
                         self.warn(unpaid, observer)?;
                     }
@@ -317,6 +311,28 @@ impl<'a> Simulation<'a> {
             }
         }
         Ok(None)
+    }
+
+    /// Says once what nothing holds, in words with the motion that it is free for, if that is not any; in a later step anew of bodies
+    /// that something had pressed on until now.
+    fn tell_of_loose(
+        &mut self,
+        step: &str,
+        (mut loose, let_go): (Vec<(String, Option<String>)>, Vec<String>),
+        observer: &mut Observer,
+    ) -> Result<()> {
+        let now = self.begun;
+        self.told_loose.retain(|(who, step)| *step == now || !let_go.contains(who));
+        loose.retain(|(who, _)| !let_go.contains(who));
+        loose.extend(let_go.into_iter().map(|who| (who, None)));
+        for (who, motion) in loose {
+            let told = (who, now);
+            if self.told_loose.iter().all(|(other, _)| *other != told.0) {
+                self.warn(describe::loose(step, self.state.time, &told.0, motion.as_deref()), observer)?;
+                self.told_loose.push(told);
+            }
+        }
+        Ok(())
     }
 
     /// Has overlaps of contacts that leave it to the run pushed out over the step. Collective.

@@ -43,7 +43,7 @@ fn fate(name: &str) -> Fate {
         }
         "SPRING" => Fate::Read(&["ELSET"]),
         "DENSITY" | "END STEP" => Fate::Read(&[]),
-        "FRICTION" => Fate::Read(&["SLIP TOLERANCE"]),
+        "FRICTION" => Fate::Read(&["SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE"]),
         "SOLID SECTION" => Fate::Read(&["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
         "SHELL SECTION" | "MEMBRANE SECTION" => Fate::Read(&["ELSET", "MATERIAL", "SECTION INTEGRATION"]),
         "RIGID BODY" => Fate::Read(&["ELSET", "NSET", "REF NODE", "ROT NODE"]),
@@ -63,17 +63,44 @@ fn fate(name: &str) -> Fate {
         "AMPLITUDE" => Fate::Read(&["NAME", "TIME", "DEFINITION", "VALUE"]),
         "BOUNDARY" => Fate::Read(&["OP", "AMPLITUDE", "FIXED", "TYPE"]),
         "CLOAD" | "DLOAD" | "DSLOAD" => Fate::Read(&["OP", "AMPLITUDE"]),
-        "STEP" => Fate::Read(&["NAME", "NLGEOM", "INC", "AMPLITUDE", "EXTRAPOLATION", "UNSYMM"]),
-        "STATIC" => Fate::Read(&["DIRECT", "SOLVER", "STABILIZE", "FACTOR", "ALLSDTOL", "CONTINUE"]),
-        "NODE PRINT" | "EL PRINT" | "NODE FILE" | "EL FILE" | "NODE OUTPUT" | "ELEMENT OUTPUT" | "OUTPUT"
-        | "CONTACT OUTPUT" | "CONTACT PRINT" | "CONTACT FILE" | "SECTION PRINT" | "SECTION FILE" | "ENERGY OUTPUT"
-        | "ENERGY PRINT" | "ENERGY FILE" | "INTEGRATED OUTPUT" | "PREPRINT" | "PRINT" | "MONITOR" | "FILE FORMAT"
-        | "FILE OUTPUT" | "FILTER" | "POST OUTPUT" | "TIME POINTS" | "RESTART" | "REFERENCE" | "DIAGNOSTICS" => {
-            Fate::Output
+        "STEP" => {
+            Fate::Read(&["NAME", "NLGEOM", "INC", "AMPLITUDE", "EXTRAPOLATION", "UNSYMM", "SOLVER", "CONVERT SDI"])
         }
+        "STATIC" => Fate::Read(&["DIRECT", "SOLVER", "STABILIZE", "FACTOR", "ALLSDTOL", "CONTINUE"]),
+        "NODE PRINT"
+        | "EL PRINT"
+        | "NODE FILE"
+        | "EL FILE"
+        | "NODE OUTPUT"
+        | "ELEMENT OUTPUT"
+        | "OUTPUT"
+        | "CONTACT OUTPUT"
+        | "CONTACT PRINT"
+        | "CONTACT FILE"
+        | "SECTION PRINT"
+        | "SECTION FILE"
+        | "ENERGY OUTPUT"
+        | "ENERGY PRINT"
+        | "ENERGY FILE"
+        | "INTEGRATED OUTPUT"
+        | "INTEGRATED OUTPUT SECTION"
+        | "SURFACE OUTPUT"
+        | "INCREMENTATION OUTPUT"
+        | "PREPRINT"
+        | "PRINT"
+        | "MONITOR"
+        | "FILE FORMAT"
+        | "FILE OUTPUT"
+        | "FILTER"
+        | "POST OUTPUT"
+        | "TIME POINTS"
+        | "RESTART"
+        | "REFERENCE"
+        | "DIAGNOSTICS" => Fate::Output,
         "CONTROLS"
         | "CONTACT CONTROLS"
         | "CONTACT CONTROLS ASSIGNMENT"
+        | "CONSTRAINT CONTROLS"
         | "SECTION CONTROLS"
         | "HOURGLASS STIFFNESS"
         | "SOLUTION TECHNIQUE"
@@ -102,7 +129,7 @@ fn fate(name: &str) -> Fate {
         | "CFD"
         | "SENSITIVITY"
         | "GEOSTATIC" => Fate::Refused(ONLY_STATIC),
-        "TIE" => Fate::Read(&["NAME", "POSITION TOLERANCE", "ADJUST"]),
+        "TIE" => Fate::Read(&["NAME", "POSITION TOLERANCE", "ADJUST", "TYPE", "NO ROTATION", "NO THICKNESS"]),
         "COUPLING" => Fate::Read(&["CONSTRAINT NAME", "REF NODE", "SURFACE"]),
         "KINEMATIC" => Fate::Read(&[]),
         "DISTRIBUTING" | "DISTRIBUTING COUPLING" => Fate::Refused(NO_MEAN),

@@ -32,8 +32,8 @@ pub struct Converged {
     pub limits: Vec<f64>,
     /// Of each pair how deep its master is between nodes, as the watch saw it.
     pub between: Vec<Between>,
-    /// Bodies that nothing holds, and that stay where they were, in words.
-    pub loose: Vec<String>,
+    /// Bodies that nothing holds, and that stay where they were, in words, with the motion that is free if that is not any.
+    pub loose: Vec<(String, Option<String>)>,
     /// Whether nothing presses on some body that supports do not hold, and those that something did before, in words.
     pub unpressed: bool,
     pub let_go: Vec<String>,
