@@ -8,6 +8,7 @@ use crate::Vec3;
 use crate::contact::{Pair, Slave, Status, Trial};
 use crate::failure::Cause;
 use crate::parallel::any;
+use crate::surface::Projection;
 
 /// What a contact holds of a node that touches.
 #[derive(Clone, Copy, PartialEq)]
@@ -29,16 +30,19 @@ fn shape(pair: &Pair, settled: &[usize]) -> f64 {
 type Friction<'a> = &'a dyn Fn(usize, &Slave) -> Hold;
 
 impl Simulation<'_> {
+    /// What supports hold, with nodes displaced by `u`.
+    fn supported(&self, frame: &Frame, u: &[Vec3]) -> RigidMotions {
+        supported(self.comm, &self.model, frame.conditions(), true, |n| self.model.part.points[n] + u[n])
+    }
+
     /// Whether supports alone leave something free. Collective.
     pub(super) fn hangs(&self, frame: &Frame) -> bool {
-        let place = |n: usize| self.model.part.points[n] + self.state.u[n];
-        !supported(self.comm, &self.model, frame.conditions(), true, place).free(self.comm).is_empty()
+        !self.supported(frame, &self.state.u).free(self.comm).is_empty()
     }
 
     /// Bodies that supports leave free to go any way. Collective.
     pub(super) fn unsupported(&self, frame: &Frame) -> Vec<usize> {
-        let place = |n: usize| self.model.part.points[n] + self.state.u[n];
-        let free = supported(self.comm, &self.model, frame.conditions(), true, place).free(self.comm);
+        let free = self.supported(frame, &self.state.u).free(self.comm);
         let bodies = free.iter().filter(|free| !free.is_tool && !free.is_piece && free.along.len() == 3);
         bodies.map(|free| free.index).collect()
     }
@@ -47,6 +51,13 @@ impl Simulation<'_> {
     pub(super) fn is_held_by_friction(&self, frame: &Frame) -> bool {
         let motions = self.held((frame, &[]), &self.state.u, |slave| &slave.accepted, None);
         !motions.free_along(self.comm, self.model.controls.friction_steep).is_empty()
+    }
+
+    /// Where a slave node meets its master, with nodes displaced by `u`: its component, the other side, its place, and the projection.
+    fn meets(&self, pair: &Pair, slave: &Slave, trial: &Trial, u: &[Vec3]) -> Option<(usize, Side, Vec3, Projection)> {
+        let (at, n) = (trial.projection?, slave.node as usize);
+        let side = Side::of(pair, self.model.masters.of(pair.master).component(&at))?;
+        Some((self.model.part.component[n] as usize, side, self.model.part.points[n] + u[n], at))
     }
 
     /// What supports and contacts hold, with nodes displaced by `u` and contacts as `of` says. What is near and [`rests`](Self::rests)
@@ -58,19 +69,15 @@ impl Simulation<'_> {
         of: impl Fn(&Slave) -> &Trial,
         friction: Option<Friction>,
     ) -> RigidMotions {
-        let place = |n: usize| self.model.part.points[n] + u[n];
-        let mut motions = supported(self.comm, &self.model, frame.conditions(), true, place);
+        let mut motions = self.supported(frame, u);
         for (p, pair) in self.model.pairs.iter().enumerate() {
-            let ground = self.model.masters.of(pair.master);
             for slave in &pair.slaves {
-                let (trial, own) = (of(slave), self.model.part.component[slave.node as usize] as usize);
-                let Some(at) = trial.projection else { continue };
-                let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
+                let trial = of(slave);
+                let Some((own, side, x, at)) = self.meets(pair, slave, trial, u) else { continue };
                 let near = slave.law.gap(at.gap) <= pair.controls.touching_gap * pair.facet_size;
                 if trial.status == Status::Gap && !(near && self.rests((frame, settled), pair, slave, u)) {
                     continue;
                 }
-                let x = place(slave.node as usize);
                 let hold = friction.map_or(Hold::Normal, |friction| friction(p, slave));
                 motions.touch(own, side, &x, &at.normal, hold == Hold::Firm);
                 let across = at.normal.cross(&trial.traction());
@@ -133,16 +140,13 @@ impl Simulation<'_> {
 
     /// Bodies that supports leave free and no contact presses on. Collective.
     fn unpressed(&self, frame: &Frame, u: &[Vec3], of: impl Fn(&Slave) -> &Trial, limits: &[f64]) -> Vec<Free> {
-        let place = |n: usize| self.model.part.points[n] + u[n];
-        let supported = supported(self.comm, &self.model, frame.conditions(), true, place);
+        let supported = self.supported(frame, u);
         let mut motions = supported.clone();
         for (p, pair) in self.model.pairs.iter().enumerate() {
-            let ground = self.model.masters.of(pair.master);
             for slave in pair.slaves.iter().filter(|slave| self.presses(p, slave, of(slave), limits)) {
-                let own = self.model.part.component[slave.node as usize] as usize;
-                let Some(at) = of(slave).projection else { continue };
-                let Some(side) = Side::of(pair, ground.component(&at)) else { continue };
-                motions.touch(own, side, &place(slave.node as usize), &at.normal, true);
+                if let Some((own, side, x, at)) = self.meets(pair, slave, of(slave), u) {
+                    motions.touch(own, side, &x, &at.normal, true);
+                }
             }
         }
         // As free as without contacts.
@@ -159,11 +163,14 @@ impl Simulation<'_> {
             return Attempt::Converged(converged);
         }
         let limits = &converged.limits;
-        let [unpressed, before] = [
-            self.unpressed(frame, &converged.u, |slave| &slave.trial, limits),
-            self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits),
-        ];
+        let unpressed = self.unpressed(frame, &converged.u, |slave| &slave.trial, limits);
         converged.unpressed = !unpressed.is_empty();
+        // Nothing else asks what has settled.
+        let is_asked = converged.unpressed || frame.progress.ladder.has_lingered();
+        let before = match is_asked {
+            true => self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits),
+            false => Vec::new(),
+        };
         let any_way: Vec<String> = unpressed.iter().map(|free| free.who.clone()).collect();
         let is_new = |free: &Free| before.iter().all(|before| before.who != free.who);
         converged.let_go = unpressed.into_iter().filter(is_new).map(|free| free.who).collect();

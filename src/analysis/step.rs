@@ -322,14 +322,13 @@ impl<'a> Simulation<'a> {
         observer: &mut Observer,
     ) -> Result<()> {
         let now = self.begun;
-        self.told_loose.retain(|(who, step)| *step == now || !let_go.contains(who));
+        self.told_loose.retain(|(who, told_in)| *told_in == now || !let_go.contains(who));
         loose.retain(|(who, _)| !let_go.contains(who));
         loose.extend(let_go.into_iter().map(|who| (who, None)));
         for (who, motion) in loose {
-            let told = (who, now);
-            if self.told_loose.iter().all(|(other, _)| *other != told.0) {
-                self.warn(describe::loose(step, self.state.time, &told.0, motion.as_deref()), observer)?;
-                self.told_loose.push(told);
+            if self.told_loose.iter().all(|(told, _)| *told != who) {
+                self.warn(describe::loose(step, self.state.time, &who, motion.as_deref()), observer)?;
+                self.told_loose.push((who, now));
             }
         }
         Ok(())

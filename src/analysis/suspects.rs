@@ -31,12 +31,12 @@ fn on_master(model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<(u32, Vec3)> {
         let x = ground.seen_from(&(model.part.points[node as usize] + u[node as usize]));
         let near = ground.nearest(pair, s, &x, pair.reach)?;
         let is_on = near.gap.abs() <= pair.controls.touching_gap * pair.facet_size;
-        is_on.then(|| (node, ground.in_space(&near.normal) - ground.in_space(&Vec3::zeros())))
+        is_on.then(|| (node, ground.frame_at(None) * near.normal))
     };
     pair.slaves.iter().enumerate().filter_map(|(s, slave)| of((s, slave.node))).collect()
 }
 
-/// Of `bodies`, which supports leave free, those that a single contact holds which loads push along it by more than its friction
+/// Of `bodies`, which supports leave free, those that a single flat contact holds which loads push along it by more than its friction
 /// can bear, at fraction `end` of the step and displacements `u`: then there is no equilibrium. Collective.
 pub fn pushed(
     comm: &SimpleCommunicator,
@@ -45,7 +45,9 @@ pub fn pushed(
     (end, u): (f64, &[Vec3]),
     bodies: &[usize],
 ) -> Vec<String> {
-    if !conditions.pressures.is_empty() || !conditions.spins.is_empty() {
+    /// By what share of their number the sum of the normals of a plane may differ from it.
+    const FLAT: f64 = 1e-6;
+    if !(conditions.pressures.is_empty() && conditions.spins.is_empty() && model.joints.is_empty()) {
         return Vec::new();
     }
     let of = |body: usize| {
@@ -54,12 +56,17 @@ pub fn pushed(
         let (Some(pair), None) = (touching.next(), touching.next()) else { return None };
         let loads = (0..model.part.owned).filter(|n| model.part.body[*n] as usize == body);
         let load: Vec3 = loads.map(|n| conditions.loads[n].at(end)).sum();
-        let normal: Vec3 = on_master(model, pair, u).iter().map(|(_, normal)| normal).sum();
-        let mut sums = [load.x, load.y, load.z, normal.x, normal.y, normal.z];
+        let on = on_master(model, pair, u);
+        let normal: Vec3 = on.iter().map(|(_, normal)| normal).sum();
+        let mut sums = [load.x, load.y, load.z, normal.x, normal.y, normal.z, on.len() as f64];
         sum(comm, &mut sums);
         let [load, normal] = [0, 3].map(|k| Vec3::new(sums[k], sums[k + 1], sums[k + 2]));
+        // Walls of a groove bear what is pushed along its middle.
+        if sums[6] == 0.0 || normal.norm() < (1.0 - FLAT) * sums[6] {
+            return None;
+        }
         // Onto the master, of which the slave is on the outer side.
-        let normal = normal.try_normalize(f64::MIN_POSITIVE)? * if body == pair.side.body { 1.0 } else { -1.0 };
+        let normal = normal.normalize() * if body == pair.side.body { 1.0 } else { -1.0 };
         let (presses, friction) = (-load.dot(&normal), pair.rules.friction);
         let along = (load + normal * presses).norm();
         (presses > 0.0 && along > friction * presses).then(|| {
@@ -76,11 +83,11 @@ pub fn pushed(
 }
 
 fn of_hold(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Option<String> {
-    let is_on = || {
+    let is_on = pair.faces.as_ref().is_some_and(|faces| {
         let on: BTreeSet<u32> = on_master(model, pair, u).iter().map(|(node, _)| *node).collect();
-        pair.faces.as_ref().is_some_and(|faces| faces.any_of(&on))
-    };
-    let mut sums = [0.0, 0.0, 0.0, f64::from(u8::from(is_on()))];
+        faces.any_of(&on)
+    });
+    let mut sums = [0.0, 0.0, 0.0, f64::from(u8::from(is_on))];
     let touching = pair.slaves.iter().map(|slave| &slave.accepted).filter(|at| at.status != Status::Gap);
     for (at, normal) in touching.filter_map(|at| Some((at, at.projection?.normal))) {
         let pressed = at.force.dot(&normal).abs();

@@ -621,7 +621,7 @@ impl<'a> Ground<'a> {
     }
 
     /// The frame that carries a held force along at an iterate, from a point of then: of a tool, or of the patch.
-    pub(super) fn frame_at(&self, from: Option<(u32, [f64; 2])>) -> Mat3 {
+    pub fn frame_at(&self, from: Option<(u32, [f64; 2])>) -> Mat3 {
         let frame = match self {
             Self::Tool(tool) => Some(tool.trial.rotation),
             Self::Surface(surface, _) => from.and_then(|(id, xi)| Some(frame(&surface.shapes().get(id)?.local(xi)))),

@@ -254,13 +254,9 @@ fn sections<'a>(
                 }
                 _ => {
                     let what = format!("*{name} of elements {} cannot be converted", whole.kind(element));
-                    return Err(
-                        card.error(
-                            what,
-                            "nagata computes the solids C3D8, C3D6, C3D5, C3D4, C3D20, C3D15 and C3D10, and CAX4 and CAX8; plane strain is \
-                             one layer of C3D8 with `plane_strain = true`",
-                        )
-                    );
+                    let help = "nagata computes the solids C3D8, C3D6, C3D5, C3D4, C3D20, C3D15 and C3D10, and CAX4 and CAX8; plane \
+                                strain is one layer of C3D8 with `plane_strain = true`";
+                    return Err(card.error(what, help));
                 }
             }
         }
