@@ -187,4 +187,8 @@ fn what_was_let_go_is_not_carried_through_a_step() {
     assert!(run.code == 1 && run.stderr.contains("step `shake`") && run.stderr.contains("holds it"), "{}", run.stderr);
     let told = |step: &str| run.log().matches(&format!("step `{step}`: nothing holds body `b` any more")).count();
     assert!(told("step 2") == 1 && told("shake") <= 1, "{}", run.log());
+    // Nor is it by jumps.
+    for column in ["b.ux", "b.uz"] {
+        assert_small("carried", run.history().last(column), 1e-3);
+    }
 }

@@ -7,7 +7,7 @@ use super::step::{Attempt, Converged, Frame};
 use crate::Vec3;
 use crate::contact::{Pair, Slave, Status, Trial};
 use crate::failure::Cause;
-use crate::parallel::any;
+use crate::parallel::{any, max};
 use crate::surface::Projection;
 
 /// What a contact holds of a node that touches.
@@ -21,9 +21,9 @@ enum Hold {
     Firm,
 }
 
-/// By how many of its facets the slave of a pair may move as it takes the shape that it has without forces; what has `settled` has it.
-fn shape(pair: &Pair, settled: &[usize]) -> f64 {
-    if settled.contains(&pair.side.body) { pair.controls.touching_gap } else { pair.controls.watch_deep }
+/// By how many facets of a pair a `body` of it may move as it takes the shape that it has without forces; what has `settled` has it.
+fn shape(pair: &Pair, body: usize, settled: &[usize]) -> f64 {
+    if settled.contains(&body) { pair.controls.touching_gap } else { pair.controls.watch_deep }
 }
 
 /// What the friction of a slave node holds, of a pair by its index.
@@ -98,7 +98,7 @@ impl Simulation<'_> {
         if !frame.progress.ladder.has_lingered() {
             return !moves(pair.controls.no_gap);
         }
-        let little = shape(pair, settled);
+        let little = shape(pair, pair.side.body, settled);
         !moves(little) && !self.comes(pair, slave, u, little)
     }
 
@@ -126,7 +126,9 @@ impl Simulation<'_> {
             slave.trial.status != Status::Gap || gap.is_some_and(|gap| gap <= pair.controls.no_gap * pair.facet_size)
         };
         let is_pushed = |pair: &Pair| {
-            pair.slaves.iter().any(|slave| touches(pair, slave) && self.comes(pair, slave, u, shape(pair, settled)))
+            pair.slaves
+                .iter()
+                .any(|slave| touches(pair, slave) && self.comes(pair, slave, u, shape(pair, pair.side.body, settled)))
         };
         !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed))
     }
@@ -154,6 +156,51 @@ impl Simulation<'_> {
         let before = supported.free(self.comm);
         let is_as_before = |free: &Free| before.iter().any(|b| b.who == free.who && motions_of(b) == motions_of(free));
         motions.free(self.comm).into_iter().filter(|free| !free.is_tool && is_as_before(free)).collect()
+    }
+
+    /// Bodies that no contact has pressed on in the state, where the `limits` are what residual is let through of each contact.
+    /// Collective.
+    pub(super) fn settled(&self, frame: &Frame, limits: &[f64]) -> Vec<usize> {
+        if !frame.hangs {
+            return Vec::new();
+        }
+        self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits).iter().map(|free| free.index).collect()
+    }
+
+    /// A jump from the positions and the `settled` bodies before it that has ended, unless something that no contact presses on went
+    /// along: how far is a matter of the drag. Collective.
+    pub(super) fn unless_carried(
+        &self,
+        frame: &Frame,
+        (from, settled): (&[Vec3], &[usize]),
+        converged: Box<Converged>,
+    ) -> Attempt {
+        let (model, u) = (&self.model, &converged.u);
+        let farthest = |free: &Free| {
+            let its = (0..model.part.components.len()).find(|&k| model.component_name(k) == free.who);
+            let nodes = (0..model.part.owned).filter(|n| Some(model.part.component[*n] as usize) == its);
+            let mut moved = [nodes.map(|n| (u[n] - from[n]).norm()).fold(0.0, f64::max)];
+            max(self.comm, &mut moved);
+            moved[0]
+        };
+        let may_move = |free: &Free| {
+            let of = |pair: &&Pair| [Some(pair.side.body), pair.master_body()].contains(&Some(free.index));
+            let little = |pair: &Pair| shape(pair, free.index, settled) * pair.facet_size;
+            model.pairs.iter().filter(of).map(little).fold(0.0, f64::max)
+        };
+        let unpressed = match frame.hangs {
+            true => self.unpressed(frame, u, |slave| &slave.trial, &converged.limits),
+            false => Vec::new(),
+        };
+        for free in unpressed {
+            let moved = farthest(&free);
+            if moved > may_move(&free) {
+                let reason =
+                    format!("{} goes along by {moved:.3} in a jump, and no contact holds it where it ends,", free.who);
+                return Attempt::Failed(converged.refused(model, Cause::Loose, reason));
+            }
+        }
+        Attempt::Converged(converged)
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of

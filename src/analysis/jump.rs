@@ -47,15 +47,22 @@ impl<'a> Simulation<'a> {
             jump_drag, jump_fall, jump_rise, jump_negligible, jump_useless, jump_strongest, jump_steps, ..
         } = self.model.controls;
         let (mut drag, mut weakest) = (jump_drag, jump_drag);
+        let (from, mut settled) = (self.state.u.clone(), None);
         for step in 1.. {
             frame.progress.past.clear();
             observer(&Event::Jumping { number: step, drag })?;
             let attempt = self.attempt(frame, (snes, x), (end, Share::ALL), drag * self.model.stiffness, observer)?;
+            if let (Attempt::Converged(converged), None) = (&attempt, &settled) {
+                settled = Some(self.settled(frame, &converged.limits));
+            }
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
-                    self.summary.counts.jumps += 1;
-                    observer(&Event::Jumped { step: frame.name(), steps: step })?;
-                    return Ok(Attempt::Converged(converged));
+                    let attempt = self.unless_carried(frame, (&from, &settled.unwrap_or_default()), converged);
+                    if matches!(attempt, Attempt::Converged(_)) {
+                        self.summary.counts.jumps += 1;
+                        observer(&Event::Jumped { step: frame.name(), steps: step })?;
+                    }
+                    return Ok(attempt);
                 }
                 Attempt::Converged(converged) => {
                     self.commit(frame, &converged)?;
