@@ -50,9 +50,8 @@ pub struct Touch {
     deepest_at: f64,
     /// How deep its nodes ever were behind the master.
     depth: f64,
-    /// The same of nodes that leave the contact to one of the other side, and when.
-    yielded: f64,
-    yielded_at: f64,
+    /// The same of nodes that leave the contact to one of the other side.
+    yielded: Most,
     /// Sum of what its nodes bear now, N: around a shaft their forces cancel, and lose all the same.
     borne: f64,
     /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
@@ -60,12 +59,10 @@ pub struct Touch {
     jumped: Loss,
     /// The same of friction that nodes let go of as they come to rest.
     rested: Loss,
-    /// The largest share of that with which nodes bore on several tools at once, held by friction, and when.
-    shared: f64,
-    shared_at: f64,
-    /// How far nodes that bear from node to node ever were from those that they meet, and when.
-    apart: f64,
-    apart_at: f64,
+    /// The largest share of that with which nodes bore on several tools at once, held by friction.
+    shared: Most,
+    /// How far nodes that bear from node to node ever were from those that they meet.
+    apart: Most,
 }
 
 crate::words!(Touch {
@@ -78,16 +75,28 @@ crate::words!(Touch {
     deepest_at,
     depth,
     yielded,
-    yielded_at,
     borne,
     slid,
     jumped,
     rested,
     shared,
-    shared_at,
     apart,
-    apart_at,
 });
+
+/// The largest that something ever was, and when.
+#[derive(Clone, Copy, Debug, Default)]
+struct Most {
+    size: f64,
+    at: f64,
+}
+
+crate::words!(Most { size, at });
+
+impl Most {
+    fn or_larger(self, size: f64, at: f64) -> Self {
+        if size > self.size { Self { size, at } } else { self }
+    }
+}
 
 /// A change of a contact's force that comes from its discretization, or over which there was no equilibrium.
 #[derive(Clone, Copy, Debug, Default)]
@@ -335,12 +344,8 @@ impl Simulation<'_> {
         max(self.comm, &mut depths);
         for (touch, [depth, yielded, apart]) in self.state.touches.iter_mut().zip(depths.as_chunks::<3>().0) {
             touch.depth = touch.depth.max(*depth);
-            if *apart > touch.apart {
-                (touch.apart, touch.apart_at) = (*apart, self.state.time);
-            }
-            if *yielded > touch.yielded {
-                (touch.yielded, touch.yielded_at) = (*yielded, self.state.time);
-            }
+            touch.apart = touch.apart.or_larger(*apart, self.state.time);
+            touch.yielded = touch.yielded.or_larger(*yielded, self.state.time);
         }
         for (touch, between) in self.state.touches.iter_mut().zip(between) {
             if between.share > touch.between.share {
@@ -360,9 +365,7 @@ impl Simulation<'_> {
                 touch.jumped = touch.jumped.or_larger(Loss::new(change, borne, self.state.time));
             }
             let shared = if sums[9] > 0.0 { sums[9] / sums[7] } else { 0.0 };
-            if shared > touch.shared {
-                (touch.shared, touch.shared_at) = (shared, self.state.time);
-            }
+            touch.shared = touch.shared.or_larger(shared, self.state.time);
             touch.now = sums[0] > 0.0;
             if touch.now {
                 touch.until = Some(self.state.time);
@@ -417,15 +420,16 @@ impl Simulation<'_> {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));
             }
-            if touch.yielded > pair.controls.watch_yields * pair.facet_size && pair.rules.method != Enforcement::Penalty
+            if touch.yielded.size > pair.controls.watch_yields * pair.facet_size
+                && pair.rules.method != Enforcement::Penalty
             {
                 warnings.push(format!(
                     "contact `{name}`: a node that stands on one of the other side, to which it leaves the contact, was {:.3e} deep \
                      in {master}, {:.1e} of a facet (time {:.6}), and forces lack what it would take to push it out: \
                      `discretization = \"one-pass\"` or `\"segment\"` do not",
-                    touch.yielded,
-                    touch.yielded / pair.facet_size,
-                    touch.yielded_at
+                    touch.yielded.size,
+                    touch.yielded.size / pair.facet_size,
+                    touch.yielded.at
                 ));
             }
             if touch.slid.share > pair.controls.watch_slid {
@@ -446,13 +450,13 @@ impl Simulation<'_> {
                     100.0 * share
                 ));
             }
-            if touch.shared > pair.controls.watch_shared {
+            if touch.shared.size > pair.controls.watch_shared {
                 warnings.push(format!(
                     "contact `{name}`: nodes that {master} and another tool hold by friction at once bear {:.0} % of its force \
                      (time {:.6}): which tool bears how much of it does not follow from equilibrium; what all tools bear does, \
                      and without friction, or with one group of nodes for each tool, so does each",
-                    100.0 * touch.shared,
-                    touch.shared_at
+                    100.0 * touch.shared.size,
+                    touch.shared.at
                 ));
             }
             if touch.jumped.share > 0.0 {
@@ -462,13 +466,13 @@ impl Simulation<'_> {
                      {at:.6}, the largest): what it went through on the way is not resolved"
                 ));
             }
-            if touch.apart > mates::APART * pair.facet_size {
+            if touch.apart.size > mates::APART * pair.facet_size {
                 warnings.push(format!(
                     "contact `{name}`: nodes slid {:.3e} from those of {master} that they meet, {:.2} of a facet (time {:.6}), and \
                      forces act there all the same: \"node-to-node\" is for small sliding, take another `discretization`",
-                    touch.apart,
-                    touch.apart / pair.facet_size,
-                    touch.apart_at
+                    touch.apart.size,
+                    touch.apart.size / pair.facet_size,
+                    touch.apart.at
                 ));
             }
             // From segment to segment nodes are in the master by as much as it curves, whatever the penalty.
