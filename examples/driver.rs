@@ -72,7 +72,7 @@ fn main() -> Result<()> {
             let ratio = ball.force.x / -ball.force.z;
             say(format!(
                 "all {} nodes slip at a way of {:.3}: drag over load {ratio:.4}",
-                increment.touching, ball.displacement.x
+                increment.nodes.touching, ball.displacement.x
             ));
             break;
         }

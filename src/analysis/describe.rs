@@ -346,12 +346,12 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
 
 /// Contact in a converged increment, in a few words.
 pub fn note(increment: &Increment) -> String {
-    let mut note = format!("{} in contact, {} slip", increment.touching, increment.slipping);
+    let mut note = format!("{} in contact, {} slip", increment.nodes.touching, increment.nodes.slipping);
     if increment.rounds > 0 {
         let _ = write!(note, ", {} outer", increment.rounds);
     }
-    if increment.calmed > 0 {
-        let _ = write!(note, ", {} calmed", increment.calmed);
+    if increment.nodes.calmed > 0 {
+        let _ = write!(note, ", {} calmed", increment.nodes.calmed);
     }
     note
 }

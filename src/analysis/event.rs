@@ -102,13 +102,19 @@ pub struct Increment {
     /// How it was found, after how many failures.
     pub way: Way,
     pub failures: usize,
-    /// Slave nodes of all ranks that touch, slip, and had their friction penalty reduced; one of the last.
-    pub touching: usize,
-    pub slipping: usize,
-    pub calmed: usize,
-    pub calmed_node: Option<String>,
+    pub nodes: ContactNodes,
     /// It is the last of its step.
     pub ends_step: bool,
+}
+
+/// How many slave nodes of all ranks do what.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactNodes {
+    pub touching: usize,
+    pub slipping: usize,
+    /// Those whose friction penalty was reduced, and one of them.
+    pub calmed: usize,
+    pub calmed_node: Option<String>,
 }
 
 /// Who is told; an error ends the simulation, and must be the same on all ranks.

@@ -68,7 +68,7 @@ mod unpaid;
 mod watch;
 
 pub use check::check;
-pub use event::{Event, Increment, Iteration, Observer, Remedy, Retried, Rounded};
+pub use event::{ContactNodes, Event, Increment, Iteration, Observer, Remedy, Retried, Rounded};
 pub use ladder::Way;
 pub use run::{Options, run};
 pub use simulation::{ContactReading, SetReading, Simulation, ToolReading};

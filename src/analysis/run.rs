@@ -433,7 +433,7 @@ impl Recorder<'_> {
                 format!("    {of}: residual {residual:.1e} let through, of which rounding leaves up to {limit:.1e}");
             self.log.record(&text);
         }
-        if let Some(name) = &increment.calmed_node {
+        if let Some(name) = &increment.nodes.calmed_node {
             self.log.record(&format!("    friction penalty reduced at flipping nodes, such as {name}"));
         }
     }

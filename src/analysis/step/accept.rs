@@ -2,7 +2,7 @@
 
 use super::super::ladder::Way;
 use super::super::state::Progress;
-use super::super::{Increment, Simulation};
+use super::super::{ContactNodes, Increment, Simulation};
 use super::Frame;
 use super::attempt::Converged;
 use crate::contact::Status;
@@ -95,8 +95,7 @@ impl Simulation<'_> {
         self.note_touches(&converged.between, way == Way::Jump);
         self.summary.counts.increments += 1;
         self.note_rounded(converged.effort.rounded.as_ref());
-        let [touching, slipping, calmed] = self.count(converged.effort.calmed.len());
-        let calmed_node = first_word(self.comm, converged.effort.calmed.first().map(|&n| node_name(&self.model, n)));
+        let nodes = self.count(&converged.effort.calmed);
         Ok(Increment {
             step: frame.name().to_string(),
             number: self.state.increments,
@@ -111,10 +110,7 @@ impl Simulation<'_> {
             rounded: converged.effort.rounded,
             way,
             failures: std::mem::take(&mut frame.failures),
-            touching,
-            slipping,
-            calmed,
-            calmed_node,
+            nodes,
             ends_step,
         })
     }
@@ -140,14 +136,16 @@ impl Simulation<'_> {
         counts[1] > busy_share * counts[0] || counts[2] > 0.0
     }
 
-    /// Slave nodes of all ranks that touch, slip, and were calmed. Collective.
-    fn count(&self, calmed: usize) -> [usize; 3] {
-        let mut counts = [0.0, 0.0, calmed as f64];
+    /// Slave nodes of all ranks that touch, slip, and were `calmed`. Collective.
+    fn count(&self, calmed: &[u32]) -> ContactNodes {
+        let mut counts = [0.0, 0.0, calmed.len() as f64];
         for slave in self.model.pairs.iter().flat_map(|p| &p.slaves) {
             counts[0] += f64::from(slave.trial.status != Status::Gap);
             counts[1] += f64::from(slave.rubs());
         }
         sum(self.comm, &mut counts);
-        counts.map(|count| count as usize)
+        let [touching, slipping, all_calmed] = counts.map(|count| count as usize);
+        let calmed_node = first_word(self.comm, calmed.first().map(|&n| node_name(&self.model, n)));
+        ContactNodes { touching, slipping, calmed: all_calmed, calmed_node }
     }
 }
