@@ -500,3 +500,33 @@ fn tractions_at_a_plane_of_symmetry_are_those_of_the_whole() {
     }
     assert!(in_plane > 2, "{in_plane}");
 }
+
+/// A block stands on a larger one, and a second contact names its side, behind which all is that it stands on: that bears nothing,
+/// whether the two faces are in one plane or the block is a little in or off.
+#[test]
+fn the_side_of_what_stands_on_a_slave_does_not_push() {
+    let run = |z: f64, side: &str, ranks: usize| {
+        Bench::new(&format!(
+            "[body.small]\nmaterial = \"m\"\n\
+             block = {{ box = {{ origin = [0.0, 0.0, {z:?}], size = [1.0, 1.0, 1.0] }}, elements = [4, 1, 4] }}\n\
+             [body.big]\nmaterial = \"m\"\nblock = {{ box = {{ size = [2.0, 1.0, 1.0] }}, elements = [8, 1, 4] }}\n\
+             [material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [contact.under]\nslave = \"big.zmax\"\nmaster = \"small.zmin\"\n{side}\
+             [[step]]\nincrements = 4\nfix = [{{ set = \"big.zmin\" }}]\n\
+             move = [{{ target = \"small.zmax\", by = [0.0, 0.0, -0.01] }}]\n"
+        ))
+        .solve(ranks, &[])
+    };
+    let side = "[contact.side]\nslave = \"big.zmax\"\nmaster = \"small.xmax\"\n";
+    for z in [1.0, 1.0 - 1e-3, 1.0 + 1e-3] {
+        let [alone, beside] = ["", side].map(|side| run(z, side, 2));
+        let (alone, history) = (alone.history(), beside.history());
+        assert!(!beside.log().contains("inside `small.xmax`"), "{}", beside.log());
+        for component in ["fx", "fy", "fz"] {
+            assert_eq!(history.last(&format!("side.{component}")), 0.0);
+            let force = [&alone, &history].map(|history| history.last(&format!("under.{component}")));
+            assert_small("side", (force[1] - force[0]) / 0.28, 1e-9);
+        }
+        assert_eq!(history.last("side.max_penetration"), 0.0);
+    }
+}

@@ -887,3 +887,56 @@ fn what_is_flush_with_a_wall_is_not_below_its_top() {
         assert!(before.abs() > 1e-3, "{before}");
     }
 }
+
+/// Of what bodies beside each other bear at a node between them each bears its own; and what bulges does so in company, too.
+#[test]
+fn masters_side_by_side_and_balls_in_company_are_not_warned_of() {
+    let block = |name: &str, [x, y]: [f64; 2], elements: [u32; 3]| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\n\
+             block = {{ box = {{ origin = [{x:?}, {y:?}, 0.0], size = [1.0, 1.0, 1.0] }}, elements = {elements:?} }}\n"
+        )
+    };
+    let material = "[material.m]\nmodel = \"hooke\"\nyoung = 1.0\npoisson = 0.3\n";
+    let contact = |name: &str, slave: &str, master: &str| {
+        format!("[contact.{name}]\nslave = \"{slave}\"\nmaster = \"{master}\"\n")
+    };
+    let seam = [
+        block("a", [0.0, 0.0], [2, 2, 1]),
+        block("b", [1.0, 0.0], [2, 2, 1]),
+        block("c", [0.5, 1.0], [2, 2, 1]),
+        material.into(),
+        contact("one", "c.ymin", "a.ymax"),
+        contact("two", "c.ymin", "b.ymax"),
+        "[[step]]\nincrements = 1\nfix = [{ set = \"a.ymin\" }, { set = \"b.ymin\" }]\n\
+         move = [{ target = \"c.ymax\", by = [0.0, -0.1, 0.0] }]\n"
+            .into(),
+    ]
+    .concat();
+    let (code, text) = verdict(&Bench::new(&seam), 2);
+    assert!(code == 0 && !text.contains("have in common"), "{text}");
+
+    // Two disks of radius 1 beside each other under a larger one.
+    let disk = |[x, y]: [f64; 2], radius: f64| {
+        move |[u, v, w]: [f64; 3]| {
+            let [a, b] = [2.0 * u - 1.0, 2.0 * v - 1.0];
+            let size = a.abs().max(b.abs()) / a.hypot(b).max(f64::MIN_POSITIVE);
+            [x + radius * a * size, y + radius * b * size, w]
+        }
+    };
+    let balls = [[-1.1, 0.0], [1.1, 0.0]].map(|at| msh::block([8, 8, 1], false, disk(at, 1.0)));
+    let bench = Bench::new(
+        &[
+            "[body.balls]\nmesh = \"balls.msh\"\nmaterial = \"m\"\n[body.lid]\nmesh = \"lid.msh\"\nmaterial = \"m\"\n",
+            material,
+            &contact("c", "balls.all", "lid.ymin"),
+            "[[step]]\nincrements = 1\nfix = [{ set = \"balls.ymin0\" }, { set = \"balls.ymin1\" }]\n\
+             move = [{ target = \"lid.ymax\", by = [0.0, -0.1, 0.0] }]\n",
+        ]
+        .concat(),
+    );
+    bench.write("balls.msh", &msh::together(&balls.each_ref().map(|mesh| &mesh[..])));
+    bench.write("lid.msh", &msh::block([8, 8, 1], false, disk([0.0, 2.2], 1.0)));
+    let (code, text) = verdict(&bench, 2);
+    assert!(code == 0 && !text.contains("hollow"), "{text}");
+}

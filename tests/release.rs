@@ -192,3 +192,54 @@ fn what_was_let_go_is_not_carried_through_a_step() {
         assert_small("carried", run.history().last(column), 1e-3);
     }
 }
+
+/// A sheet is bent into a die by a punch, which goes up again: it has nothing that pulls, and the sheet stays where it was let go,
+/// though at last a node touches the punch.
+#[test]
+fn a_punch_does_not_lift_what_it_has_bent() {
+    let run = Bench::new(
+        r#"
+[body.s]
+material = "m"
+plane_strain = true
+symmetry = ["xmin"]
+block = { box = { size = [25.0, 1.0, 1.0] }, elements = [50, 3, 1] }
+[material.m]
+model = "j2"
+young = 2e5
+poisson = 0.3
+yield_stress = 250.0
+hardening = { linear = 1000.0 }
+[tool.punch.profile]
+points = [[-20.0, 21.0], [0.0, 1.0], [20.0, 21.0]]
+fillets = [0.0, 2.0, 0.0]
+[tool.die.profile]
+points = [[60.0, 0.0], [20.0, 0.0], [0.0, -20.0]]
+fillets = [0.0, 2.0, 0.0]
+[contact.p]
+slave = "s.ymax"
+master = "punch"
+[contact.d]
+slave = "s.ymin"
+master = "die"
+[[step]]
+increment = { initial = 0.01, max = 0.01, min = 1e-6 }
+move = [{ target = "punch", by = [0.0, -19.6, 0.0] }]
+[[step]]
+increments = 30
+fix = [{ set = "s.xmin", directions = "x" }]
+move = [{ target = "punch", by = [0.0, 10.0, 0.0] }]
+[output]
+every = 1000
+history = ["s"]
+"#,
+    )
+    .solve(1, &[]);
+    let history = run.history();
+    assert!(run.log().contains("nothing holds body `s` any more"), "{}", run.log());
+    let heights = history.column("s.uy");
+    let last = |tool: &str| history.column(&format!("{tool}.fy")).iter().rposition(|force| force.abs() > 1e-6).unwrap();
+    let let_go = last("punch").max(last("die")) + 1;
+    assert!(history.column("punch.uy")[let_go] < -19.0);
+    assert_small("lifted", heights[heights.len() - 1] - heights[let_go], 1e-3);
+}

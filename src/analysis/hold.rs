@@ -167,15 +167,15 @@ impl Simulation<'_> {
         self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits).iter().map(|free| free.index).collect()
     }
 
-    /// A jump from the positions and the `settled` bodies before it that has ended, unless something that no contact presses on went
-    /// along: how far is a matter of the drag. Collective.
-    pub(super) fn unless_carried(
+    /// The first of bodies that no contact presses on which has gone from where it was by more than it takes its shape by, with how
+    /// far. Collective.
+    fn gone<'f>(
         &self,
-        frame: &Frame,
         (from, settled): (&[Vec3], &[usize]),
-        converged: Box<Converged>,
-    ) -> Attempt {
-        let (model, u) = (&self.model, &converged.u);
+        unpressed: impl Iterator<Item = &'f Free>,
+        u: &[Vec3],
+    ) -> Option<(&'f Free, f64)> {
+        let model = &self.model;
         let farthest = |free: &Free| {
             let its = (0..model.part.components.len()).find(|&k| model.component_name(k) == free.who);
             let nodes = (0..model.part.owned).filter(|n| Some(model.part.component[*n] as usize) == its);
@@ -188,19 +188,29 @@ impl Simulation<'_> {
             let little = |pair: &Pair| shape(pair, free.index, settled) * pair.facet_size;
             model.pairs.iter().filter(of).map(little).fold(0.0, f64::max)
         };
+        unpressed.map(|free| (free, farthest(free))).find(|(free, moved)| *moved > may_move(free))
+    }
+
+    /// A jump from the positions and the `settled` bodies before it that has ended, unless something that no contact presses on went
+    /// along: how far is a matter of the drag. Collective.
+    pub(super) fn unless_carried(
+        &self,
+        frame: &Frame,
+        before: (&[Vec3], &[usize]),
+        converged: Box<Converged>,
+    ) -> Attempt {
         let unpressed = match frame.hangs {
-            true => self.unpressed(frame, u, |slave| &slave.trial, &converged.limits),
+            true => self.unpressed(frame, &converged.u, |slave| &slave.trial, &converged.limits),
             false => Vec::new(),
         };
-        for free in unpressed {
-            let moved = farthest(&free);
-            if moved > may_move(&free) {
+        match self.gone(before, unpressed.iter(), &converged.u) {
+            None => Attempt::Converged(converged),
+            Some((free, moved)) => {
                 let reason =
                     format!("{} goes along by {moved:.3} in a jump, and no contact holds it where it ends,", free.who);
-                return Attempt::Failed(converged.refused(model, Cause::Loose, reason));
+                Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason))
             }
         }
-        Attempt::Converged(converged)
     }
 
     /// A converged increment, unless something is free in it that contacts held: where that ends would be a matter of
@@ -220,8 +230,16 @@ impl Simulation<'_> {
         };
         let any_way: Vec<String> = unpressed.iter().map(|free| free.who.clone()).collect();
         let is_new = |free: &Free| before.iter().all(|before| before.who != free.who);
-        converged.let_go = unpressed.into_iter().filter(is_new).map(|free| free.who).collect();
+        converged.let_go = unpressed.iter().filter(|free| is_new(free)).map(|free| free.who.clone()).collect();
         let settled: Vec<usize> = before.iter().map(|free| free.index).collect();
+        // What only touches does not pull.
+        let still = unpressed.iter().filter(|free| before.iter().any(|before| before.who == free.who));
+        let still = still.filter(|free| self.stays(free, &converged.u, &settled));
+        if let Some((free, moved)) = self.gone((&self.state.u, &settled), still, &converged.u) {
+            let reason =
+                format!("{} goes along by {moved:.3} with what it touches, and no contact holds it,", free.who);
+            return Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason));
+        }
         // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What rests has not been let
         // go.
         let bears = |p: usize, slave: &Slave| {

@@ -118,7 +118,7 @@ impl<'a> Simulation<'a> {
             last_iterate: None,
         };
         simulation.look_around(&aside);
-        simulation.begin_watch();
+        simulation.begin_watch(&aside);
         Ok(simulation)
     }
 
@@ -350,6 +350,7 @@ impl<'a> Simulation<'a> {
                 };
                 let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at, None));
                 let slave = &mut pair.slaves[s];
+                slave.committed.aside = aside[s];
                 slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));
                 slave.pieces = pieces_of(&even);
                 // An active set begins with what touches; nothing else may hold a body.

@@ -135,17 +135,18 @@ struct Motion<'a> {
 }
 
 impl Simulation<'_> {
-    /// The first look, before anything moves. Collective.
-    pub(super) fn begin_watch(&mut self) {
+    /// The first look, before anything moves, with slave nodes of each pair that are `aside` of its master. Collective.
+    pub(super) fn begin_watch(&mut self, aside: &[Vec<bool>]) {
         let still = self.state.u.clone();
         let motion = Motion { before: &still, after: &still, residuals: &[], ended: None, idle: &[] };
         let travels = look_out(self.comm, &mut self.model, &motion);
         let Model { part, masters, pairs, .. } = &mut self.model;
-        for (pair, travel) in pairs.iter_mut().zip(travels) {
+        for ((pair, travel), aside) in pairs.iter_mut().zip(travels).zip(aside) {
             let ground = masters.of(pair.master);
             let first = |s: usize| {
                 let x = part.points[pair.slaves[s].node as usize];
-                watch::first_sight(&View { ground, pair, slave: s }, &x, &allowance(pair, 0.0, travel))
+                let may = Allowance { aside: aside[s], ..allowance(pair, 0.0, travel) };
+                watch::first_sight(&View { ground, pair, slave: s }, &x, &may)
             };
             let sights: Vec<Sight> = (0..pair.slaves.len()).map(first).collect();
             pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
@@ -586,7 +587,14 @@ pub(super) fn reach(pair: &Pair, travel: f64) -> f64 {
 pub(super) fn allowance(pair: &Pair, explained: f64, travel: f64) -> Allowance<'_> {
     let in_the_mean = pair.faces.as_ref().map_or(0.0, |_| pair.controls.watch_segment * pair.facet_size);
     let explained = explained + in_the_mean;
-    Allowance { facet: pair.facet_size, explained, travel, reach: reach(pair, travel), controls: &pair.controls }
+    Allowance {
+        facet: pair.facet_size,
+        explained,
+        travel,
+        reach: reach(pair, travel),
+        aside: false,
+        controls: &pair.controls,
+    }
 }
 
 /// Of which pairs no slave node of any rank is in contact. Collective.
@@ -624,7 +632,7 @@ fn judge_pair(
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
         let explained = explained(model, pair, s, motion.residuals[p]);
-        let may = allowance(pair, explained, travel);
+        let may = Allowance { aside: slave.committed.aside, ..allowance(pair, explained, travel) };
         let (sight, finding) = watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may);
         let apart = apart(&ground, slave, slave.trial.status, &to)
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);

@@ -44,7 +44,8 @@ struct Side {
     young: f64,
     /// Root of the mean area of the facets where the two sides can meet; on a layer their mean length.
     facet_size: f64,
-    /// Mean of (x - mean x)·n over that of |x - mean x|: positive for a surface that bulges, negative for a hollow one.
+    /// Mean of (x - mean x)·n over that of |x - mean x|: positive for a surface that bulges, negative for a hollow one. The mean x is
+    /// that of the component of the mesh that a facet is on: balls side by side bulge.
     bulge: f64,
     /// The mean of e eᵀ over the edges e of those facets.
     edges: Mat3,
@@ -232,28 +233,34 @@ fn measure(
     let mut some = [mine().filter(|(_, (x, _))| meets(x)).count() as f64];
     sum(comm, &mut some);
     let all = || mine().filter(|(_, (x, _))| some[0] == 0.0 || meets(x));
-    let mut sums = [0.0; 15];
+    let component = |facet: &PartFacet| part.component[facet.nodes[0] as usize] as usize;
+    let mut middles = vec![0.0; 4 * part.components.len()];
+    let mut sums = [0.0; 12];
     for (facet, (x, area)) in all() {
         sums[0] += 1.0;
         sums[1] += area.norm();
-        (0..3).for_each(|d| sums[2 + d] += x[d] * area.norm());
-        sums[5] += part.longest_edge(facet, is_planar);
+        sums[2] += part.longest_edge(facet, is_planar);
+        let middle = &mut middles[4 * component(facet)..];
+        middle[0] += area.norm();
+        (0..3).for_each(|d| middle[1 + d] += x[d] * area.norm());
         let corners: Vec<Vec3> = corners(part, facet).collect();
         let count = corners.len();
         for edge in (0..count).map(|k| corners[(k + 1) % count] - corners[k]) {
-            (0..9).for_each(|k| sums[6 + k] += edge[k / 3] * edge[k % 3] / count as f64);
+            (0..9).for_each(|k| sums[3 + k] += edge[k / 3] * edge[k % 3] / count as f64);
         }
     }
     sum(comm, &mut sums);
-    let middle = Vec3::new(sums[2], sums[3], sums[4]) / sums[1];
+    sum(comm, &mut middles);
     let mut bulge = [0.0; 2];
-    for (_, (x, area)) in all() {
+    for (facet, (x, area)) in all() {
+        let middle = &middles[4 * component(facet)..];
+        let middle = Vec3::from_column_slice(&middle[1..4]) / middle[0];
         bulge[0] += (x - middle).dot(&area);
         bulge[1] += (x - middle).norm() * area.norm();
     }
     sum(comm, &mut bulge);
-    let size = if is_planar { sums[5] / sums[0] } else { (sums[1] / sums[0]).sqrt() };
-    (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 }, Mat3::from_row_slice(&sums[6..]) / sums[0])
+    let size = if is_planar { sums[2] / sums[0] } else { (sums[1] / sums[0]).sqrt() };
+    (size, if bulge[1] > 0.0 { bulge[0] / bulge[1] } else { 0.0 }, Mat3::from_row_slice(&sums[3..]) / sums[0])
 }
 
 fn corners<'a>(part: &'a Part, facet: &'a PartFacet) -> impl Iterator<Item = Vec3> + 'a {

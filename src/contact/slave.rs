@@ -98,9 +98,11 @@ pub struct Committed {
     pub held: Held,
     /// The force with which it slid off the master, see [`super::Pair::slid_off`], until that is told.
     pub slid: f64,
+    /// It began past an end of the master, and has not been in front of it since.
+    pub aside: bool,
 }
 
-crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, wedge, status, held, slid });
+crate::words!(Committed { multiplier, anchor, place, warm, beside, keeps, wedge, status, held, slid, aside });
 
 /// As many pieces as are told apart besides the first: six triangles around a corner.
 const BESIDE: usize = 5;
@@ -375,7 +377,7 @@ impl Slave {
     }
 
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
-    /// master, not in it: at the last converged increment it was on none of it, and at `start`, its place then as seen from
+    /// master, not in it: it began there; or at the last converged increment it was on none of it, and at `start`, its place then as seen from
     /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
     /// touched another master, with much the same normal, goes from there on to this one, however deep an iteration has it, if
     /// it was hardly behind it; and one no deeper than `shallow`, of which nobody tells, goes onto it past its end, as what is
@@ -390,6 +392,9 @@ impl Slave {
     ) -> bool {
         const BEHIND: f64 = 1e-6;
         const MOST: f64 = 32.0;
+        if self.committed.aside {
+            return at.gap <= controls.touching_gap * facet_size;
+        }
         if at.gap >= 0.0 || self.committed.warm.is_some() || at.gap >= -shallow() {
             return false;
         }
@@ -430,6 +435,7 @@ impl Slave {
             wedge: self.trial.kinks.wedge,
             status: self.trial.status,
             slid,
+            aside: self.committed.aside && projection.is_none(),
         };
     }
 }

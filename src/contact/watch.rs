@@ -115,6 +115,8 @@ pub struct Allowance<'a> {
     /// The farthest that any node has gone over the ground; distance within which the ground is known around the node.
     pub travel: f64,
     pub reach: f64,
+    /// It began past an end of the master, and has not been in front of it since.
+    pub aside: bool,
     pub controls: &'a Controls,
 }
 
@@ -196,6 +198,11 @@ impl Seen {
         self.depth > self.allowed
     }
 
+    /// Whether it does not even touch.
+    fn is_in_front(&self, may: &Allowance) -> bool {
+        self.gap > may.controls.touching_gap * may.facet
+    }
+
     fn sight(&self, side: Side) -> Sight {
         Sight {
             gap: self.gap,
@@ -224,7 +231,11 @@ fn allowed(view: &View, nearest: &Projection, may: &Allowance) -> f64 {
 /// What is seen of a node at `x` before anything has moved.
 pub fn first_sight(view: &View, x: &Vec3, may: &Allowance) -> Sight {
     let seen = Seen::new(view, &view.ground.seen_from(x), may);
-    seen.sight(if seen.is_behind() { Side::Inside } else { Side::Front })
+    seen.sight(match seen.is_behind() {
+        _ if may.aside && !seen.is_in_front(may) => Side::Beside,
+        true => Side::Inside,
+        false => Side::Front,
+    })
 }
 
 /// Judges a node that went between two places, and had the sight `last` where it began; `past` is how the master has moved.
@@ -240,6 +251,9 @@ pub fn judge(
         return judge_self(view, last, to, may);
     }
     let seen = Seen::new(view, to, may);
+    if may.aside && !seen.is_in_front(may) {
+        return (seen.sight(Side::Beside), None);
+    }
     if last.side != Side::Front {
         return of_one_behind(&seen, last);
     }

@@ -80,7 +80,10 @@ pub fn seams(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
     }
     let mut warnings = Vec::new();
     for (q, (second, other)) in open.iter().enumerate() {
-        for (first, one) in open[..q].iter().filter(|(first, _)| first.master.tool() == second.master.tool()) {
+        // Each of two bodies says what it bears.
+        let is_one =
+            |first: &Pair| (first.master.tool(), first.master_body()) == (second.master.tool(), second.master_body());
+        for (first, one) in open[..q].iter().filter(|(first, _)| is_one(first)) {
             let meets_twice = |(node, a): &(&u32, &&Standing)| {
                 let both = a.contact.zip(other.get(*node).and_then(|b| b.contact));
                 both.is_some_and(|(a, b)| {
@@ -91,12 +94,12 @@ pub fn seams(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
             sum(comm, &mut count);
             if count[0] > 0.0 {
                 warnings.push(format!(
-                    "contacts `{}` and `{}` meet {} with {} nodes that they have in common: what each of them bears there, and its \
+                    "contacts `{}` and `{}` meet {} with {} that they have in common: what each of them bears there, and its \
                      pressure, may be up to rounding, their sum is not; name these faces in one contact",
                     first.name,
                     second.name,
                     model.master_name(second),
-                    count[0]
+                    if count[0] > 1.0 { format!("{} nodes", count[0]) } else { "a node".into() }
                 ));
             }
         }

@@ -4,9 +4,11 @@
 //! So a rank holds no more of a master than lies between its farthest nodes and what is nearest to these; and that is
 //! given back at the end.
 
+use super::gaps::DEEP;
 use crate::Vec3;
 use crate::contact::Pair;
 use crate::contact::master::Prospect;
+use crate::model::locate::held;
 use crate::model::{Model, outward_of};
 use crate::parallel::any;
 use crate::partition::Part;
@@ -46,11 +48,15 @@ impl Standing {
         self.contact.map(|p| p.normal).or(self.nearest.map(|(normal, _)| normal))
     }
 
-    /// Whether the node is behind a face of the master that it does not look at, and an end of the master is nearer: it is past that end,
-    /// as what is flush with a wall, below it, is below its top.
-    fn is_past_an_end(&self) -> bool {
-        let nearer = |at: &Projection| self.nearest.is_some_and(|(_, distance)| distance < -at.gap * NEARER);
-        self.contact.is_some_and(|at| at.gap < 0.0 && nearer(&at) && self.outward.dot(&at.normal) > LOOKS)
+    /// Where it would meet a face that it does not look at, if it is behind that, or within a `rounding` of it.
+    fn behind(&self, rounding: f64) -> Option<Projection> {
+        self.contact.filter(|at| at.gap <= rounding && self.outward.dot(&at.normal) > LOOKS)
+    }
+
+    /// Whether it is behind a face there, and an end of the master is nearer: it is past that end, as what is flush with a wall, below
+    /// it, is below its top.
+    fn is_past_an_end(&self, at: &Projection) -> bool {
+        at.gap < 0.0 && self.nearest.is_some_and(|(_, distance)| distance < -at.gap * NEARER)
     }
 
     /// Distance from the master, below zero inside.
@@ -83,13 +89,44 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
         }
         seen.push(sights);
     }
-    for sight in seen.iter_mut().flatten().filter(|sight| sight.is_past_an_end()) {
-        (sight.contact, sight.is_aside) = (None, true);
-    }
     // As they were found.
     masters.attend(comm, pairs, place);
     masters.surfaces.iter_mut().zip(fetches).for_each(|(surface, fetches)| surface.fetches = fetches);
+    for (pair, sights) in model.pairs.iter().zip(&mut seen) {
+        let rounding = pair.controls.no_gap * pair.facet_size;
+        let behind: Vec<(usize, Projection)> =
+            sights.iter().enumerate().filter_map(|(s, sight)| Some((s, sight.behind(rounding)?))).collect();
+        let under = under(comm, model, pair, sights, &behind);
+        for ((s, at), is_under) in behind.into_iter().zip(under) {
+            let sight = &mut sights[s];
+            if is_under || sight.is_past_an_end(&at) {
+                (sight.contact, sight.is_aside) = (None, true);
+            }
+        }
+    }
     seen
+}
+
+/// Which of the slave nodes that are `behind` a face of a body, or on it, without a look at it, are nearer to where the body ends
+/// below them: what stands on a face, flush with it or a little in it, is behind each side of the body. Collective.
+fn under(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    pair: &Pair,
+    sights: &[Standing],
+    behind: &[(usize, Projection)],
+) -> Vec<bool> {
+    let Some(body) = pair.master_body().filter(|_| !pair.is_within_body() && !pair.is_by_nodes()) else {
+        return vec![false; behind.len()];
+    };
+    let place = |n: u32| model.part.points[n as usize];
+    let below = |(s, at): &(usize, Projection)| {
+        let (depth, least) = (-at.gap, DEEP * pair.facet_size);
+        let x = place(pair.slaves[*s].node) - at.normal * (least - depth).max(0.0);
+        x - sights[*s].outward * depth.max(least)
+    };
+    let points: Vec<Vec3> = behind.iter().map(below).collect();
+    held(comm, model, body, &points, &place).into_iter().map(|is_held| !is_held).collect()
 }
 
 /// Asks `find` for the nodes that have found nothing, farther and farther; it gets their places, their outward normals, and
