@@ -462,3 +462,50 @@ fn told_once(run: &Run, words: &str) -> String {
     }
     warning.to_string()
 }
+
+/// A punch begins flush with a holder that the contacts name over all of a blank: which of them is to bear is hard to find, and that
+/// is told where it is not found.
+#[test]
+fn masters_that_lie_flush_are_named() {
+    let run = Bench::new(
+        r#"
+[body.s]
+material = "m"
+axisymmetric = true
+block = { box = { size = [45.0, 1.0, 1.0] }, elements = [45, 2, 1] }
+[material.m]
+model = "hooke"
+young = 2e5
+poisson = 0.3
+[tool.punch.profile]
+points = [[0.0, 41.0], [0.0, 1.0], [25.0, 1.0], [25.0, 41.0]]
+fillets = [0.0, 0.0, 6.0, 0.0]
+[tool.die]
+plane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }
+[tool.holder]
+plane = { point = [0.0, 1.0, 0.0], normal = [0.0, -1.0, 0.0] }
+[contact.p]
+slave = "s.ymax"
+master = "punch"
+friction = 0.1
+[contact.d]
+slave = "s.ymin"
+master = "die"
+friction = 0.1
+[contact.h]
+slave = "s.ymax"
+master = "holder"
+friction = 0.1
+[[step]]
+increment = { initial = 1.0, min = 0.9 }
+force = [{ target = "holder", total = [0.0, -10000.0, 0.0], directions = "y" }]
+[solver]
+max_iterations = 1
+"#,
+    )
+    .run(2, &[]);
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let told =
+        "help: the tool `punch` and the tool `holder` lie flush on 19 nodes, slaves of contact `p` and of contact `h`";
+    assert!(run.stderr.contains(told), "{}", run.stderr);
+}

@@ -11,7 +11,7 @@ use crate::parallel::{any, sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene, Smoothing};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Share of the friction that contacts can bear from which they hardly hold what they hold.
 const SPENT: f64 = 0.95;
@@ -162,6 +162,38 @@ pub fn overlapping(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
         })
     };
     model.pairs.iter().filter(|pair| pair.rules.interference != Interference::Ramped).filter_map(of).collect()
+}
+
+/// Contacts whose masters lie flush on the same slave nodes, at displacements `u`, which the masters attend to: which of them a node
+/// is to bear is for the iteration to find. Collective.
+pub fn flush(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
+    /// Cosine of the normals of masters, from which they are on the same side of a node.
+    const ALIKE: f64 = 0.9;
+    let open = |pair: &Pair| !pair.is_self() && !pair.pass.is_second();
+    let on: Vec<(&Pair, BTreeMap<u32, Vec3>)> = (model.pairs.iter())
+        .filter(|pair| open(pair))
+        .map(|pair| (pair, on_master(model, pair, u).into_iter().collect()))
+        .collect();
+    let mut told = Vec::new();
+    for (q, (second, others)) in on.iter().enumerate() {
+        for (first, nodes) in &on[..q] {
+            let is_both = |(node, a): &(&u32, &Vec3)| others.get(*node).is_some_and(|b| a.dot(b) > ALIKE);
+            let mut count = [nodes.iter().filter(is_both).count() as f64];
+            sum(comm, &mut count);
+            if count[0] > 1.0 {
+                told.push(format!(
+                    "{} and {} lie flush on {} nodes, slaves of contact `{}` and of contact `{}`: leave out \
+                     of each what only the other is to press, or let one master begin apart",
+                    model.master_name(first),
+                    model.master_name(second),
+                    count[0],
+                    first.name,
+                    second.name
+                ));
+            }
+        }
+    }
+    told
 }
 
 /// Contacts of which nodes are in hollow edges of the master, at displacements `u`, which the master attends to: two sides press

@@ -120,6 +120,7 @@ impl Simulation<'_> {
             remedies.splice(0..0, suspects::hanging(self.comm, &self.model));
             if self.state.increments == 0 {
                 remedies.splice(0..0, suspects::overlapping(self.comm, &self.model));
+                remedies.splice(0..0, suspects::flush(self.comm, &self.model, &self.state.u));
             }
             remedies.splice(0..0, suspects::hollow(self.comm, &self.model, &self.state.u));
         }
