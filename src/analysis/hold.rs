@@ -119,7 +119,6 @@ impl Simulation<'_> {
     /// Whether nothing that a body still touches which has come loose has come towards it, with nodes displaced by `u`: that pushes it
     /// along, against nothing. Collective.
     fn stays(&self, free: &Free, u: &[Vec3], settled: &[usize]) -> bool {
-        let own = |pair: &&Pair| [Some(pair.side.body), pair.master_body()].contains(&Some(free.index));
         // What bears nothing may be off by a rounding.
         let touches = |pair: &Pair, slave: &Slave| {
             let gap = slave.trial.projection.map(|at| slave.law.gap(at.gap).abs());
@@ -130,7 +129,7 @@ impl Simulation<'_> {
                 .iter()
                 .any(|slave| touches(pair, slave) && self.comes(pair, slave, u, shape(pair, pair.side.body, settled)))
         };
-        !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(own).any(is_pushed))
+        !free.is_tool && !any(self.comm, self.model.pairs.iter().filter(|pair| pair.is_of(free.index)).any(is_pushed))
     }
 
     /// Whether a slave node bears more than the gaps round to, and than the `limits` of what is let through of each contact.
@@ -184,26 +183,16 @@ impl Simulation<'_> {
             moved[0]
         };
         let may_move = |free: &Free| {
-            let of = |pair: &&Pair| [Some(pair.side.body), pair.master_body()].contains(&Some(free.index));
-            let little = |pair: &Pair| shape(pair, free.index, settled) * pair.facet_size;
-            model.pairs.iter().filter(of).map(little).fold(0.0, f64::max)
+            let its = model.pairs.iter().filter(|pair| pair.is_of(free.index));
+            its.map(|pair| shape(pair, free.index, settled) * pair.facet_size).fold(0.0, f64::max)
         };
         unpressed.map(|free| (free, farthest(free))).find(|(free, moved)| *moved > may_move(free))
     }
 
     /// A jump from the positions and the `settled` bodies before it that has ended, unless something that no contact presses on went
     /// along: how far is a matter of the drag. Collective.
-    pub(super) fn unless_carried(
-        &self,
-        frame: &Frame,
-        before: (&[Vec3], &[usize]),
-        converged: Box<Converged>,
-    ) -> Attempt {
-        let unpressed = match frame.hangs {
-            true => self.unpressed(frame, &converged.u, |slave| &slave.trial, &converged.limits),
-            false => Vec::new(),
-        };
-        match self.gone(before, unpressed.iter(), &converged.u) {
+    pub(super) fn unless_carried(&self, before: (&[Vec3], &[usize]), converged: Box<Converged>) -> Attempt {
+        match self.gone(before, converged.unpressed.iter(), &converged.u) {
             None => Attempt::Converged(converged),
             Some((free, moved)) => {
                 let reason =
@@ -221,25 +210,23 @@ impl Simulation<'_> {
         }
         let limits = &converged.limits;
         let unpressed = self.unpressed(frame, &converged.u, |slave| &slave.trial, limits);
-        converged.unpressed = !unpressed.is_empty();
         // Nothing else asks what has settled.
-        let is_asked = converged.unpressed || frame.progress.ladder.has_lingered();
+        let is_asked = !unpressed.is_empty() || frame.progress.ladder.has_lingered();
         let before = match is_asked {
             true => self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits),
             false => Vec::new(),
         };
-        let any_way: Vec<String> = unpressed.iter().map(|free| free.who.clone()).collect();
         let is_new = |free: &Free| before.iter().all(|before| before.who != free.who);
         converged.let_go = unpressed.iter().filter(|free| is_new(free)).map(|free| free.who.clone()).collect();
         let settled: Vec<usize> = before.iter().map(|free| free.index).collect();
         // What only touches does not pull.
-        let still = unpressed.iter().filter(|free| before.iter().any(|before| before.who == free.who));
-        let still = still.filter(|free| self.stays(free, &converged.u, &settled));
+        let still = unpressed.iter().filter(|free| !is_new(free) && self.stays(free, &converged.u, &settled));
         if let Some((free, moved)) = self.gone((&self.state.u, &settled), still, &converged.u) {
             let reason =
                 format!("{} goes along by {moved:.3} with what it touches, and no contact holds it,", free.who);
             return Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason));
         }
+        converged.unpressed = unpressed;
         // A force that gaps round to says nothing of friction, which it would let hold or slip by chance. What rests has not been let
         // go.
         let bears = |p: usize, slave: &Slave| {
@@ -273,7 +260,8 @@ impl Simulation<'_> {
         match free.first() {
             None => Attempt::Converged(converged),
             Some(_) if stays => {
-                let motion = |free: &Free| Some(free.motion()).filter(|_| !any_way.contains(&free.who));
+                let any_way = |free: &Free| converged.unpressed.iter().any(|unpressed| unpressed.who == free.who);
+                let motion = |free: &Free| Some(free.motion()).filter(|_| !any_way(free));
                 converged.loose = free.into_iter().map(|free| (free.who.clone(), motion(&free))).collect();
                 Attempt::Converged(converged)
             }

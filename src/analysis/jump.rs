@@ -57,7 +57,7 @@ impl<'a> Simulation<'a> {
             }
             match attempt {
                 Attempt::Converged(converged) if drag == 0.0 => {
-                    let attempt = self.unless_carried(frame, (&from, &settled.unwrap_or_default()), converged);
+                    let attempt = self.unless_carried((&from, &settled.unwrap_or_default()), converged);
                     if matches!(attempt, Attempt::Converged(_)) {
                         self.summary.counts.jumps += 1;
                         observer(&Event::Jumped { step: frame.name(), steps: step })?;

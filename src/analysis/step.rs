@@ -277,7 +277,7 @@ impl<'a> Simulation<'a> {
                     }
                     let unpaid = self.unpaid(frame, &converged)?.filter(|_| !std::mem::replace(&mut told.unpaid, true));
                     let Converged { loose, let_go, unpressed, .. } = &*converged;
-                    let is_loose = *unpressed || !loose.is_empty();
+                    let is_loose = !unpressed.is_empty() || !loose.is_empty();
                     let (loose, let_go) = (loose.clone(), let_go.clone());
                     let increment = self.accept(frame, *converged, x)?;
                     self.tell_of_loose(frame.name(), (loose, let_go), observer)?;

@@ -51,8 +51,7 @@ pub fn pushed(
         return Vec::new();
     }
     let of = |body: usize| {
-        let mut touching =
-            model.pairs.iter().filter(|pair| [Some(pair.side.body), pair.master_body()].contains(&Some(body)));
+        let mut touching = model.pairs.iter().filter(|pair| pair.is_of(body));
         let (Some(pair), None) = (touching.next(), touching.next()) else { return None };
         let loads = (0..model.part.owned).filter(|n| model.part.body[*n] as usize == body);
         let load: Vec3 = loads.map(|n| conditions.loads[n].at(end)).sum();

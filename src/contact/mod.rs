@@ -181,6 +181,11 @@ impl Pair {
         self.master_side.as_ref().map(|side| side.body)
     }
 
+    /// Whether one of its sides is on a body.
+    pub fn is_of(&self, body: usize) -> bool {
+        self.side.body == body || self.master_body() == Some(body)
+    }
+
     /// The force that slave node `s`, now at `position`, bore at the last converged increment, N, if it has left the master past
     /// an end, and is behind the plane on which it was: no gap has opened, and the facets around it still reach over the end.
     /// Otherwise what of that has not been told.

@@ -377,11 +377,11 @@ impl Slave {
     }
 
     /// Whether the node, found at `position` inside the master, has come past an end of its surface, and is beside the
-    /// master, not in it: it began there; or at the last converged increment it was on none of it, and at `start`, its place then as seen from
-    /// the master now, behind the point where it is found; and if it has come far, it had nowhere on its way a `gap`. One that
-    /// touched another master, with much the same normal, goes from there on to this one, however deep an iteration has it, if
-    /// it was hardly behind it; and one no deeper than `shallow`, of which nobody tells, goes onto it past its end, as what is
-    /// pressed into a hole that is a little too narrow.
+    /// master, not in it: it began there; or at the last converged increment it was on none of it, and at `start`, its place
+    /// then as seen from the master now, behind the point where it is found; and if it has come far, it had nowhere on its way
+    /// a `gap`. One that touched another master, with much the same normal, goes from there on to this one, however deep an
+    /// iteration has it, if it was hardly behind it; and one no deeper than `shallow`, of which nobody tells, goes onto it past
+    /// its end, as what is pressed into a hole that is a little too narrow.
     pub fn is_beside(
         &self,
         start: impl FnOnce() -> Option<Vec3>,

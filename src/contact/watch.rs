@@ -198,9 +198,9 @@ impl Seen {
         self.depth > self.allowed
     }
 
-    /// Whether it does not even touch.
-    fn is_in_front(&self, may: &Allowance) -> bool {
-        self.gap > may.controls.touching_gap * may.facet
+    /// Whether it is still past the end of the master where it began, and does not touch it in front of it.
+    fn is_aside(&self, may: &Allowance) -> bool {
+        may.aside && self.gap <= may.controls.touching_gap * may.facet
     }
 
     fn sight(&self, side: Side) -> Sight {
@@ -232,7 +232,7 @@ fn allowed(view: &View, nearest: &Projection, may: &Allowance) -> f64 {
 pub fn first_sight(view: &View, x: &Vec3, may: &Allowance) -> Sight {
     let seen = Seen::new(view, &view.ground.seen_from(x), may);
     seen.sight(match seen.is_behind() {
-        _ if may.aside && !seen.is_in_front(may) => Side::Beside,
+        _ if seen.is_aside(may) => Side::Beside,
         true => Side::Inside,
         false => Side::Front,
     })
@@ -251,7 +251,7 @@ pub fn judge(
         return judge_self(view, last, to, may);
     }
     let seen = Seen::new(view, to, may);
-    if may.aside && !seen.is_in_front(may) {
+    if seen.is_aside(may) {
         return (seen.sight(Side::Beside), None);
     }
     if last.side != Side::Front {

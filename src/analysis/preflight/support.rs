@@ -225,7 +225,7 @@ fn apart(
         max(comm, &mut least);
         let concerned = |f: &Free| match f.is_tool {
             true => pair.master.tool() == Some(f.index),
-            false => pair.side.body == f.index || pair.master_body() == Some(f.index),
+            false => pair.is_of(f.index),
         };
         if free.iter().any(concerned) && -least[0] > pair.controls.touching_gap * pair.facet_size {
             nearest.push(format!("`{}` begins with a gap of {:.3e}", pair.name, -least[0]));

@@ -5,6 +5,7 @@ use super::super::ending;
 use super::super::last_iterate::LastIterate;
 use super::super::newton::drag::Kind;
 use super::super::newton::{Lost, Newton, Round, Share, Start, System};
+use super::super::preflight::rigid::Free;
 use super::super::state::Progress;
 use super::super::strays::Strays;
 use super::super::{Event, Iteration, Observer, Rounded, Simulation};
@@ -34,8 +35,8 @@ pub struct Converged {
     pub between: Vec<Between>,
     /// Bodies that nothing holds, and that stay where they were, in words, with the motion that is free if that is not any.
     pub loose: Vec<(String, Option<String>)>,
-    /// Whether nothing presses on some body that supports do not hold, and those that something did before, in words.
-    pub unpressed: bool,
+    /// Bodies that supports do not hold and nothing presses on, and those of them that something did before, in words.
+    pub unpressed: Vec<Free>,
     pub let_go: Vec<String>,
     /// What it saw of nodes that no contact names.
     pub strays: Vec<Strays>,
@@ -360,7 +361,7 @@ fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
         limits,
         between: Vec::new(),
         loose: Vec::new(),
-        unpressed: false,
+        unpressed: Vec::new(),
         let_go: Vec::new(),
         strays: Vec::new(),
         negative,
