@@ -121,7 +121,8 @@ impl Model {
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
         let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
         let bulges: Vec<Vec<f64>> = bulges.into_iter().map(|of_pass| serve(comm, |_| of_pass.clone())).collect();
-        let halves: Vec<bool> = serve(comm, |_| global.iter().flat_map(|global| global.halves.clone()).collect());
+        let files = || global.iter().flat_map(|global| &global.files);
+        let halves: Vec<bool> = serve(comm, |_| files().map(|file| file.has_halves).collect());
         drop(global);
         let sections = sections::read(comm, scene, &part, &halves)?;
         let body = |(body, &has_halves): (&scene::Body, &bool)| Body {
@@ -197,7 +198,7 @@ impl Model {
     /// An element that is inverted.
     fn measure(&mut self, comm: &SimpleCommunicator) -> Result<()> {
         let stiffness = agree(comm, elements::nodal_stiffness(self))?;
-        self.size = (self.volume(comm) / self.part.total_solids as f64).cbrt();
+        self.size = (self.volume(comm) / self.part.whole.solids as f64).cbrt();
         let mut largest = vec![0.0f64; self.sections.len()];
         for (k, section) in stiffness.iter().zip(&self.part.section) {
             largest[*section as usize] = largest[*section as usize].max(*k);

@@ -13,7 +13,7 @@ use nagata::output::fields::{Cell, CellShape, Field, Fields, Grid, GridData};
 use nagata::output::history::HistoryFile;
 use nagata::output::log::{Increment, Iteration, Log};
 use nagata::output::phases::{Phase, Phases};
-use nagata::output::summary::{Counts, Summary};
+use nagata::output::summary::{Asked, Counts, Summary};
 use nagata::output::{OutputFolder, RUN};
 use nagata::parallel::{Sent, agree, number};
 use std::path::Path;
@@ -164,7 +164,7 @@ fn write_all(comm: &impl Communicator, path: &Path) -> Result<()> {
     let sent = Sent { messages: 3 + comm.rank() as u64, bytes: 2_000_000 };
     Summary {
         converged: true,
-        scene: "s".into(),
+        asked: Asked { scene: "s".into(), ..Asked::default() },
         counts: Counts { increments: 2, ..Counts::default() },
         ..Summary::default()
     }

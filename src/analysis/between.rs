@@ -87,7 +87,7 @@ impl Sights {
     fn new(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Self {
         let mut sights = vec![[f64::NAN; 4]; model.part.points.len()];
         for slave in &pair.slaves {
-            let Sight { gap, normal, side, .. } = slave.sighted;
+            let Sight { gap, normal, side, .. } = slave.sights.judged;
             let gap = if slave.trial.status == Status::Gap { gap } else { gap.min(0.0) };
             sights[slave.node as usize] = match normal {
                 // Whatever is behind is told of by itself.
@@ -196,7 +196,7 @@ fn swallowed(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) 
     let axes = all_axes(pair);
     let margin = pair.controls.watch_between * pair.facet_size;
     let foot = |slave: &Slave| {
-        let Sight { gap, normal, side, .. } = slave.sighted;
+        let Sight { gap, normal, side, .. } = slave.sights.judged;
         let seen = ground.seen_from(&place(slave.node)) - normal? * gap;
         (side == Side::Front && gap > 0.0).then(|| (gap, ground.in_space(&seen)))
     };

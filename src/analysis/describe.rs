@@ -18,8 +18,8 @@ pub fn heading(comm: &SimpleCommunicator, scene: &Scene, model: &Model) -> Strin
     format!(
         "{}\n{}, {}, {}, {} on {}",
         scene.title,
-        some(model.part.total_solids, "element"),
-        some(model.part.total_nodes, "node"),
+        some(model.part.whole.solids, "element"),
+        some(model.part.whole.nodes, "node"),
         some(model.masters.tools.len() as u64, "tool"),
         some(model.pairs.len() as u64, "contact"),
         some(comm.size() as u64, "rank"),

@@ -52,8 +52,8 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
     let around = |(p, n): Suspect, place: &dyn Fn(u32) -> Vec3| {
         let pair = &model.pairs[p];
         // Beside a face that is known.
-        let of_patch = |slave: &Slave| model.masters.of(pair.master).bulge(slave.sighted.patch);
-        let beside = pair.index_of(n).map(|s| &pair.slaves[s]).filter(|slave| slave.sighted.side == Side::Beside);
+        let of_patch = |slave: &Slave| model.masters.of(pair.master).bulge(slave.sights.judged.patch);
+        let beside = pair.index_of(n).map(|s| &pair.slaves[s]).filter(|slave| slave.sights.judged.side == Side::Beside);
         let margin = beside.map_or(most, of_patch) + pair.controls.watch_deep * pair.facet_size;
         around(&place(n), &free_axes(pair, n, conditions), margin)
     };
@@ -74,7 +74,7 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
         }
     }
     for pair in model.pairs.iter().filter(|pair| pair.master_body() == Some(body) && !pair.is_self()) {
-        for slave in pair.slaves.iter().filter(|slave| is_seen(&slave.sighted)) {
+        for slave in pair.slaves.iter().filter(|slave| is_seen(&slave.sights.judged)) {
             of_node.insert(slave.node, None);
         }
     }

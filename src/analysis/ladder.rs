@@ -119,11 +119,19 @@ pub struct Tries {
     goes_on: bool,
     /// Failures in succession.
     failures: usize,
-    /// Jumps that have failed.
-    jumps: usize,
-    /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
-    jumped: usize,
+    jumps: Jumps,
 }
+
+/// How jumps have gone.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Jumps {
+    /// Those that have failed.
+    failed: usize,
+    /// How much of the path was jumped over of late: `jump_weight` for each jump, less one for each increment after it.
+    weight: usize,
+}
+
+crate::words!(Jumps { failed, weight });
 
 /// What may help in a step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -163,8 +171,7 @@ crate::words!(Tries {
     sorted,
     goes_on,
     failures,
-    jumps,
-    jumped
+    jumps
 });
 crate::choices!(Yields { Never, OnceSingular, Anew });
 
@@ -220,8 +227,7 @@ impl Ladder {
             sorted: false,
             goes_on: false,
             failures: 0,
-            jumps: 0,
-            jumped: 0,
+            jumps: Jumps::default(),
         };
         Self { means, tries, settles: false, hangs: false, lets_go: false, refused: 0, controls: *controls }
     }
@@ -288,7 +294,7 @@ impl Ladder {
 
     /// Whether a path of little but jumps, or jumps that are refused, leave nothing to try.
     pub fn jumps_on(&self) -> bool {
-        self.tries.jumped >= self.controls.jump_weight * self.controls.jump_run
+        self.tries.jumps.weight >= self.controls.jump_weight * self.controls.jump_run
             || self.refused > self.controls.jump_tries
     }
 
@@ -329,10 +335,10 @@ impl Ladder {
         self.tries.glides = Some(false);
         self.tries.lingers = Some(self.lingers() && is_loose);
         self.means.ramp = false;
-        self.tries.jumped = if self.tries.way == Way::Jump {
-            self.tries.jumped + self.controls.jump_weight
+        self.tries.jumps.weight = if self.tries.way == Way::Jump {
+            self.tries.jumps.weight + self.controls.jump_weight
         } else {
-            self.tries.jumped.saturating_sub(1)
+            self.tries.jumps.weight.saturating_sub(1)
         };
         self.tries.goes_on = self.tries.central.is_none();
         (self.tries.way, self.tries.failures) = (Way::Newton { settle: false }, 0);
@@ -384,8 +390,8 @@ impl Ladder {
             return Some(remedy);
         }
         if self.tries.way == Way::Jump {
-            self.tries.jumps += 1;
-            return (self.tries.jumps < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
+            self.tries.jumps.failed += 1;
+            return (self.tries.jumps.failed < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         }
         if let Some(remedy) = self.turn(cause, is_long) {
             return Some(remedy);
@@ -473,7 +479,7 @@ impl Ladder {
             return None;
         }
         if short {
-            (self.tries.way, self.tries.jumps) = (Way::Jump, 0);
+            (self.tries.way, self.tries.jumps.failed) = (Way::Jump, 0);
             return (self.means.jumps > 0 && !self.jumps_on()).then_some(Remedy::Jump);
         }
         let ends_period = self.tries.failures.is_multiple_of(self.controls.remedy_period);

@@ -15,7 +15,7 @@ use super::state::State;
 use super::step::{Frame, Running};
 use super::watch::Touch;
 use crate::Vec3;
-use crate::contact::{Committed, Interference, Manner, Pair, Pose, Sight, Slave, Trial};
+use crate::contact::{Committed, Interference, Manner, Pair, Pose, Sight, Sights, Slave, Trial};
 use crate::error::Result;
 use crate::model::Model;
 use crate::model::ties::Joint;
@@ -59,28 +59,19 @@ struct Common {
     step: usize,
     time: f64,
     increments: usize,
-    tool_forces: Vec<Vec3>,
     seen: Vec<f64>,
-    /// Contact forces and moments of the tools, and the largest residual, as they are [found](Simulation::anew).
-    found: (Vec<Vec3>, f64),
+    /// The largest residual as it is [found](Simulation::anew).
+    residual: f64,
+    tools: OfTools,
     touches: Vec<Touch>,
     handed: Vec<Vec<Vec3>>,
-    /// Of the tools at the last converged increment.
-    poses: Vec<Pose>,
     /// Of the step: as in [`super::state::Progress`].
     start: f64,
-    start_poses: Vec<Pose>,
-    offsets: Vec<Vec3>,
     course: [f64; 5],
     tries: Tries,
     /// Fractions of the step of the past unknowns, and those of the tools.
     past: Vec<(f64, Vec<Vec3>)>,
-    /// Of each pair, whether its multipliers are held though the scene says otherwise.
-    held: Vec<bool>,
-    /// Of each pair, see [`crate::contact::Rules::eased`].
-    eased: Vec<f64>,
-    /// Of each pair, whether its overlap is pushed out over the first step.
-    ramped: Vec<bool>,
+    pairs: Vec<OfPair>,
     /// The most states of an element, and whether any has enhanced strain.
     points: (usize, bool),
 }
@@ -89,23 +80,45 @@ crate::words!(Common {
     step,
     time,
     increments,
-    tool_forces,
     seen,
-    found,
+    residual,
+    tools,
     touches,
     handed,
-    poses,
     start,
-    start_poses,
-    offsets,
     course,
     tries,
     past,
-    held,
-    eased,
-    ramped,
+    pairs,
     points,
 });
+
+/// Of the tools.
+#[derive(Clone, Debug)]
+struct OfTools {
+    /// Contact forces and moments at the last converged increment, and as they are [found](Simulation::anew).
+    forces: Vec<Vec3>,
+    found: Vec<Vec3>,
+    /// At the last converged increment, and as the step began: as in [`super::state::Progress`].
+    poses: Vec<Pose>,
+    start_poses: Vec<Pose>,
+    offsets: Vec<Vec3>,
+}
+
+crate::words!(OfTools { forces, found, poses, start_poses, offsets });
+
+/// What a run has changed of a pair's rules.
+#[derive(Clone, Copy, Debug)]
+struct OfPair {
+    /// Its multipliers are held though the scene says otherwise.
+    held: bool,
+    /// See [`crate::contact::Rules::eased`].
+    eased: f64,
+    /// Its overlap is pushed out over the first step.
+    ramped: bool,
+}
+
+crate::words!(OfPair { held, eased, ramped });
 
 /// What a slave node remembers.
 #[derive(Clone, Copy, Debug, Default)]
@@ -177,25 +190,31 @@ impl<'a> Simulation<'a> {
         let (state, progress) = (&self.state, &running.frame.progress);
         let dofs = &running.frame.dofs;
         let of_tools = |x: &[f64]| dofs.tool.iter().map(|e| unknowns(e, |e| dofs.local(e), x)).collect();
+        let of_pair = |Pair { rules, .. }: &Pair| OfPair {
+            held: rules.method != rules.asked.0,
+            eased: rules.eased,
+            ramped: rules.interference == Interference::Ramped,
+        };
         Common {
             step: self.begun - 1,
             time: state.time,
             increments: state.increments,
-            tool_forces: state.tool_forces.clone(),
             seen: state.seen.clone(),
-            found: (found.tools.clone(), found.residual),
+            residual: found.residual,
+            tools: OfTools {
+                forces: state.tool_forces.clone(),
+                found: found.tools.clone(),
+                poses: self.model.masters.tools.iter().map(|tool| tool.committed).collect(),
+                start_poses: progress.poses.clone(),
+                offsets: progress.offsets.clone(),
+            },
             touches: state.touches.clone(),
             handed: state.handed.clone(),
-            poses: self.model.masters.tools.iter().map(|tool| tool.committed).collect(),
             start: progress.start,
-            start_poses: progress.poses.clone(),
-            offsets: progress.offsets.clone(),
             course: progress.increments.course(),
             tries: progress.ladder.tries(),
             past: progress.past.iter().map(|(fraction, x)| (*fraction, of_tools(x))).collect(),
-            held: self.model.pairs.iter().map(|pair| pair.rules.method != pair.rules.asked.0).collect(),
-            eased: self.model.pairs.iter().map(|pair| pair.rules.eased).collect(),
-            ramped: (self.model.pairs.iter()).map(|pair| pair.rules.interference == Interference::Ramped).collect(),
+            pairs: self.model.pairs.iter().map(of_pair).collect(),
             points,
         }
     }
@@ -222,7 +241,7 @@ impl<'a> Simulation<'a> {
         let (pair, frame) = (&self.model.pairs[p], &running.frame);
         let mut rows = Vec::new();
         for (s, slave) in pair.slaves.iter().enumerate() {
-            let Slave { committed, accepted, sight, .. } = *slave;
+            let Slave { committed, accepted, sights: Sights { accepted: sight, .. }, .. } = *slave;
             let deep = pair.avoided(s).map(|avoided| avoided.deep());
             OfSlave { committed, accepted, sight, deep, near: frame.dofs.near[p][s] }.put(&mut rows);
             let equations = &frame.dofs.multiplier[p][s];
@@ -266,7 +285,7 @@ impl<'a> Simulation<'a> {
             u: self.vectors(&nodes, 0),
             reactions: (0..self.model.part.owned).map(|n| nodes.vector(n, 1)).collect(),
             damped: (0..self.model.part.owned).map(|n| nodes.vector(n, 3)).collect(),
-            tool_forces: common.tool_forces.clone(),
+            tool_forces: common.tools.forces,
             seen: common.seen.clone(),
             touches: common.touches.clone(),
             strays: Vec::new(),
@@ -274,18 +293,18 @@ impl<'a> Simulation<'a> {
             handed: common.handed.clone(),
         };
         self.restore_solids(stored, layout, common.points)?;
-        for (pair, (held, eased)) in self.model.pairs.iter_mut().zip(common.held.iter().zip(&common.eased)) {
-            if *held || *eased < 1.0 {
-                pair.rules.eased = *eased;
+        for (pair, OfPair { held, eased, ramped }) in self.model.pairs.iter_mut().zip(common.pairs) {
+            if held || eased < 1.0 {
+                pair.rules.eased = eased;
                 pair.enforce(Enforcement::Uzawa);
             }
-        }
-        for (pair, _) in self.model.pairs.iter_mut().zip(&common.ramped).filter(|(_, ramped)| **ramped) {
-            pair.rules.interference = Interference::Ramped;
+            if ramped {
+                pair.rules.interference = Interference::Ramped;
+            }
         }
         let pairs = self.restore_slaves(stored, layout, past)?;
         let ties = self.restore_ties(stored, layout, past)?;
-        for (tool, pose) in self.model.masters.tools.iter_mut().zip(&common.poses) {
+        for (tool, pose) in self.model.masters.tools.iter_mut().zip(&common.tools.poses) {
             (tool.committed, tool.trial) = (*pose, *pose);
         }
         self.model.turn_slaves(&self.state.u);
@@ -293,7 +312,7 @@ impl<'a> Simulation<'a> {
         // Only of the last step do they depend on where nodes were.
         let mut last = Conditions::none(&self.model);
         for (step, forces) in steps.iter().zip(&common.handed) {
-            let conditions = self.conditions(step, &before, &last, (forces, &common.start_poses))?;
+            let conditions = self.conditions(step, &before, &last, (forces, &common.tools.start_poses))?;
             self.state.conditions = std::mem::replace(&mut last, conditions);
         }
         self.begun = common.step;
@@ -301,13 +320,12 @@ impl<'a> Simulation<'a> {
         progress.increments.go_on(common.course);
         progress.ladder.go_on(common.tries);
         (progress.start, progress.before, progress.poses, progress.offsets) =
-            (common.start, before, common.start_poses, common.offsets);
+            (common.start, before, common.tools.start_poses, common.tools.offsets);
         let near = pairs.iter().map(|rows| rows.iter().map(|(slave, _)| slave.near).collect()).collect();
         self.set_up(progress, near)?;
         self.restore_past(&common.past, &nodes, (&pairs, &ties));
-        let (tools, residual) = common.found;
         let nodes = (0..self.model.part.owned).map(|n| nodes.vector(n, 4)).collect();
-        match self.departs(&Found { nodes, tools, residual }) {
+        match self.departs(&Found { nodes, tools: common.tools.found, residual: common.residual }) {
             None => Ok(own),
             Some(what) => Err(stored.refused(&what)),
         }
@@ -344,7 +362,7 @@ impl<'a> Simulation<'a> {
             for (s, slave) in pair.slaves.iter_mut().enumerate() {
                 let mut words = rows.of(s);
                 let of = OfSlave::take(&mut words);
-                (slave.committed, slave.sight) = (of.committed, of.sight);
+                (slave.committed, slave.sights.accepted) = (of.committed, of.sight);
                 (slave.accepted, slave.trial) = (of.accepted, of.accepted);
                 if let Some((deep, avoided)) =
                     of.deep.zip(pair.within.as_mut().and_then(|within| within.avoided.get_mut(s)))

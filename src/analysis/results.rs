@@ -197,7 +197,7 @@ impl Results {
                     counts[0] += f64::from(slave.accepted.status != Status::Gap);
                     counts[1] += f64::from(slave.accepted.status == Status::Stick && pair.rules.friction > 0.0);
                     counts[2] += f64::from(slave.accepted.status == Status::Slip);
-                    most[0] = most[0].max(slave.sight.depth);
+                    most[0] = most[0].max(slave.sights.accepted.depth);
                     if let Some(p) = &slave.accepted.projection {
                         most[1] = most[1].max(tractions[slave.node as usize].dot(&p.normal));
                     }

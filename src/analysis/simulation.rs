@@ -14,7 +14,7 @@ use crate::contact::{Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::{Model, outward_of};
 use crate::output::phases::Phases;
-use crate::output::summary::{self, Carried, Summary};
+use crate::output::summary::{self, Asked, Carried, Summary};
 use crate::parallel::{any, sum};
 use crate::scene::{Enforcement, Scene, Step};
 use mpi::topology::SimpleCommunicator;
@@ -61,22 +61,28 @@ pub struct Simulation<'a> {
     pub(super) floors: Vec<f64>,
     /// The step that is under way.
     pub(super) running: Option<Running<'a>>,
-    /// Bodies of which it has been told that nothing holds them, and in which step.
-    pub(super) told_loose: Vec<(String, usize)>,
     /// Steps begun so far.
     pub(super) begun: usize,
     pub(super) phases: Phases,
     pub(super) summary: Summary,
-    gaps: Vec<String>,
+    pub(super) notices: Notices,
     /// Where factors may be kept in files.
     pub(super) scratch: Option<String>,
-    pub(super) strangers: Strangers,
     /// Of the last increment, if the next must account for its energy.
     pub(super) account: Option<Account>,
     /// The run ends with so many steps.
     pub(super) steps: usize,
     /// Of the increment that could not be found, after [`Self::advance`] has failed so.
     pub(super) last_iterate: Option<Box<LastIterate>>,
+}
+
+/// What the user is told of once.
+pub(super) struct Notices {
+    /// A line for every contact, with its gap in the beginning.
+    gaps: Vec<String>,
+    /// Bodies that nothing holds, and the step in which it was told.
+    pub loose: Vec<(String, usize)>,
+    pub strangers: Strangers,
 }
 
 impl<'a> Simulation<'a> {
@@ -91,11 +97,13 @@ impl<'a> Simulation<'a> {
         let floors = Balance::floors(comm, &model, scene.solver.force_floor.as_ref().map(|floor| floor.value));
         let state = State::first(&model, floors.len());
         let summary = Summary {
-            scene: scene.name.clone(),
-            elements: model.part.total_solids,
+            asked: Asked {
+                scene: scene.name.clone(),
+                accuracy: scene.solver.accuracy.key(),
+                controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
+            },
+            elements: model.part.whole.solids,
             warnings: model.warnings.clone(),
-            accuracy: scene.solver.accuracy.key(),
-            controls: scene.controls.changed().map(|(name, value, _)| (name, value)).collect(),
             ..Summary::default()
         };
         let mut simulation = Self {
@@ -106,13 +114,11 @@ impl<'a> Simulation<'a> {
             state,
             floors,
             running: None,
-            told_loose: Vec::new(),
             begun: 0,
             phases,
             summary,
-            gaps,
+            notices: Notices { gaps, loose: Vec::new(), strangers },
             scratch: None,
-            strangers,
             account: None,
             steps: scene.steps.len(),
             last_iterate: None,
@@ -152,7 +158,7 @@ impl<'a> Simulation<'a> {
 
     /// A line for every contact, with its gap in the beginning.
     pub fn gaps(&self) -> &[String] {
-        &self.gaps
+        &self.notices.gaps
     }
 
     /// Seconds of this rank in each phase.

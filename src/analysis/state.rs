@@ -116,7 +116,7 @@ impl Memory {
             method: pair.rules.method,
             eased: pair.rules.eased,
             interference: pair.rules.interference,
-            slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sight)).collect(),
+            slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sights.accepted)).collect(),
             within: pair.within.as_ref().map(|within| (within.outward.clone(), within.avoided.clone())),
         };
         Self {
@@ -148,7 +148,8 @@ impl Memory {
             }
             pair.rules.interference = memory.interference;
             for (slave, (committed, accepted, trial, sight)) in pair.slaves.iter_mut().zip(&memory.slaves) {
-                (slave.committed, slave.accepted, slave.trial, slave.sight) = (*committed, *accepted, *trial, *sight);
+                (slave.committed, slave.accepted, slave.trial, slave.sights.accepted) =
+                    (*committed, *accepted, *trial, *sight);
             }
             if let Some((within, (outward, avoided))) = pair.within.as_mut().zip(memory.within.as_ref()) {
                 within.outward.clone_from(outward);

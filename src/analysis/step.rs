@@ -171,12 +171,12 @@ impl<'a> Simulation<'a> {
         let symmetric = conditions.is_symmetric(&self.model);
         let matrix = matrix(self.petsc, &dofs, &pattern, symmetric)?;
         let kind = if symmetric { Factorization::Ldlt } else { Factorization::Lu };
-        self.summary.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
-        self.summary.linear_solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
+        self.summary.systems.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
+        self.summary.systems.solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
         let linear = self.scene.solver.linear;
         let systems = Systems::new(self.comm, linear, (&dofs, &pattern), symmetric, set_up_s);
-        self.summary.count(dofs.total, dofs.total_multipliers, systems.entries as u64);
+        self.summary.systems.count(dofs.total, dofs.total_multipliers, systems.entries as u64);
         // Whatever is near now: the same in all steps.
         let most = dofs.total + dofs.spared;
         let solver = cost::solver(linear, most, self.model.is_plane());
@@ -185,7 +185,7 @@ impl<'a> Simulation<'a> {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
                 snes.iterate(dofs.unknowns(&self.model, place), cost::patience(linear, most))?;
                 snes.reuse_factors(cost::least_worth(linear))?;
-                self.summary.linear_solver = "FGMRES, multigrid".into();
+                self.summary.systems.solver = "FGMRES, multigrid".into();
             }
             Linear::Reuse => snes.reuse_factors(cost::least_worth(linear))?,
             Linear::Direct | Linear::Auto => {}
@@ -322,13 +322,13 @@ impl<'a> Simulation<'a> {
         observer: &mut Observer,
     ) -> Result<()> {
         let now = self.begun;
-        self.told_loose.retain(|(who, told_in)| *told_in == now || !let_go.contains(who));
+        self.notices.loose.retain(|(who, told_in)| *told_in == now || !let_go.contains(who));
         loose.retain(|(who, _)| !let_go.contains(who));
         loose.extend(let_go.into_iter().map(|who| (who, None)));
         for (who, motion) in loose {
-            if self.told_loose.iter().all(|(told, _)| *told != who) {
+            if self.notices.loose.iter().all(|(told, _)| *told != who) {
                 self.warn(describe::loose(step, self.state.time, &who, motion.as_deref()), observer)?;
-                self.told_loose.push((who, now));
+                self.notices.loose.push((who, now));
             }
         }
         Ok(())
@@ -350,7 +350,7 @@ impl<'a> Simulation<'a> {
     /// Says what has come to be in each other in the last increment while no contact is between. Collective.
     fn tell_of_strangers(&mut self, observer: &mut Observer) -> Result<()> {
         let begun = Instant::now();
-        let mut met = self.strangers.meet(self.comm, &self.model, &self.state.u);
+        let mut met = self.notices.strangers.meet(self.comm, &self.model, &self.state.u);
         met.extend(self.state.strays.iter_mut().filter_map(|strays| strays.told.take()));
         self.phases.add(Phase::Watch, begun.elapsed());
         met.into_iter().try_for_each(|met| self.warn(format!("{met} (time {:.6})", self.state.time), observer))
@@ -371,7 +371,7 @@ impl<'a> Simulation<'a> {
     ) -> Result<()> {
         let LinearStatistics { null_pivots, unsolved, out_of_core, .. } = snes.linear_statistics();
         if out_of_core && !std::mem::replace(&mut told.out_of_core, true) {
-            self.summary.linear_solver += ", factors in files";
+            self.summary.systems.solver += ", factors in files";
             observer(&Event::Detail(&describe::out_of_core(frame.name())))?;
         }
         if unsolved > 0 && !std::mem::replace(&mut told.unsolved, true) {

@@ -81,7 +81,7 @@ fn let_in(comm: &SimpleCommunicator, model: &Model, p: usize) -> f64 {
     let alike = |pair: &&Pair| pair.master == model.pairs[p].master && pair.side.body == model.pairs[p].side.body;
     let gives_way = |pair: &&Pair| pair.rules.method == Enforcement::Penalty || pair.faces.is_some();
     let slaves = model.pairs.iter().filter(alike).filter(gives_way).flat_map(|pair| &pair.slaves);
-    let mut deepest = [slaves.map(|slave| slave.sighted.depth).fold(0.0, f64::max)];
+    let mut deepest = [slaves.map(|slave| slave.sights.judged.depth).fold(0.0, f64::max)];
     max(comm, &mut deepest);
     deepest[0]
 }
@@ -192,7 +192,8 @@ pub(super) fn beyond(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Op
         let body = model.bodies.iter().position(|body| body.name == body_of(set))?;
         // What holds it off under a penalty gives way.
         let gives = |pair: &&Pair| pair.side.body == body && pair.rules.method == Enforcement::Penalty;
-        let given = model.pairs.iter().filter(gives).flat_map(|pair| &pair.slaves).map(|slave| slave.sighted.depth);
+        let given =
+            model.pairs.iter().filter(gives).flat_map(|pair| &pair.slaves).map(|slave| slave.sights.judged.depth);
         let mut given = [given.fold(0.0, f64::max)];
         max(comm, &mut given);
         let limit = model.controls.watch_mirror * plane.extent.abs() + given[0];

@@ -236,7 +236,7 @@ pub fn remedies(
     }
     // A slave that is far too coarse was refused.
     let wrong = model.guidance(comm, scene).unwrap_or_default().wrong;
-    let quadratic = any(comm, !(model.part.middles.is_empty() && model.part.nines.is_empty()));
+    let quadratic = any(comm, !model.part.quadratic.is_empty());
     let concerns = |set: &str| body.is_none_or(|body| set.split('.').next() == Some(body));
     let concerned = scene.contacts.iter().filter(|c| concerns(&c.slave.value) || concerns(&c.master.value));
     concerned

@@ -85,7 +85,7 @@ impl Simulation<'_> {
                 let n = slave.node as usize;
                 let x = part.points[n] + converged.u[n];
                 let way = tool.map_or(0.0, |tool| (x - tool.committed.outward(&tool.trial.inward(&x))).norm());
-                larger(&slave.accepted.on_node(), &slave.trial.on_node()) * (way + slave.sight.depth)
+                larger(&slave.accepted.on_node(), &slave.trial.on_node()) * (way + slave.sights.accepted.depth)
             };
             given += pair.slaves.iter().map(of_slave).sum::<f64>();
         }

@@ -149,7 +149,7 @@ impl Simulation<'_> {
                 watch::first_sight(&View { ground, pair, slave: s }, &x, &may)
             };
             let sights: Vec<Sight> = (0..pair.slaves.len()).map(first).collect();
-            pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sight = sight);
+            pair.slaves.iter_mut().zip(sights).for_each(|(slave, sight)| slave.sights.accepted = sight);
         }
         self.state.touches = vec![Touch::default(); self.model.pairs.len()];
         self.begin_strays();
@@ -188,7 +188,7 @@ impl Simulation<'_> {
         for (p, travel) in travels.iter().enumerate() {
             let sights = judge_pair(self.comm, &self.model, p, *travel, &motion);
             for (s, (sight, finding)) in sights.into_iter().enumerate() {
-                self.model.pairs[p].slaves[s].sighted = sight;
+                self.model.pairs[p].slaves[s].sights.judged = sight;
                 let worst = told.map_or(0.0, |(_, _, worst)| worst.size());
                 told = finding.filter(|finding| finding.size() > worst).map(|finding| (p, s, finding)).or(told);
             }
@@ -329,7 +329,7 @@ impl Simulation<'_> {
             sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared, let_go]);
         }
         sum(self.comm, &mut sums);
-        let depth = |slave: &Slave| slave.sight.depth - slave.law.allowed;
+        let depth = |slave: &Slave| slave.sights.accepted.depth - slave.law.allowed;
         let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
             pair.slaves.iter().filter(|slave| of(slave)).map(depth).fold(0.0, f64::max)
         };
@@ -389,7 +389,7 @@ impl Simulation<'_> {
             ));
         }
         let count = |side: watch::Side| {
-            let of = |p: &Pair| p.slaves.iter().filter(|s| s.sight.side == side).count() as f64;
+            let of = |p: &Pair| p.slaves.iter().filter(|s| s.sights.accepted.side == side).count() as f64;
             let mut counts: Vec<f64> = self.model.pairs.iter().map(of).collect();
             sum(self.comm, &mut counts);
             counts
@@ -633,7 +633,8 @@ fn judge_pair(
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
         let explained = explained(model, pair, s, motion.residuals[p]);
         let may = Allowance { aside: slave.committed.aside, ..allowance(pair, explained, travel) };
-        let (sight, finding) = watch::judge(&View { ground, pair, slave: s }, &slave.sight, &past, [&from, &to], &may);
+        let (sight, finding) =
+            watch::judge(&View { ground, pair, slave: s }, &slave.sights.accepted, &past, [&from, &to], &may);
         let apart = apart(&ground, slave, slave.trial.status, &to)
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
         let finding = finding.or(apart.map(Finding::Apart));

@@ -200,8 +200,9 @@ pub fn guidance(
                 slave.name, master.name
             ));
         }
-        let quadratic =
-            |k: usize| any(comm, facets[k].iter().any(|f| part.nines.of(&f.nodes[..f.count as usize]).is_some()));
+        let quadratic = |k: usize| {
+            any(comm, facets[k].iter().any(|f| part.quadratic.nines.of(&f.nodes[..f.count as usize]).is_some()))
+        };
         if let [true, false] | [false, true] = [quadratic(0), quadratic(1)] {
             found.uneven.push(format!(
                 "contact `{name}`: faces of nine nodes meet others between `{}` and `{}`: an even pressure comes out as uneven ones at \

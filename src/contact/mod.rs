@@ -46,7 +46,7 @@ pub use moves::Movement;
 pub use pose::{Axle, Pose, Rotation};
 pub use segment::{Faces, Segments};
 pub use self_contact::{Avoided, Outlook};
-pub use slave::{Beside, Committed, Held, Local, Manner, Mover, Slave};
+pub use slave::{Beside, Committed, Held, Local, Manner, Mover, Sights, Slave};
 pub use tool::Tool;
 pub use trial::{Trial, touching};
 pub use watch::Sight;
@@ -279,7 +279,7 @@ impl Pair {
         self.rules.method = method;
         let eased = if method == Enforcement::Uzawa { self.rules.eased } else { 1.0 };
         for slave in &mut self.slaves {
-            let stiffness = slave.automatic / self.controls.augmentation;
+            let stiffness = slave.penalties.automatic / self.controls.augmentation;
             slave.enforce(method, given.unwrap_or(eased * penalty_share(method, &self.controls) * stiffness));
         }
     }

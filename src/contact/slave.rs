@@ -46,13 +46,9 @@ pub struct Slave {
     pub mate: Option<Mate>,
     /// Another slave node may make the same constraint, for its surface meets itself.
     pub repeats: bool,
-    /// The automatic augmentation, force per length.
-    pub automatic: f64,
+    pub penalties: Penalties,
     /// How deep inside the master it begins; none in self-contact.
     pub overlap: f64,
-    /// Penalties in the law at the start of an increment, and by what share they are lower in it.
-    augmentation: f64,
-    pub softness: f64,
     /// The multiplier, where it is no unknown.
     pub held: Held,
     /// The force, where it is a local unknown.
@@ -65,13 +61,30 @@ pub struct Slave {
     pub accepted: Trial,
     /// Normal of another master that it touched then.
     pub borne: Option<Vec3>,
-    /// What the watch saw of it at the last converged increment, and of the one that is judged.
-    pub sight: Sight,
-    pub sighted: Sight,
+    pub sights: Sights,
     /// The patches of a body that its points were on at the last iterate, with their slip origins.
     pub met: Vec<u32>,
     /// The pieces of the master that it was exactly between at the last iterate; none if it was not.
     pub pieces: Vec<Beside>,
+}
+
+/// Where the penalties of a slave node's law begin.
+#[derive(Clone, Copy, Debug)]
+pub struct Penalties {
+    /// The automatic augmentation, force per length.
+    pub automatic: f64,
+    /// That which the law has at the start of an increment, and by what share it is lower in it.
+    augmentation: f64,
+    pub softness: f64,
+}
+
+/// What the watch saw of a slave node.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sights {
+    /// At the last converged increment.
+    pub accepted: Sight,
+    /// At the end of the one that is judged.
+    pub judged: Sight,
 }
 
 /// What a slave node remembers of the last converged increment.
@@ -186,7 +199,7 @@ impl Local {
 impl Slave {
     /// A node with the automatic augmentation, force per length, that is not enforced yet.
     pub fn new(node: u32, friction: f64, automatic: f64) -> Self {
-        let (compliance, augmentation) = (Compliance::default(), automatic);
+        let compliance = Compliance::default();
         let law = Law {
             friction,
             normal: automatic,
@@ -203,24 +216,20 @@ impl Slave {
         };
         let (committed, trial, accepted) = (Committed::default(), Trial::default(), Trial::default());
         let (held, local) = (Held::default(), Local::default());
-        let (sight, sighted) = (Sight::default(), Sight::default());
         Self {
             node,
             law,
             mate: None,
             repeats: false,
-            automatic,
+            penalties: Penalties { automatic, augmentation: automatic, softness: 1.0 },
             overlap: 0.0,
-            augmentation,
-            softness: 1.0,
             held,
             local,
             committed,
             trial,
             accepted,
             borne: None,
-            sight,
-            sighted,
+            sights: Sights::default(),
             met: Vec::new(),
             pieces: Vec::new(),
         }
@@ -229,8 +238,9 @@ impl Slave {
     /// Has the node enforced with a penalty, force per length. Where multipliers are held the automatic augmentation acts below
     /// it, else the penalty itself.
     pub(super) fn enforce(&mut self, method: Enforcement, penalty: f64) {
-        self.augmentation = if method.holds_multipliers() { self.automatic.min(penalty) } else { penalty };
-        self.law = Law { normal: self.augmentation, tangential: self.augmentation, penalty, ..self.law };
+        let augmentation = if method.holds_multipliers() { self.penalties.automatic.min(penalty) } else { penalty };
+        self.penalties.augmentation = augmentation;
+        self.law = Law { normal: augmentation, tangential: augmentation, penalty, ..self.law };
     }
 
     /// Bytes that it takes, with what it was last evaluated with.
@@ -241,7 +251,7 @@ impl Slave {
 
     /// The penalty by which gaps count, where the multiplier is an unknown: none that is given makes them large.
     pub fn measure(&self) -> f64 {
-        self.law.normal.min(self.automatic)
+        self.law.normal.min(self.penalties.automatic)
     }
 
     /// Whether it slips at the iterate, with friction.
@@ -259,10 +269,10 @@ impl Slave {
         self.pieces.extend(self.committed.origins().filter(|_| self.committed.was_between()));
         let kinks = Kinks { patience, returns, wedge: self.committed.wedge, ..Kinks::default() };
         self.trial = Trial { status, yields, kinks, ..Trial::default() };
-        let automatic = manner.automatic || manner.soft;
-        let augmentation = if automatic { self.automatic.min(self.law.penalty) } else { self.augmentation };
-        self.softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
-        let augmentation = augmentation * self.softness;
+        let Penalties { automatic, augmentation, softness } = &mut self.penalties;
+        let is_automatic = manner.automatic || manner.soft;
+        *softness = if manner.soft { controls.soft_augmentation } else { 1.0 };
+        let augmentation = if is_automatic { automatic.min(self.law.penalty) } else { *augmentation } * *softness;
         (self.law.normal, self.law.tangential) = (augmentation, augmentation);
         self.law.barrier = 0.0;
         self.law.drawn_least = controls.drawn_least;
@@ -278,7 +288,7 @@ impl Slave {
         };
         let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
         // Over a lower penalty they give way by as much.
-        self.law.compliance = Compliance { slack: slack * self.softness, rest };
+        self.law.compliance = Compliance { slack: slack * self.penalties.softness, rest };
         self.held = self.committed.held;
         self.local.force = self.committed.multiplier;
         self.local.by.clear();
@@ -287,7 +297,7 @@ impl Slave {
     /// Reduces the friction penalty, with local unknowns all of the augmentation; `false` when it is low. The solution does
     /// not depend on it.
     pub fn calm(&mut self, method: Enforcement, controls: &Controls) -> bool {
-        let least = controls.calm_least * self.augmentation;
+        let least = controls.calm_least * self.penalties.augmentation;
         let can = self.law.friction > 0.0 && self.law.tangential > least;
         if can {
             self.law.tangential *= controls.calm_factor;
@@ -419,7 +429,7 @@ impl Slave {
     /// Accepts the current iterate, with the node at `position`: remembers where it met the master, as that is remembered.
     /// With what force it `slid` off the master in between is noted, N.
     pub fn commit(&mut self, method: Enforcement, multiplier: Vec3, ground: &Ground, position: &Vec3, slid: f64) {
-        (self.accepted, self.sight) = (self.trial, self.sighted);
+        (self.accepted, self.sights.accepted) = (self.trial, self.sights.judged);
         let projection = self.trial.projection;
         let others = self.pieces.iter().filter(|at| projection.is_some_and(|p| p.patch != at.patch));
         let mut beside = [Beside::default(); BESIDE];

@@ -122,7 +122,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             normals[n] = p.normal;
             // What touches has none but rounding.
             gaps[n] = if slave.accepted.status == Status::Gap { p.gap.max(0.0) } else { 0.0 };
-            indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.automatic;
+            indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.penalties.automatic;
         }
     }
     let mut outward = outward_of(part, pair.side.set, |n| part.points[n as usize]);

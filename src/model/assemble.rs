@@ -5,7 +5,7 @@ use super::sections::Sections;
 use crate::Vec3;
 use crate::error::{Error, Faults, Result};
 use crate::mesh::{Mesh, SolidShape, join};
-use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet};
+use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, OfFile};
 use crate::scene::{self, Discretization, Located, Scene, body_of, did_you_mean};
 use std::collections::BTreeSet;
 
@@ -50,8 +50,11 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
         scene.bodies.iter().zip(bodies::load(scene)?).enumerate()
     {
         let (offset, sections) = (global.points.len() as u32, Sections::new(scene, body, &mesh)?);
-        global.last_id.push(last);
-        global.halves.push(mesh.has_halves);
+        global.files.push(OfFile {
+            last_id: last,
+            has_halves: mesh.has_halves,
+            parts: mesh.groups.values().filter(|group| !group.solids.is_empty()).count(),
+        });
         for (set, name) in global.sets.iter_mut().zip(names) {
             let found = resolve(&body.name.value, &mesh, name);
             faults.note(&found);
@@ -60,7 +63,6 @@ pub fn assemble_bodies(scene: &Scene, names: &[Located<String>]) -> Result<Globa
             }
         }
         global.middles.join(mesh.middles.renumbered(|n| Some(n + offset)));
-        global.parts.push(mesh.groups.values().filter(|group| !group.solids.is_empty()).count());
         // What is said of a file, once of all bodies from it.
         let new: Vec<&String> =
             mesh.warnings.iter().filter(|&told| !global.warnings.iter().any(|w| w.ends_with(told))).collect();

@@ -56,7 +56,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
                 one.name.value,
                 other.name.value
             );
-            let undivided = [a, b].iter().any(|k| global.parts[*k as usize] > 1);
+            let undivided = [a, b].iter().any(|k| global.files[*k as usize].parts > 1);
             if is_one_file(&one.mesh, &other.mesh) && undivided {
                 let help = "the mesh file has several groups of elements: give each body its own `group`";
                 return Err(Error::input(&other.name.at, what, help));
@@ -73,7 +73,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
         };
         let is_bare = |face: &&Vec<u32>| !face.iter().all(|n| covered.contains(n));
         // Nodes of refined meshes that are new have the numbers of their own body.
-        let of_file = |n: u32| global.id[n as usize] <= global.last_id[global.body[n as usize] as usize];
+        let of_file = |n: u32| global.id[n as usize] <= global.files[global.body[n as usize] as usize].last_id;
         let is_shared = |n: u32| match [n, pairs[&n]] {
             both if both.map(of_file) == [true; 2] => global.id[both[0] as usize] == global.id[both[1] as usize],
             both => both.map(of_file) == [false; 2],

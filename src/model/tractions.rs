@@ -57,7 +57,7 @@ fn edges(model: &Model, pair: &Pair) -> Vec<Edge> {
     for facet in &part.sets[pair.side.set].facets {
         let corners = &facet.nodes[..facet.count as usize];
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-            edges.extend(part.middles.at(a, b).map(|m| ([a.min(b) as usize, a.max(b) as usize], m as usize)));
+            edges.extend(part.quadratic.middles.at(a, b).map(|m| ([a.min(b) as usize, a.max(b) as usize], m as usize)));
         }
     }
     edges.sort_unstable();

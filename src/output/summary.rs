@@ -58,22 +58,51 @@ impl Rounded {
     }
 }
 
+/// What the user asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Asked {
+    /// Name of the scene.
+    pub scene: String,
+    /// The preset of accuracy, as in "balanced".
+    pub accuracy: &'static str,
+    /// The controls that differ from their defaults.
+    pub controls: BTreeMap<&'static str, f64>,
+}
+
+/// The largest of the systems that a run solves, over all ranks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Systems {
+    /// Unknowns, multipliers and free tool directions included.
+    pub dofs: u64,
+    /// Multiplier unknowns at most.
+    pub multipliers: u64,
+    /// Entries of the largest matrix.
+    pub entries: u64,
+    /// Kind of the matrix, as in "symmetric indefinite".
+    pub matrix: String,
+    /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
+    pub solver: String,
+}
+
+impl Systems {
+    /// Takes note of the size of a system.
+    pub fn count(&mut self, unknowns: u64, multipliers: u64, entries: u64) {
+        self.dofs = self.dofs.max(unknowns);
+        self.multipliers = self.multipliers.max(multipliers);
+        self.entries = self.entries.max(entries);
+    }
+}
+
 /// The outcome of a run. Counts are of the whole model, over all ranks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
+    pub asked: Asked,
     pub converged: bool,
     /// A signal ended the run.
     pub interrupted: bool,
     /// It went on from a checkpoint after so many increments.
     pub restarted: Option<usize>,
-    /// Name of the scene.
-    pub scene: String,
-    /// Unknowns in the largest system, multipliers and free tool directions included.
-    pub dofs: u64,
-    /// Multiplier unknowns at most.
-    pub multipliers: u64,
-    /// Entries of the largest matrix.
-    pub matrix_entries: u64,
+    pub systems: Systems,
     /// What contact and material remember.
     pub carried: Carried,
     pub elements: u64,
@@ -84,20 +113,12 @@ pub struct Summary {
     pub search_fetches: usize,
     /// Wall time, s.
     pub wall_s: f64,
-    /// Kind of the matrix, as in "symmetric indefinite".
-    pub matrix: String,
-    /// As in "MUMPS LDL^T, SCOTCH", or "FGMRES, multigrid".
-    pub linear_solver: String,
     /// What is estimated of the errors at the ends of steps.
     pub estimates: Vec<Value>,
     /// What was let through above the tolerance.
     pub rounded: Option<Rounded>,
     /// What the user should know of the result.
     pub warnings: Vec<String>,
-    /// The preset of accuracy, as in "balanced".
-    pub accuracy: &'static str,
-    /// The controls that differ from their defaults.
-    pub controls: BTreeMap<&'static str, f64>,
     /// What it was to cost, as foretold when it began.
     pub predicted: Option<Foretold>,
 }
@@ -148,13 +169,6 @@ fn milli(value: f64) -> f64 {
 }
 
 impl Summary {
-    /// Takes note of the size of a system.
-    pub fn count(&mut self, unknowns: u64, multipliers: u64, entries: u64) {
-        self.dofs = self.dofs.max(unknowns);
-        self.multipliers = self.multipliers.max(multipliers);
-        self.matrix_entries = self.matrix_entries.max(entries);
-    }
-
     /// Writes `summary.json`, with the version, the number of ranks, the seconds in each phase (slowest rank), the processor
     /// time of all ranks, and the peak memory (MB of 10^6 bytes; also the sum over the ranks) and what was `sent` of each
     /// rank added. Collective.
@@ -190,12 +204,12 @@ impl Summary {
             "converged": self.converged,
             "interrupted": self.interrupted,
             "restarted": self.restarted,
-            "scene": self.scene,
+            "scene": self.asked.scene,
             "version": env!("CARGO_PKG_VERSION"),
             "ranks": ranks.len(),
-            "dofs": self.dofs,
-            "multipliers": self.multipliers,
-            "matrix_entries": self.matrix_entries,
+            "dofs": self.systems.dofs,
+            "multipliers": self.systems.multipliers,
+            "matrix_entries": self.systems.entries,
             "carried": {
                 "slave_nodes": slave_nodes,
                 "contact_bytes": contact_bytes,
@@ -227,13 +241,13 @@ impl Summary {
                 "messages": ranks.iter().map(|of| of[1] as u64).collect::<Vec<_>>(),
                 "sent_mb": of_ranks(2),
             },
-            "matrix": self.matrix,
-            "linear_solver": self.linear_solver,
+            "matrix": self.systems.matrix,
+            "linear_solver": self.systems.solver,
             "rounded": self.rounded.as_ref().map(Rounded::to_json),
             "estimate": self.estimates,
             "warnings": self.warnings,
-            "accuracy": self.accuracy,
-            "controls": self.controls,
+            "accuracy": self.asked.accuracy,
+            "controls": self.asked.controls,
             "predicted": self.predicted.map(|foretold| foretold.against(self.wall_s, memory)),
         });
         format!("{value:#}\n")
@@ -278,8 +292,8 @@ mod tests {
     fn the_file_has_exactly_the_promised_keys() {
         let summary = Summary {
             converged: true,
-            scene: "a \"b\"".into(),
-            dofs: 12,
+            asked: Asked { scene: "a \"b\"".into(), ..Asked::default() },
+            systems: Systems { dofs: 12, ..Systems::default() },
             wall_s: 1.25,
             predicted: Some(Foretold { wall_s: 2.5, memory_mb: 100.0 }),
             ..Summary::default()

@@ -5,7 +5,7 @@ use super::components::{Component, lowest_joined};
 use super::graph::{element_parts, node_owners};
 use super::halo::Halo;
 use super::lists::Lists;
-use super::{Part, PartFacet, PartSet, PartSolid};
+use super::{Part, PartFacet, PartSet, PartSolid, Quadratic};
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::{MOST_NODES, Middles, Nines, Solid, SolidShape};
@@ -38,14 +38,21 @@ pub struct GlobalMesh {
     pub middles: Middles,
     /// Extra work that a node brings to its elements, for the balance: slave nodes have some.
     pub node_work: Vec<i32>,
-    /// The highest number that each body's file gives to a node of it; new nodes of refined meshes follow.
-    pub last_id: Vec<u64>,
-    /// By body, whether its mesh [has halves](crate::mesh::Mesh::has_halves).
-    pub halves: Vec<bool>,
-    /// Groups of elements that each body has in its mesh file.
-    pub parts: Vec<usize>,
+    /// By body.
+    pub files: Vec<OfFile>,
     /// What the user should know of the meshes.
     pub warnings: Vec<String>,
+}
+
+/// What is to be known of the file that a body's mesh comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct OfFile {
+    /// The highest number that it gives to a node; new nodes of refined meshes follow.
+    pub last_id: u64,
+    /// Whether the mesh [has halves](crate::mesh::Mesh::has_halves).
+    pub has_halves: bool,
+    /// Groups of elements in it.
+    pub parts: usize,
 }
 
 impl GlobalMesh {
@@ -271,8 +278,8 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
     let mut next = || rest.next().unwrap_or_default();
     let mut part = Part { owned: next() as usize, ..Part::default() };
     let held = next() as usize;
-    part.total_nodes = next();
-    part.total_solids = next();
+    part.whole.nodes = next();
+    part.whole.solids = next();
     let solids = next() as usize;
     for _ in 0..next() {
         part.components.push(Component::from_words(&std::array::from_fn(|_| next())));
@@ -318,19 +325,19 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
         }
         part.sets.push(set);
     }
-    (part.middles, part.nines) = quadratic(&part);
+    part.quadratic = quadratic(&part);
     (part, wanted)
 }
 
 /// What carries the facets of the sets of a part where they are quadratic.
-fn quadratic(part: &Part) -> (Middles, Nines) {
+fn quadratic(part: &Part) -> Quadratic {
     let is_quadratic = |shape: SolidShape| matches!(shape, SolidShape::Tet10 | SolidShape::Hex27);
     let quadratic = part.solids.iter().filter(|solid| is_quadratic(solid.shape));
     let solids: Vec<Solid> = quadratic.map(|s| Solid { shape: s.shape, nodes: s.nodes, id: s.id }).collect();
     let facets = part.sets.iter().flat_map(|set| &set.facets);
     let corners = facets.map(|facet| &facet.nodes[..facet.count as usize]);
     let middles = Middles::in_solids(solids.iter(), corners.clone(), [].into_iter());
-    (middles, Nines::in_solids(solids.iter(), corners))
+    Quadratic { middles, nines: Nines::in_solids(solids.iter(), corners) }
 }
 
 #[cfg(test)]

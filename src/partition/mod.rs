@@ -21,7 +21,7 @@ pub mod parcels;
 pub const ALIKE: f64 = 1e-6;
 
 pub use components::{Component, lowest_joined};
-pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, Piece, distribute, pieces};
+pub use distribute::{GlobalFacet, GlobalMesh, GlobalSet, OfFile, Piece, distribute, pieces};
 pub use gather::{Gather, owner};
 pub use graph::{element_parts, node_owners};
 pub use halo::Halo;
@@ -110,12 +110,12 @@ impl Part {
     pub fn pieces<'a>(&self, facets: &'a [PartFacet]) -> Cow<'a, [PartFacet]> {
         // Far above the numbers of facets, which are those of ranks that have linear ones alone, too.
         const PARTS: u32 = 48;
-        if self.middles.is_empty() {
+        if self.quadratic.middles.is_empty() {
             return Cow::Borrowed(facets);
         }
         let pieces = facets.iter().flat_map(|facet| {
             let [a, b, c, _] = facet.nodes;
-            let parts = match self.middles.of(&facet.nodes[..facet.count as usize]) {
+            let parts = match self.quadratic.middles.of(&facet.nodes[..facet.count as usize]) {
                 Some(middles) => four([a, b, c], middles).map(|[a, b, c]| [a, b, c, 0]).to_vec(),
                 None => vec![facet.nodes],
             };
@@ -128,7 +128,7 @@ impl Part {
     /// The nodes that carry a facet: 3 or 4, 6 of a quadratic triangle, or the 9 of the face that it is a quarter of.
     pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
         let ([a, b, c, d], corners) = (facet.nodes, &facet.nodes[..facet.count as usize]);
-        let (nodes, count) = match (self.middles.of(corners), self.nines.of(corners)) {
+        let (nodes, count) = match (self.quadratic.middles.of(corners), self.quadratic.nines.of(corners)) {
             (Some([e, f, g]), _) => ([a, b, c, e, f, g, 0, 0, 0], 6),
             (None, Some(nine)) => (*nine, 9),
             (None, None) => ([a, b, c, d, 0, 0, 0, 0, 0], corners.len()),
@@ -190,17 +190,32 @@ pub struct Part {
     /// The local node whose displacement this node shares (a layer); mostly itself.
     pub tie: Vec<u32>,
     pub solids: Vec<PartSolid>,
-    /// Of the edges of the facets of all sets.
-    pub middles: Middles,
-    /// Of the facets of all sets.
-    pub nines: Nines,
+    pub quadratic: Quadratic,
     /// In the order in which they were given to [`distribute`].
     pub sets: Vec<PartSet>,
     pub halo: Halo,
     /// Nodes have numbers over all ranks: rank r owns `starts[r]..starts[r + 1]`, in the order of its local nodes.
     pub starts: Vec<u64>,
-    /// Nodes of the whole mesh.
-    pub total_nodes: u64,
-    /// Elements of the whole mesh.
-    pub total_solids: u64,
+    pub whole: Whole,
+}
+
+/// What carries the facets of all sets where they are quadratic.
+#[derive(Clone, Debug, Default)]
+pub struct Quadratic {
+    /// Of their edges.
+    pub middles: Middles,
+    pub nines: Nines,
+}
+
+impl Quadratic {
+    pub fn is_empty(&self) -> bool {
+        self.middles.is_empty() && self.nines.is_empty()
+    }
+}
+
+/// How large the whole mesh is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Whole {
+    pub nodes: u64,
+    pub solids: u64,
 }

@@ -306,13 +306,19 @@ fn hardening(material: &Table) -> Result<Hardening> {
 
 /// k (e0 + e)^n with e0, or with the yield stress that it gives.
 fn swift(material: &Table, law: &Table) -> Result<Hardening> {
-    let k = law.require("k", "500.0")?.positive()?;
+    let k_item = law.require("k", "500.0")?;
+    let k = k_item.positive()?;
     let n =
         law.require("n", "0.2")?.number_that_is("above 0 and at most 1", |value| value > 0.0 && value <= 1.0, "")?;
     let e0 = match (material.get("yield_stress"), law.get("e0")) {
         (Some(_), Some(e0)) => return Err(e0.error("stands beside `yield_stress`", "keep one of them")),
         (None, Some(e0)) => e0.positive()?,
-        _ => (material.require("yield_stress", "250.0")?.positive()? / k).powf(1.0 / n),
+        _ => {
+            let yield_stress = material.require("yield_stress", "250.0")?.positive()?;
+            let above = |k| k >= yield_stress;
+            k_item.number_that_is(&format!("at least yield_stress ({yield_stress:?})"), above, "")?;
+            (yield_stress / k).powf(1.0 / n)
+        }
     };
     Ok(Hardening::Swift { k, e0, n })
 }

@@ -1,7 +1,8 @@
 //! Typed access to the tree of a scene: every error carries the place, what was found and what would be right.
 
 use super::Located;
-use super::names::{LONGEST, did_you_mean, is_name};
+use super::names::{LONGEST, did_you_mean, is_name, nearest};
+use super::schema;
 use super::tree::{self, Node, Value};
 use crate::Vec3;
 use crate::error::{Error, Faults, Location, Result};
@@ -233,7 +234,13 @@ impl<'a> Item<'a> {
         let strange = Faults::all(entries.iter().filter(unknown).map(|entry| {
             let inside = if self.path.is_empty() { "the scene" } else { &self.path };
             let what = format!("unknown key `{}` in {inside}", entry.key);
-            Err::<(), _>(Error::input(&entry.key_at, what, did_you_mean(&entry.key, known.iter().copied())))
+            let (key, known) = (&entry.key, || known.iter().copied());
+            let mut help = did_you_mean(key, known());
+            let elsewhere = schema::tables_with(key);
+            if nearest(key, known()).is_none() && !elsewhere.is_empty() {
+                help += &format!("; it is a key of {}", elsewhere.join(", "));
+            }
+            Err::<(), _>(Error::input(&entry.key_at, what, help))
         }));
         Ok((Table(self.clone()), strange.map(|_| ())))
     }

@@ -79,6 +79,14 @@ fn closed(properties: Map<String, Value>) -> Value {
     json!({ "type": "object", "properties": properties, "additionalProperties": false })
 }
 
+/// The tables that have a key, by their headings; none if many have it.
+pub fn tables_with(key: &str) -> Vec<&'static str> {
+    const MANY: usize = 4;
+    let mut found: Vec<_> = tables().into_iter().filter(|(_, rows)| rows.iter().any(|row| row.key == key)).collect();
+    found.truncate(MANY);
+    if found.len() < MANY { found.into_iter().map(|(heading, _)| heading).collect() } else { Vec::new() }
+}
+
 fn tables() -> Tables {
     let (mut tables, mut heading) = (Tables::new(), None);
     for line in DOCUMENT.lines() {

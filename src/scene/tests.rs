@@ -446,7 +446,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
         message("{ set = \"slab.bottom\" }", "{ group = \"slab.bottom\" }"),
         "in/test.toml:30:11: unknown key `group` in step.press.fix.0\n  \
          | fix = [ { group = \"slab.bottom\" }, { set = \"slab.sides\", directions = \"z\" } ]\n  \
-         help: known: set, directions, normal, around"
+         help: known: set, directions, normal, around; it is a key of body.NAME"
     );
 }
 
@@ -950,6 +950,9 @@ fn plastic_materials_are_physical() {
     assert!(j2("{ linear = -1 }").ends_with("hardening.linear must be 0 or more, not -1.0"));
     assert!(j2("{ swift = { k = 500, n = 2 } }").ends_with("swift.n must be above 0 and at most 1, not 2.0"));
     assert!(j2("{ swift = { k = 500, n = 0.2, e0 = 0.1 } }").ends_with("swift.e0 stands beside `yield_stress`"));
+    assert!(
+        j2("{ swift = { k = 200, n = 0.2 } }").ends_with("swift.k must be at least yield_stress (250.0), not 200.0")
+    );
     assert!(
         j2("{ voce = { saturation = 200, rate = 1 } }").ends_with("must be at least yield_stress (250.0), not 200.0")
     );

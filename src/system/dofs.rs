@@ -314,7 +314,7 @@ impl DofMap {
             for (slave, equations) in pair.slaves.iter().zip(equations) {
                 let mut rows = equations.iter().filter_map(|e| row(*e));
                 if let Some(first) = rows.next() {
-                    let stiffness = slave.automatic / pair.controls.augmentation;
+                    let stiffness = slave.penalties.automatic / pair.controls.augmentation;
                     unknowns.multipliers.push(Multipliers { first, count: 1 + rows.count() as u32, stiffness });
                 }
             }

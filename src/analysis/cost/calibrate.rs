@@ -235,7 +235,7 @@ impl Bench<'_> {
             let counted = search + simulation.phases().seconds(Phase::Assembly) + solving;
             let counted = counted + summary.linear.iterate_s + summary.linear.set_up_s;
             let iterations = summary.counts.iterations.max(1) as f64;
-            let mut besides = [(wall - counted).max(0.0) / iterations / summary.dofs as f64];
+            let mut besides = [(wall - counted).max(0.0) / iterations / summary.systems.dofs as f64];
             max(self.comm, &mut besides);
             rest = rest.min(besides[0]);
             let slaves = simulation.model().pairs.iter().map(|pair| pair.slaves.len()).sum::<usize>();

@@ -106,7 +106,7 @@ impl Size {
             meets_bodies: some(&|pair| pair.master.surface().is_some()),
             meets_itself: some(&|pair| pair.is_self()),
             plane: model.is_plane(),
-            thin: !model.is_plane() && nodes < model.part.total_nodes as f64,
+            thin: !model.is_plane() && nodes < model.part.whole.nodes as f64,
             megabytes,
             seconds: most[1],
         }

@@ -71,7 +71,7 @@ impl Balance {
         let of = |section: &Section| given.unwrap_or(share * section.stiffness * model.size);
         let largest = model.sections.iter().map(of).fold(0.0, f64::max);
         let sections = model.sections.iter().map(of);
-        let largest_of = |pair: &Pair| pair.slaves.iter().map(|slave| slave.automatic).fold(0.0, f64::max);
+        let largest_of = |pair: &Pair| pair.slaves.iter().map(|slave| slave.penalties.automatic).fold(0.0, f64::max);
         let mut augmentations: Vec<f64> = model.pairs.iter().map(largest_of).collect();
         max(comm, &mut augmentations);
         let pairs = augmentations.into_iter().map(|a| given.unwrap_or(share * a * model.size));
@@ -245,7 +245,7 @@ impl Newton<'_> {
                 let measure = if pair.rules.method.holds_multipliers() { penalty } else { slave.measure() };
                 own.far = own.far.max(x.amax());
                 (own.penalty, own.measure) = (own.penalty.max(penalty), own.measure.max(measure));
-                own.automatic = own.automatic.max(slave.automatic);
+                own.automatic = own.automatic.max(slave.penalties.automatic);
             }
         }
         self.share();
@@ -553,6 +553,6 @@ fn violation(pair: &Pair, slave: &Slave) -> f64 {
     let gap = trial.projection.map_or(0.0, |p| slave.law.gap(p.gap).abs());
     let slip = if trial.status == Status::Stick { trial.slip.norm() } else { 0.0 };
     let gives = slave.law.compliance.slack > 0.0 || slave.law.barrier > 0.0;
-    let open = if gives { 0.0 } else { slave.automatic * gap.max(slip) };
+    let open = if gives { 0.0 } else { slave.penalties.automatic * gap.max(slip) };
     (trial.local * share).max(open)
 }

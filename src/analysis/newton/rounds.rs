@@ -154,7 +154,7 @@ impl Newton<'_> {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
                 if slave.repeats {
-                    *slack = narrow * slave.softness;
+                    *slack = narrow * slave.penalties.softness;
                 }
                 if slave.trial.status == Status::Gap {
                     continue;

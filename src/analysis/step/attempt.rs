@@ -341,7 +341,7 @@ fn note(summary: &mut Summary, newton: &Newton) {
     summary.counts.pattern_rebuilds += course.rebuilds;
     summary.counts.growths += course.growths;
     if course.rebuilds + course.growths > 0 {
-        summary.count(dofs.total, dofs.total_multipliers, pattern.entries(comm));
+        summary.systems.count(dofs.total, dofs.total_multipliers, pattern.entries(comm));
     }
 }
 
