@@ -883,12 +883,12 @@ fn cube(before: &str, first: &str, next: &str) -> String {
 }
 
 /// A load that is given again with an amplitude is all that acts: nothing of the one before fades beside it. That the pulse begins with
-/// a jump, which becomes a part of the ramp to its next point, is told.
+/// a jump, which becomes a ramp over the first increment, is told.
 #[test]
 fn a_load_with_an_amplitude_takes_the_place_of_the_one_before() {
     let nodes = |value: &str| (5..9).map(|n| format!("{n}, 3, -{value}\n")).collect::<String>();
     let cases = [
-        ("*DSLOAD\nTOP, P, 9.\n", "*DSLOAD, AMPLITUDE=PULSE\nTOP, P, 9.\n", [900.0, 900.0, 450.0, 0.0], true),
+        ("*DSLOAD\nTOP, P, 9.\n", "*DSLOAD, AMPLITUDE=PULSE\nTOP, P, 9.\n", [450.0, 900.0, 450.0, 0.0], true),
         (
             "*DSLOAD, AMPLITUDE=LATE\nTOP, P, 9.\n",
             "*DLOAD, OP=NEW\n*DSLOAD, AMPLITUDE=LATE\nTOP, P, 9.\n",
@@ -919,6 +919,19 @@ fn a_load_with_an_amplitude_takes_the_place_of_the_one_before() {
         for (k, force) in forces.into_iter().enumerate() {
             let found = history.column("EALL.FOOT.fz")[at(1.25 + 0.25 * k as f64)];
             assert_small(&format!("{first}{next}{k}"), (found - force) / 900.0, 1e-9);
+        }
+    }
+    // So it is of motions, also of one that a pulse begins with and ends without.
+    let held = |card: &str, by: &str| format!("{card}\n5,3,3,{by}\n6,3,3,{by}\n7,3,3,{by}\n8,3,3,{by}\n");
+    let late = "*AMPLITUDE, NAME=KNOCK\n0,1,1,0\n";
+    for (name, shares) in [("PULSE", [0.5, 1.0, 0.5, 0.0]), ("KNOCK", [0.75, 0.5, 0.25, 0.0])] {
+        let first = held("*BOUNDARY", if name == "PULSE" { "-0.01" } else { "0." });
+        let (bench, _) = converted(&cube(late, &first, &held(&format!("*BOUNDARY, AMPLITUDE={name}"), "-0.01")));
+        let history = bench.solve(1, &[]).history();
+        let top = history.names().into_iter().find(|name| name.ends_with(".uz") && !name.contains("FOOT")).unwrap();
+        for (k, share) in shares.into_iter().enumerate() {
+            let now = history.column("time").iter().position(|t| (t - 1.25 - 0.25 * k as f64).abs() < 1e-9).unwrap();
+            assert_small(&format!("{name} {k}"), history.column(&top)[now] / -0.01 - share, 1e-9);
         }
     }
     let both = "*DLOAD\nEALL, GRAV, 9e8, 0, 0, -1\n*DSLOAD\nTOP, P, 9.\n";

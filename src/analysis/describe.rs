@@ -160,13 +160,16 @@ fn help(f: &Failure, at_equation: bool, contacts: bool) -> Option<&'static str> 
              increments, or allow a smaller `increment.min`",
         ),
         Cause::Rounds => Some(
-            "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, load in smaller increments, or take \
-             `augmented-lagrangian`",
+            "raise the contact's `penalty` or `tolerance` if the method is `uzawa`, take another method, or one pass where contact is \
+             from segment to segment",
         ),
         Cause::Contradiction => {
             Some("take one of these nodes out of a contact, or let contacts give way by `method = \"penalty\"`")
         }
-        Cause::Loose => Some("`fix` it, or end the step before it comes loose"),
+        Cause::Loose => Some(
+            "`fix` it, or hold it by friction, its weight or a soft `spring`; if contacts held it until now, end the step before it \
+             comes loose",
+        ),
         Cause::Singular if at_equation => {
             Some("`fix` what nothing holds, or `move` it into contact before a force drives it")
         }

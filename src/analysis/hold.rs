@@ -267,8 +267,11 @@ impl Simulation<'_> {
             }
             Some(free) => {
                 let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
-                let why = match any(self.comm, slaves.any(Slave::rubs)) {
-                    true => "what touches slips, and no contact holds it",
+                let rubs = any(self.comm, slaves.any(Slave::rubs));
+                let before = self.unpressed(frame, &self.state.u, |slave| &slave.accepted, &converged.limits);
+                let why = match before.iter().any(|before| before.who == free.who) {
+                    _ if rubs => "what touches slips, and no contact holds it",
+                    true => "no contact holds it so",
                     false => "no contact holds it any more",
                 };
                 let reason = format!("{} can {}, for {why},", free.who, free.motion());

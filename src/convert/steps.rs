@@ -77,9 +77,13 @@ pub(super) fn convert(
         conditions.check(&whole.made)?;
         still.meet(&conditions.supports, frames);
         conditions.tell_of_taken_off(notes);
-        tell_of_jumps(&conditions, &clock, model.amplitudes, notes);
+        let jumps = tell_of_jumps(&conditions, &clock, (model.amplitudes, &step.times), notes);
         tell_of_step(step, notes);
-        let ends = bends(&conditions, &clock, model.amplitudes);
+        let mut ends = bends(&conditions, &clock, model.amplitudes);
+        let first = step.times.initial / step.times.period;
+        if jumps && first < ends[1] {
+            ends.insert(1, first);
+        }
         let mut writer = Writer { groups, model, conditions: &conditions, clock, axes: &mut axes, step };
         let mut parts: Vec<Lists> =
             ends.windows(2).map(|span| writer.lists(span[0], span[1])).collect::<Result<_>>()?;
@@ -169,14 +173,25 @@ fn tell_of_step(step: &Step, notes: &mut Notes) {
     }
 }
 
-fn tell_of_jumps(conditions: &Conditions, clock: &Clock, amplitudes: &[Amplitude], notes: &mut Notes) {
-    let what = "the amplitude begins with a jump, which becomes a part of the ramp to its next point";
+/// Tells of conditions that jump as the step begins, and whether there are any: they are where the deck has them at the end of the
+/// first increment.
+fn tell_of_jumps(
+    conditions: &Conditions,
+    clock: &Clock,
+    (amplitudes, times): (&[Amplitude], &Times),
+    notes: &mut Notes,
+) -> bool {
+    let mut what = "the amplitude begins with a jump, which becomes a ramp over the first increment".to_string();
+    if times.initial == times.period {
+        what += ", which is all of the step: give the step a shorter one";
+    }
     let holds = conditions.supports.acting().into_iter().map(|(hold, _)| hold);
     let jumping = holds.filter(|hold| hold.jumps(clock, amplitudes)).map(|hold| &hold.at);
     let loads = conditions.loads().filter(|load| load.jumps(clock, amplitudes));
     let mut places: Vec<_> = jumping.chain(loads.map(|load| &load.at)).collect();
     places.dedup();
-    places.into_iter().for_each(|at| notes.at(at, what));
+    places.iter().for_each(|at| notes.at(at, &*what));
+    !places.is_empty()
 }
 
 /// Fractions of the step, from 0 to 1, between which all is linear.

@@ -446,7 +446,7 @@ fn unknown_keys_are_refused_with_the_nearest() {
         message("{ set = \"slab.bottom\" }", "{ group = \"slab.bottom\" }"),
         "in/test.toml:30:11: unknown key `group` in step.press.fix.0\n  \
          | fix = [ { group = \"slab.bottom\" }, { set = \"slab.sides\", directions = \"z\" } ]\n  \
-         help: known: set, directions, normal, around; it is a key of body.NAME"
+         help: known: set, directions, normal, around; it is a key of body.NAME, tool.NAME"
     );
 }
 
