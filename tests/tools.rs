@@ -574,3 +574,108 @@ fn steel_rests_in_a_corner() {
         assert_close("floor", history.last("floor.fz"), 4.734, 1e-3);
     }
 }
+
+/// A block with its bottom held and a tool over it, pressed down by so much in two increments.
+fn under(tool: &str, by: f64, rest: &str) -> Bench {
+    Bench::new(&format!(
+        r#"
+        [body.b]
+        block = {{ box = {{ origin = [-6.0, -6.0, 0.0], size = [12.0, 12.0, 6.0] }}, elements = [4, 4, 2] }}
+        material = "m"
+        [material.m]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [tool.t]
+        {tool}
+        [contact.c]
+        slave = "b.zmax"
+        master = "t"
+        {rest}
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{{ set = "b.zmin" }}]
+        move = [{{ target = "t", by = [0.0, 0.0, {by:?}] }}]
+        "#
+    ))
+}
+
+/// Facets that meet in a line along y at a height of 6, and rise by so much to x = -6 and 6.
+fn wedge_mesh(rise: f64) -> String {
+    msh::surface(2, |s, t| [12.0 * t - 6.0, 18.0 * s - 9.0, 6.0 + rise * (2.0 * t - 1.0).abs()])
+}
+
+/// ```text
+///      \     /         Nodes exactly under the edge of a wedge, or the tip of a cone, are on all of its sides: by symmetry nothing pushes
+///     __\   /__        across. A profile and the facets of the same shape are one tool. Where the edge is as sharp as to be none
+///        \_/           of one surface, that is said, unless the nodes are held between its sides.
+/// ```
+#[test]
+fn what_stands_under_an_edge_is_on_both_sides() {
+    let wedge = |rise: f64| {
+        let high = 6.0 + rise;
+        format!(
+            "profile = {{ points = [[-6.0, {high:?}], [0.0, 6.0], [6.0, {high:?}]], extrude = {{ origin = [0.0, 9.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0], length = 18.0 }} }}"
+        )
+    };
+    let told = "exactly under a sharp edge or a tip of the tool `t`";
+    for friction in ["", "friction = 0.3"] {
+        let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", -0.8, friction);
+        facets.write("w.msh", &wedge_mesh(2.0));
+        let (facets, profile) = (facets.solve(1, &[]).history(), under(&wedge(2.0), -0.8, friction).solve(2, &[]));
+        assert!(!profile.log().contains(told), "{}", profile.log());
+        let profile = profile.history();
+        let force = facets.last("t.fz");
+        assert_close("as facets", profile.last("t.fz"), force, 1e-8);
+        assert_small("across the wedge", profile.last("t.fx") / force, 1e-9);
+    }
+    let height = 6.0;
+    let cone =
+        |angle: f64| format!("cone = {{ apex = [0.0, 0.0, {height:?}], axis = [0.0, 0.0, 1.0], angle = {angle:?} }}");
+    let revolved = format!(
+        "profile = {{ points = [[0.0, {height:?}], [6.0, {:?}]], revolve = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }} }}",
+        height + 6.0 / f64::to_radians(72.0).tan()
+    );
+    let forces = [cone(72.0), revolved].map(|tool| {
+        let history = under(&tool, -0.8, "").solve(1, &[]).history();
+        let force = history.last("t.fz");
+        for across in ["t.fx", "t.fy"] {
+            assert_small(across, history.last(across) / force, 1e-9);
+        }
+        force
+    });
+    assert_close("the cone as a profile", forces[1], forces[0], 1e-8);
+    for tool in [wedge(6.0), cone(40.0)] {
+        let run = under(&tool, -0.2, "").run(1, &[]);
+        assert!(run.log().contains(told) && run.log().contains("of its slave nodes"), "{}", run.log());
+    }
+    // Nodes under the edge of a block look at its lower side alone.
+    let punch = wedge(2.0)
+        .replace("[[-6.0, 8.0], [0.0, 6.0], [6.0, 8.0]]", "[[-3.0, 9.0], [-3.0, 6.0], [3.0, 6.0], [3.0, 9.0]]");
+    let run = under(&punch, -0.2, "").solve(1, &[]);
+    assert!(!run.log().contains(told), "{}", run.log());
+}
+
+/// The end of a profile lies on a row of nodes. As a torque turns it, what sticks there is neither lost nor found anew by rounding: it is
+/// as on a tool that ends a little farther.
+#[test]
+fn a_torque_turns_a_profile_that_ends_on_nodes() {
+    let plate = |more: f64| {
+        let tool = format!(
+            "profile = {{ points = [[-4.0, 0.0], [4.0, 0.0]], extrude = {{ origin = [0.0, {:?}, 6.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0], length = {:?} }} }}",
+            3.0 + more,
+            6.0 + 2.0 * more
+        );
+        let torque = "[[step]]\nname = \"turn\"\nincrements = 2\nkeep = true\ntorque = [{ tool = \"t\", total = 100.0, point = [0.0, 0.0, 6.0], axis = [0.0, 0.0, 1.0] }]\n";
+        let bench = under(&tool, -0.2, "friction = 0.4");
+        let scene = std::fs::read_to_string(bench.path("scene.toml")).unwrap();
+        bench.write("scene.toml", &(scene + torque));
+        bench.solve(1, &[]).history()
+    };
+    let (on, beyond) = (plate(0.0), plate(0.1));
+    assert_eq!((on.last("c.active"), on.steps.len()), (9.0, 4));
+    for column in ["t.angle", "t.fz"] {
+        assert_close(column, on.last(column), beyond.last(column), 1e-8);
+    }
+}

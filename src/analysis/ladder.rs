@@ -44,7 +44,8 @@
 //!    with both kinds of penalties, is sought with overlaps that are *ramped*, over the step.
 //!    Where nothing has converged yet and some contact has friction, what begins to touch *glides* before that: its friction comes
 //!    when all is in balance without it. Where much begins to touch at once with no force and is to slip, as a belt around a pulley, the
-//!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length.
+//!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length. Where
+//!    bodies lie on each other, as in a stack of sheets that is bent, that is tried by active sets, too.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
 //!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
 //!
@@ -393,6 +394,11 @@ impl Ladder {
             self.tries.jumps.failed += 1;
             return (self.tries.jumps.failed < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         }
+        let may_sort = self.glides() && !by_sets && self.tries.central.is_none() && cause.is_of_iteration();
+        if may_sort && self.means.sort && self.means.sort_first {
+            self.tries.sets = true;
+            return Some(Remedy::Sets);
+        }
         if let Some(remedy) = self.turn(cause, is_long) {
             return Some(remedy);
         }
@@ -639,6 +645,33 @@ mod tests {
         assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false));
         assert_eq!(fail(&mut ladder), (Some(Remedy::Central), true));
+    }
+
+    /// Friction that comes later is tried by active sets, too, once, where bodies lie on each other; what has helped is kept.
+    #[test]
+    fn what_glides_is_sorted() {
+        let bounds = Increment { initial: 0.5, min: 1e-3, max: 0.5, limits: Limits::default() };
+        let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+        let mut fail = |ladder: &mut Ladder| {
+            let end = increments.next().unwrap();
+            let remedy = ladder.fail(&mut increments, end, Cause::Iteration);
+            (remedy, ladder.glides(), ladder.is_by_sets())
+        };
+        let own = Means { soften: true, sort: true, sort_first: true, glide: true, ..means() };
+        let mut ladder = begin(own);
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Soften), false, false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), false, true));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Glide), true, false));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Sets), true, true));
+        let mut helped = ladder;
+        helped.succeed(false);
+        assert!(helped.is_by_sets() && !helped.glides());
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, false));
+        let mut ladder = begin(Means { sort_first: false, ..own });
+        assert_eq!(fail(&mut ladder).0, Some(Remedy::Soften));
+        assert_eq!(fail(&mut ladder).0, Some(Remedy::Sets));
+        assert_eq!(fail(&mut ladder).0, Some(Remedy::Glide));
+        assert_eq!(fail(&mut ladder), (Some(Remedy::Cut), false, false));
     }
 
     /// What touches goes along where the matrix is singular, and on through the step where that has helped.

@@ -58,16 +58,19 @@ pub struct WrongWayRound {
     slave: String,
     master: String,
     by_segments: bool,
+    /// It may be in two passes.
+    may_be_twice: bool,
     pub reason: String,
 }
 
 impl fmt::Display for WrongWayRound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { contact, slave, master, by_segments, reason } = self;
-        let (why, or) = match by_segments {
-            true => (", whose facets take the mean of what presses them", "refine the slave"),
-            false => (", whose nodes alone are kept out of the other", "use discretization = \"two-pass\""),
+        let Self { contact, slave, master, by_segments, may_be_twice, reason } = self;
+        let why = match by_segments {
+            true => ", whose facets take the mean of what presses them",
+            false => ", whose nodes alone are kept out of the other",
         };
+        let or = if *may_be_twice { "use discretization = \"two-pass\"" } else { "refine the slave" };
         write!(
             f,
             "contact `{contact}`: `{slave}` should rather be the master, and `{master}` the slave{why}: {reason}; exchange them, or \
@@ -211,11 +214,14 @@ pub fn guidance(
                 slave.name, master.name
             ));
         }
+        let is_tet10 = |f: &PartFacet| part.quadratic.middles.of(&f.nodes[..f.count as usize]).is_some();
+        let may_be_twice = !by_segments && !any(comm, facets.iter().flat_map(|facets| facets.iter()).any(is_tet10));
         found.wrong.extend(reason.map(|reason| WrongWayRound {
             contact: name.clone(),
             slave: slave.name,
             master: master.name,
             by_segments,
+            may_be_twice,
             reason,
         }));
     }

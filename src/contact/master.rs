@@ -96,8 +96,34 @@ pub struct Prospect {
     pub contact: Option<Projection>,
     /// The normal where it is nearest, ends included, and the distance.
     pub nearest: Option<(Vec3, f64)>,
+    /// The normals of both sides of an edge or a tip there, if the place looks at both, and at none squarely.
+    pub sides: Option<[Vec3; 2]>,
     /// The component of the mesh that this is on; a tool has none.
     pub component: Option<usize>,
+}
+
+impl Prospect {
+    /// Cosines of the angles to a side within which a place looks at it squarely, and within which it looks at it.
+    const SQUARELY: f64 = 0.94;
+    const LOOKS: f64 = 0.1;
+
+    /// With the normal of the `side` next to a place that is the most along a direction, whichever its sign, and the distance.
+    fn new(
+        outward: &Vec3,
+        contact: Option<Projection>,
+        component: Option<usize>,
+        side: impl Fn(&Vec3) -> Option<(Vec3, f64)>,
+    ) -> Self {
+        let nearest = side(outward);
+        let looks = |normal: &Vec3| normal.dot(outward) < -Self::LOOKS;
+        let own = nearest.map(|(normal, _)| normal).filter(|own| looks(own) && own.dot(outward) > -Self::SQUARELY);
+        let sides = own.and_then(|own| {
+            let across = (own - outward * own.dot(outward)).normalize();
+            let (other, _) = side(&(outward + across))?;
+            looks(&other).then_some([own, other])
+        });
+        Self { contact, nearest, sides, component }
+    }
 }
 
 impl Masters {
@@ -213,7 +239,7 @@ impl Masters {
                 let see = |(x, outward): (&Vec3, &Vec3)| {
                     surface.near().nearest(x, reach)?;
                     let contact = surface.project(x, reach, (None, false));
-                    Some(Prospect { contact, nearest: surface.near().side_normal(x, outward), component: None })
+                    Some(Prospect::new(outward, contact, None, |like| surface.near().side_normal(x, like)))
                 };
                 points_with_normals.map(see).collect()
             }
@@ -225,7 +251,7 @@ impl Masters {
                     let beside = shapes.nearest_within(x, reach)?;
                     let contact = shapes.closest(x, reach, None);
                     let component = surface.component(contact.as_ref().unwrap_or(&beside));
-                    Some(Prospect { contact, nearest: side_normal(shapes, x, outward), component })
+                    Some(Prospect::new(outward, contact, component, |like| side_normal(shapes, x, like)))
                 };
                 points_with_normals.map(see).collect()
             }

@@ -41,12 +41,12 @@ impl Shape {
         Some(stays.unwrap_or(found))
     }
 
-    /// Where `x` is exactly between pieces: see [`PieceSet::evenly`]. Nothing of shapes without pieces.
+    /// Where `x` is exactly between pieces: see [`PieceSet::evenly`] and [`Analytic::evenly`].
     pub fn evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         match self {
             Self::Patches(patches) => patches.evenly(x, at, even),
             Self::Faces(faces) => faces.evenly(x, at, even),
-            Self::Analytic(_) => Vec::new(),
+            Self::Analytic(shape) => shape.evenly(x, at, even),
         }
     }
 

@@ -11,6 +11,7 @@
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step
 //! - `pressed`: bodies that nothing presses against what touches them
+//! - `astride`: slave nodes exactly under sharp edges of a master
 //! - `idle`: loads, springs and dashpots on nodes that are held
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
@@ -20,6 +21,7 @@
 //! probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read:
 //! [`crate::model`].
 
+mod astride;
 mod facing;
 mod gaps;
 mod idle;
@@ -91,6 +93,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     idle::check(comm, scene, model, &steps);
+    astride::check(comm, model, (&steps, &sights));
     let aside = sights.iter().map(|sights| sights.iter().map(|sight| sight.is_aside).collect()).collect();
     Ok(Beginning { gaps, strangers, aside })
 }

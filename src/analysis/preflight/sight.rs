@@ -36,6 +36,8 @@ pub struct Standing {
     /// Normal of the master where it is nearest, ends included, of the face there that is the most along the node's own;
     /// and the distance. `None` where both are on one body.
     pub nearest: Option<(Vec3, f64)>,
+    /// The normals of both sides of an edge or a tip of the master that is nearest, if it looks at both, and at none squarely.
+    pub sides: Option<[Vec3; 2]>,
     /// The component of the mesh that the master is of there; a tool has none.
     pub component: Option<usize>,
     /// It is past an end of the master, and behind another face of it, which it does not look at.
@@ -150,8 +152,8 @@ fn widen(
         let mut rest = Vec::new();
         for (&s, found) in open.iter().zip(found) {
             match found {
-                Some(Prospect { contact, nearest, component }) => {
-                    sights[s] = Standing { contact, nearest, component, ..sights[s] };
+                Some(Prospect { contact, nearest, sides, component }) => {
+                    sights[s] = Standing { contact, nearest, sides, component, ..sights[s] };
                 }
                 None => rest.push(s),
             }

@@ -69,6 +69,32 @@ impl Axis {
         }
     }
 
+    /// Where a curve meets the axis at an angle: what `planar` finds in half planes at quarter turns around, next to `x`, with planes
+    /// that touch the surface there. They are numbered on from `piece`, by `count`.
+    pub fn around(
+        &self,
+        x: &Vec3,
+        (piece, count): (u32, u32),
+        planar: impl Fn(&Vec2) -> Option<Planar>,
+    ) -> Vec<Projection> {
+        let arm = x - self.point;
+        let [e_1, e_2] = self.frame();
+        let plane = |(k, e_r): (u32, Vec3)| {
+            let planar = planar(&Vec2::new(arm.dot(&e_r), arm.dot(&self.direction)))?;
+            let half_plane = Matrix3x2::from_columns(&[e_r, self.direction]);
+            let normal = half_plane * planar.normal;
+            Some(Projection {
+                gap: planar.gap,
+                point: x - normal * planar.gap,
+                normal,
+                normal_gradient: half_plane * planar.gradient * half_plane.transpose(),
+                patch: piece + k * count,
+                xi: [0.0; 2],
+            })
+        };
+        (0..).zip([e_1, e_2, -e_1, -e_2]).filter_map(plane).collect()
+    }
+
     /// The surface at an angle, where the curve is `curve[0]` with the derivatives `curve[1]` and `curve[2]`; the angle is
     /// the first parameter.
     pub fn local(&self, angle: f64, curve: [Vec2; 3]) -> Local {

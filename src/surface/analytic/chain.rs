@@ -61,8 +61,11 @@ enum Limit {
 
 /// Lengths that differ by less, over the size of the chain, are equal.
 const EQUAL: f64 = 1e-12;
-/// The same for the piece of the last projection.
-const KEEP: f64 = 1e-6;
+/// The same for the piece of the last projection, and for pieces that a point is exactly between.
+pub(super) const KEEP: f64 = 1e-6;
+/// So far beyond an open end, over the length, what was on a piece is still on it: iterates do not lose nodes that stick there. Patches
+/// go on by more, see [`crate::surface::EXTENSION`].
+pub(super) const FARTHER: f64 = 1e-3;
 
 impl Chain {
     /// The chain through `points`, rounded at each by a radius of `fillets`, back to the first point if `closed`.
@@ -142,7 +145,8 @@ impl Chain {
     }
 
     /// The closest point to `x` and the number of the piece that it is on; a corner belongs to the piece before it.
-    /// `kept` is the piece of the last projection, which stays in a tie. `None` beyond the ends.
+    /// `kept` is the piece of the last projection, which stays in a tie. `None` beyond the ends, where what was on a piece is a
+    /// little farther.
     pub fn project(&self, x: &Vec2, kept: Option<u32>) -> Option<(Planar, u32)> {
         let count = self.pieces.len();
         let mut best: Option<(Planar, u32)> = None;
@@ -160,11 +164,12 @@ impl Chain {
                 best = Some((next, piece));
             }
         };
-        let first = self.foot(0, x);
+        let slack = self.size * if kept.is_some() { FARTHER } else { ROUNDED };
+        let first = self.foot((0, slack), x);
         let mut foot = first;
         for k in 0..count {
             let (way, limit) = foot;
-            let next = if k + 1 < count { Some(self.foot(k + 1, x)) } else { self.closed.then_some(first) };
+            let next = if k + 1 < count { Some(self.foot((k + 1, slack), x)) } else { self.closed.then_some(first) };
             let (before, after) = (self.joints[k], self.joints[k + 1]);
             match limit {
                 Limit::Inside => consider(self.pieces[k].project(x), k),
@@ -189,9 +194,32 @@ impl Chain {
         pieces.map(|(k, piece)| (piece.project(x), k as u32))
     }
 
-    /// The way along a piece to its point next to `x`, and which end of it that is.
-    fn foot(&self, piece: usize, x: &Vec2) -> (f64, Limit) {
-        let slack = |joint: Joint| if joint == Joint::Open { ROUNDED * self.size } else { 0.0 };
+    /// The projections of `x` onto all pieces that are as near as a `gap`, with their numbers, if there are several.
+    pub fn evenly(&self, x: &Vec2, gap: f64) -> Vec<(Planar, u32)> {
+        let even = || (0..self.count()).filter_map(|k| Some((self.on_piece(x, k, gap)?, k)));
+        if even().nth(1).is_some() { even().collect() } else { Vec::new() }
+    }
+
+    /// The projection of `x` onto a piece, if that is as near as a `gap`.
+    pub fn on_piece(&self, x: &Vec2, piece: u32, gap: f64) -> Option<Planar> {
+        let (near, piece) = (self.near(), self.pieces.get(piece as usize)?);
+        let is_beside = (-near..=piece.length() + near).contains(&piece.foot(x));
+        is_beside.then(|| piece.project(x)).filter(|planar| (planar.gap - gap).abs() <= near)
+    }
+
+    /// The number of pieces.
+    pub fn count(&self) -> u32 {
+        self.pieces.len() as u32
+    }
+
+    /// Lengths that differ by less are equal for a point that is exactly between pieces.
+    pub fn near(&self) -> f64 {
+        KEEP * self.size
+    }
+
+    /// The way along a piece to its point next to `x`, and which end of it that is; open ends have some slack.
+    fn foot(&self, (piece, slack): (usize, f64), x: &Vec2) -> (f64, Limit) {
+        let slack = |joint: Joint| if joint == Joint::Open { slack } else { 0.0 };
         let (way, length) = (self.pieces[piece].foot(x), self.pieces[piece].length());
         if way < -slack(self.joints[piece]) {
             (0.0, Limit::Start)

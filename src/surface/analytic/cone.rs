@@ -1,6 +1,8 @@
 //! The cone.
 
 use super::axis::Axis;
+use super::chain::KEEP;
+use super::more_along;
 use super::section::{Planar, corner};
 use crate::surface::{Closest, Local, Parametric, Projection};
 use crate::{Mat2, Vec2, Vec3};
@@ -35,13 +37,27 @@ impl Cone {
         self.axis().lift(x, at, e_r, &planar)
     }
 
-    /// The normal at the point next to `x`; at the apex that of the side that is the most along `like`.
+    /// At the tip, next to the axis by a part of `reach`: the projections of `x`, whose closest point is `at`, onto planes that touch the
+    /// cone at four places around. Elsewhere none.
+    pub fn around(&self, x: &Vec3, at: &Projection, reach: f64) -> Vec<Projection> {
+        let (near, (own, _)) = (KEEP * reach, self.axis().split(x));
+        let normal = self.outward() * if self.hollow { -1.0 } else { 1.0 };
+        let planar = |x: &Vec2| {
+            let gap = x.dot(&normal);
+            let is_even = (gap - at.gap).abs() <= near && x.dot(&self.side()) >= -near;
+            is_even.then_some(Planar { gap, normal, gradient: Mat2::zeros() })
+        };
+        if own.x <= near { self.axis().around(x, (at.patch, 1), planar) } else { Vec::new() }
+    }
+
+    /// The normal at the point next to `x`; at the apex that of the side that is the most along `like`, whichever its sign.
     pub fn side_normal(&self, x: &Vec3, like: &Vec3) -> Vec3 {
         let (at, e_r) = self.axis().split(x);
         let across = like - self.axis * like.dot(&self.axis);
         let at_apex = at.norm() <= NEAR * (x.amax() + self.apex.amax());
         let e_r = if at_apex { across.try_normalize(0.0).unwrap_or(e_r) } else { e_r };
-        let normal = e_r * self.outward().x + self.axis * self.outward().y;
+        let normal = |e_r: Vec3| e_r * self.outward().x + self.axis * self.outward().y;
+        let normal = if at_apex { more_along(like, normal(e_r), normal(-e_r)) } else { normal(e_r) };
         if self.hollow { -normal } else { normal }
     }
 

@@ -25,7 +25,7 @@ pub use profile::{Profile, ROUNDED, Sweep};
 pub use round::{Cylinder, Sphere};
 pub use torus::Torus;
 
-use super::{Closest, Parametric, Projection, Tessellation};
+use super::{Closest, Even, Parametric, Projection, Tessellation};
 use crate::{Mat3, Vec2, Vec3};
 
 /// One of the surfaces with closed forms.
@@ -42,6 +42,11 @@ pub enum Analytic {
 /// Distances that differ by less, over the size of the coordinates, are equal.
 const NEARLY: f64 = 1e-12;
 
+/// Which of two normals is the more along a direction, whichever its sign.
+fn more_along(like: &Vec3, a: Vec3, b: Vec3) -> Vec3 {
+    if b.dot(like).abs() > a.dot(like).abs() { b } else { a }
+}
+
 impl Analytic {
     /// Closest point to `x` within the distance `reach`; `kept` is [`Projection::patch`] of the last projection, which
     /// stays in a tie. `None` when there is none, or beyond an end of a profile.
@@ -55,6 +60,23 @@ impl Analytic {
             Self::Profile(profile) => profile.project(x, kept)?,
         };
         (projection.gap.abs() <= reach).then_some(projection)
+    }
+
+    /// Where `x`, whose closest point is `at`, is exactly between the sides of a sharp edge, or in a tip on an axis of revolution:
+    /// the projections onto these sides, or onto the planes that touch the tip at four places around, with equal shares. None where two
+    /// of their normals differ by more than the turn that is asked for: they are not of one surface.
+    pub fn evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
+        let found = match self {
+            Self::Cone(cone) => cone.around(x, at, even.reach),
+            Self::Profile(profile) => profile.evenly(x, at),
+            _ => Vec::new(),
+        };
+        let pairs = found.iter().flat_map(|a| found.iter().map(|b| 1.0 - a.normal.dot(&b.normal)));
+        let turn = pairs.fold(0.0, f64::max);
+        if !(NEARLY..=even.turn).contains(&turn) || found.iter().all(|p| p.patch != at.patch) {
+            return Vec::new();
+        }
+        found.into_iter().map(|p| (p, 1.0)).collect()
     }
 
     /// The point nearest to `x`, ends of a profile included: beside an end the normal points along the line between `x` and

@@ -1,7 +1,9 @@
 //! Profiles: a chain of lines and arcs, drawn out along a straight line or turned about an axis.
 
 use super::axis::Axis;
-use super::chain::Chain;
+use super::chain::{Chain, FARTHER};
+use super::corners::STRAIGHT;
+use super::more_along;
 use super::section::Planar;
 use crate::surface::{Closest, Local, Parametric, Projection};
 use crate::{Vec2, Vec3};
@@ -39,25 +41,40 @@ pub const ROUNDED: f64 = 1e-9;
 
 impl Profile {
     /// Closest point of the profile to `x`; `kept` is the piece of the last projection, which stays in a tie. `None` beyond
-    /// the ends.
+    /// the ends, where what was on a piece is a little farther.
     pub fn project(&self, x: &Vec3, kept: Option<u32>) -> Option<Projection> {
-        let at = self.in_section(x)?;
+        let at = self.in_section(x, if kept.is_some() { FARTHER } else { ROUNDED })?;
         self.chain.project(&at, kept).map(|found| self.in_space(x, found))
     }
 
     /// Perpendiculars from `x` to all pieces of the chain, no longer than `most`; they may miss a piece by a distance of `aside`.
     pub fn perpendiculars(&self, x: &Vec3, most: f64, aside: f64) -> Vec<Projection> {
-        let Some(at) = self.in_section(x) else { return Vec::new() };
+        let Some(at) = self.in_section(x, ROUNDED) else { return Vec::new() };
         let near = self.chain.perpendiculars(&at, aside).filter(|(planar, _)| planar.gap.abs() <= most);
         near.map(|found| self.in_space(x, found)).collect()
     }
 
-    /// Where `x` is in its section; `None` beyond the ends.
-    fn in_section(&self, x: &Vec3) -> Option<Vec2> {
+    /// The projections of `x`, whose closest point is `at`, onto the sides of an edge between which it is exactly, or, in a tip on the axis,
+    /// onto planes that touch the surface at four places around. None elsewhere.
+    pub fn evenly(&self, x: &Vec3, at: &Projection) -> Vec<Projection> {
+        let Some(own) = self.in_section(x, FARTHER) else { return Vec::new() };
+        match &self.sweep {
+            Sweep::Revolved(axis) if own.x <= self.chain.near() => {
+                let count = self.chain.count();
+                let on = |x: &Vec2| self.chain.on_piece(x, at.patch % count, at.gap);
+                let is_tip = on(&Vec2::new(0.0, own.y)).is_some_and(|planar| planar.normal.x.abs() > STRAIGHT);
+                if is_tip { axis.around(x, (at.patch % count, count), on) } else { Vec::new() }
+            }
+            _ => self.chain.evenly(&own, at.gap).into_iter().map(|found| self.in_space(x, found)).collect(),
+        }
+    }
+
+    /// Where `x` is in its section; `None` beyond the ends by more than `slack` of its length.
+    fn in_section(&self, x: &Vec3, slack: f64) -> Option<Vec2> {
         match &self.sweep {
             Sweep::Extruded { origin, x: right, y: up, length } => {
                 let (at, along) = split(x, origin, right, up);
-                let is_beyond = |length: f64| along < -ROUNDED * length || along > length * (1.0 + ROUNDED);
+                let is_beyond = |length: f64| along < -slack * length || along > length * (1.0 + slack);
                 (!length.is_some_and(is_beyond)).then_some(at)
             }
             Sweep::Revolved(axis) => Some(axis.split(x).0),
@@ -98,9 +115,15 @@ impl Profile {
                 let (at, e_r) = axis.split(x);
                 // On the axis the section goes the way that is asked for.
                 let across = like - axis.direction * like.dot(&axis.direction);
-                let e_r = if at.x > 0.0 { e_r } else { across.try_normalize(0.0).unwrap_or(e_r) };
-                let side = self.chain.side_normal(&at, &Vec2::new(like.dot(&e_r), like.dot(&axis.direction)));
-                e_r * side.x + axis.direction * side.y
+                let side = |e_r: Vec3| {
+                    let side = self.chain.side_normal(&at, &Vec2::new(like.dot(&e_r), like.dot(&axis.direction)));
+                    e_r * side.x + axis.direction * side.y
+                };
+                if at.x > 0.0 {
+                    return side(e_r);
+                }
+                let e_r = across.try_normalize(0.0).unwrap_or(e_r);
+                more_along(like, side(e_r), side(-e_r))
             }
         }
     }

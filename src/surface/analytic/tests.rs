@@ -280,7 +280,50 @@ fn at_a_corner_the_facet_tells_the_side() {
     let cone = Cone { apex: place(), axis: axis(), angle: 0.6, hollow: false };
     for angle in [0.0, 2.0] {
         let normal = cone.normal([angle, 1.0]);
-        assert!((cone.side_normal(&place(), &normal) - normal).norm() < 1e-14);
+        for like in [normal, -normal, normal - axis() * 0.2, axis() * 0.2 - normal] {
+            assert!((cone.side_normal(&place(), &like) - normal).norm() < 1e-14);
+        }
+    }
+}
+
+/// In an edge and in a tip, on their bisector inside, too, a point is on all sides, whose mean looks along that; not beside it, where it
+/// is smooth, outside, or where sides lean too far.
+#[test]
+fn sides_of_an_edge_are_even() {
+    let [x, y] = super::super::normals::tangents(&axis());
+    let even = |turn: f64| Even { turn, reach: 5.0, extension: None, kept: None };
+    // Solid above, as in (r, h).
+    let points = [[0.0, 0.0], [3.0, 1.0]];
+    let slope = 1.0f64.atan2(3.0);
+    let cone = Analytic::Cone(Cone { apex: place(), axis: axis(), angle: 0.5 * PI - slope, hollow: false });
+    let wedge = profile(&[[-3.0, 1.0], [0.0, 0.0], [3.0, 1.0]], &[0.0; 3], false, drawn(None));
+    let tip = profile(&points, &[0.0; 2], false, turned());
+    for (shape, up, along, count) in [(wedge, y, x, 2), (cone, axis(), x, 4), (tip, axis(), x, 4)] {
+        let at = |point: Vec3, turn: f64| shape.evenly(&point, &shape.closest(&point, 5.0, None).unwrap(), &even(turn));
+        for height in [0.0, 0.3] {
+            let found = at(place() + up * height, 0.234);
+            assert_eq!(found.len(), count, "{shape:?}");
+            let mean = found.iter().map(|(p, _)| p.normal).sum::<Vec3>() / count as f64;
+            assert!((mean + up * slope.cos()).norm() < 1e-12);
+            for (p, share) in &found {
+                assert!(
+                    (p.gap + height * slope.cos()).abs() < 1e-12 && *share == 1.0 && p.normal_gradient.norm() < 1e-12
+                );
+            }
+        }
+        for beside in [along * 1e-3, along * 1e-3 + up * 0.3, up * -0.1] {
+            assert!(at(place() + beside, 0.234).is_empty(), "{shape:?}");
+        }
+        assert!(at(place(), 0.1).is_empty());
+    }
+    let rounded = profile(&[[-3.0, 1.0], [0.0, 0.0], [3.0, 1.0]], &[0.0, 1.0, 0.0], false, drawn(None));
+    let ball = profile(&[[0.0, -1.0], [1.0, -1.0], [1.0, 1.0]], &[0.0, 0.999, 0.0], false, turned());
+    for shape in [rounded, ball] {
+        for k in 0..100 {
+            let point = place() + x * (0.02 * k as f64 - 1.0);
+            let Some(at) = shape.closest(&point, 5.0, None) else { continue };
+            assert!(shape.evenly(&point, &at, &even(0.234)).is_empty());
+        }
     }
 }
 
