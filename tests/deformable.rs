@@ -530,3 +530,44 @@ fn the_side_of_what_stands_on_a_slave_does_not_push() {
         assert_eq!(history.last("side.max_penetration"), 0.0);
     }
 }
+
+/// Six thin sheets that lie on each other, held at one end, are bent by a roller at the other: all that lies on each other begins to
+/// bear at once, and slips. Loaded one way, they end at the same force in few increments and in many, a little above that without
+/// friction, and the held ends bear what the roller presses with.
+#[test]
+fn sheets_that_lie_on_each_other_bend() {
+    const SHEETS: usize = 6;
+    let bend = |friction: f64, increments: usize| {
+        let sheet = |k: usize| {
+            format!(
+                "[body.s{k}]\nmaterial = \"p\"\nelement = \"hex8-eas\"\nplane_strain = true\nblock = {{ box = {{ origin = [0.0, {:?}, 0.0], size = [20.0, 0.2, 0.5] }}, elements = [40, 2, 1] }}\n",
+                0.2 * k as f64
+            )
+        };
+        let contact = |k: usize| {
+            format!("[contact.k{k}]\nslave = \"s{k}.ymax\"\nmaster = \"s{}.ymin\"\nfriction = {friction:?}\n", k + 1)
+        };
+        let bodies: String = (0..SHEETS).map(sheet).chain((0..SHEETS - 1).map(contact)).collect();
+        let ends = |of: &dyn Fn(usize) -> String| (0..SHEETS).map(of).collect::<Vec<_>>().join(", ");
+        let history = Bench::new(&format!(
+            "{bodies}[material.p]\nmodel = \"hooke\"\nyoung = 2000.0\npoisson = 0.3\n\
+             [tool.roll]\ncylinder = {{ point = [18.0, {:?}, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.0 }}\n\
+             [contact.r]\nslave = \"s{}.ymax\"\nmaster = \"roll\"\n\
+             [[step]]\nname = \"bend\"\nincrements = {increments}\nfix = [{}]\n\
+             move = [{{ target = \"roll\", by = [0.0, -4.0, 0.0] }}]\n[output]\nevery = 1000\nhistory = [{}]\n",
+            0.2 * SHEETS as f64 + 1.0,
+            SHEETS - 1,
+            ends(&|k| format!("{{ set = \"s{k}.xmin\" }}")),
+            ends(&|k| format!("\"s{k}.xmin\"")),
+        ))
+        .solve(1, &[])
+        .history();
+        let force = history.last("roll.fy");
+        let held: f64 = (0..SHEETS).map(|k| history.last(&format!("s{k}.xmin.fy"))).sum();
+        assert_small("balance", (held + force) / force, 1e-8);
+        force
+    };
+    let (many, few, smooth) = (bend(0.3, 20), bend(0.3, 4), bend(0.0, 4));
+    assert_close("whatever the increments", many, few, 1e-8);
+    assert!((1.0..1.1).contains(&(many / smooth)), "{many} {smooth}");
+}

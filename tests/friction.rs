@@ -444,8 +444,8 @@ fn what_friction_has_locked_stays_beside_what_begins_to_touch() {
     let lean = 5f64.to_radians().tan();
     let place = |[s, t, r]: [f64; 3]| [200.0 + (2.0 * s - 1.0) * (5.0 + lean * 10.0 * t), 10.0 * t, r];
     bench.write("wedge.msh", &msh::block([6, 6, 1], false, place));
-    // With more iterations rounding may let the first way find it.
-    let run = bench.solve(2, &["--set", "solver.max_iterations=10"]);
+    // With more iterations, or as sums of two ranks round at times, another way may find it.
+    let run = bench.solve(1, &["--set", "solver.max_iterations=10"]);
     assert!(run.log().contains("once all is in balance without it"), "{}", run.log());
     let history = run.history();
     let at_end = |step: &str| {
