@@ -613,12 +613,12 @@ fn wedge_mesh(rise: f64) -> String {
 /// ```
 #[test]
 fn what_stands_under_an_edge_is_on_both_sides() {
-    let wedge = |rise: f64| {
-        let high = 6.0 + rise;
+    let drawn = |points: &str| {
         format!(
-            "profile = {{ points = [[-6.0, {high:?}], [0.0, 6.0], [6.0, {high:?}]], extrude = {{ origin = [0.0, 9.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0], length = 18.0 }} }}"
+            "profile = {{ points = [{points}], extrude = {{ origin = [0.0, 9.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 0.0, 1.0], length = 18.0 }} }}"
         )
     };
+    let wedge = |rise: f64| drawn(&format!("[-6.0, {0:?}], [0.0, 6.0], [6.0, {0:?}]", 6.0 + rise));
     let told = "exactly under a sharp edge or a tip of the tool `t`";
     for friction in ["", "friction = 0.3"] {
         let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", -0.8, friction);
@@ -650,9 +650,14 @@ fn what_stands_under_an_edge_is_on_both_sides() {
         let run = under(&tool, -0.2, "").run(1, &[]);
         assert!(run.log().contains(told) && run.log().contains("of its slave nodes"), "{}", run.log());
     }
+    let half = [
+        "body.b.block={ box = { origin = [0.0, -6.0, 0.0], size = [6.0, 12.0, 6.0] }, elements = [2, 4, 2] }",
+        "step.press.fix=[{ set = \"b.zmin\" }, { set = \"b.xmin\", directions = \"x\" }]",
+    ];
+    let held = under(&wedge(6.0), -0.2, "").solve(1, &["--set", half[0], "--set", half[1]]);
+    assert!(!held.log().contains(told), "{}", held.log());
     // Nodes under the edge of a block look at its lower side alone.
-    let punch = wedge(2.0)
-        .replace("[[-6.0, 8.0], [0.0, 6.0], [6.0, 8.0]]", "[[-3.0, 9.0], [-3.0, 6.0], [3.0, 6.0], [3.0, 9.0]]");
+    let punch = drawn("[-3.0, 9.0], [-3.0, 6.0], [3.0, 6.0], [3.0, 9.0]");
     let run = under(&punch, -0.2, "").solve(1, &[]);
     assert!(!run.log().contains(told), "{}", run.log());
 }

@@ -163,7 +163,12 @@ impl Simulation<'_> {
         if !frame.hangs {
             return Vec::new();
         }
-        self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits).iter().map(|free| free.index).collect()
+        self.unpressed_before(frame, limits).iter().map(|free| free.index).collect()
+    }
+
+    /// What no contact has pressed on in the state. Collective.
+    fn unpressed_before(&self, frame: &Frame, limits: &[f64]) -> Vec<Free> {
+        self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits)
     }
 
     /// The first of bodies that no contact presses on which has gone from where it was by more than it takes its shape by, with how
@@ -213,7 +218,7 @@ impl Simulation<'_> {
         // Nothing else asks what has settled.
         let is_asked = !unpressed.is_empty() || frame.progress.ladder.has_lingered();
         let before = match is_asked {
-            true => self.unpressed(frame, &self.state.u, |slave| &slave.accepted, limits),
+            true => self.unpressed_before(frame, limits),
             false => Vec::new(),
         };
         let is_new = |free: &Free| before.iter().all(|before| before.who != free.who);
@@ -267,12 +272,12 @@ impl Simulation<'_> {
             }
             Some(free) => {
                 let mut slaves = self.model.pairs.iter().flat_map(|pair| &pair.slaves);
-                let rubs = any(self.comm, slaves.any(Slave::rubs));
-                let before = self.unpressed(frame, &self.state.u, |slave| &slave.accepted, &converged.limits);
-                let why = match before.iter().any(|before| before.who == free.who) {
-                    _ if rubs => "what touches slips, and no contact holds it",
-                    true => "no contact holds it so",
-                    false => "no contact holds it any more",
+                let was_pressed =
+                    || self.unpressed_before(frame, &converged.limits).iter().all(|before| before.who != free.who);
+                let why = match any(self.comm, slaves.any(Slave::rubs)) {
+                    true => "what touches slips, and no contact holds it",
+                    false if was_pressed() => "no contact holds it any more",
+                    false => "no contact holds it so",
                 };
                 let reason = format!("{} can {}, for {why},", free.who, free.motion());
                 Attempt::Failed(converged.refused(&self.model, Cause::Loose, reason))

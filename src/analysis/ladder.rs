@@ -394,16 +394,13 @@ impl Ladder {
             self.tries.jumps.failed += 1;
             return (self.tries.jumps.failed < self.means.jumps && increments.lengthen(end)).then_some(Remedy::Jump);
         }
-        let may_sort = self.glides() && !by_sets && self.tries.central.is_none() && cause.is_of_iteration();
-        if may_sort && self.means.sort && self.means.sort_first {
-            self.tries.sets = true;
-            return Some(Remedy::Sets);
-        }
         if let Some(remedy) = self.turn(cause, is_long) {
             return Some(remedy);
         }
         let may_glide = self.means.glide && !is_long && cause.is_of_iteration() && !self.is_remedy();
         if is_new(&mut self.tries.glides, may_glide) {
+            // By sets, too, where these come first.
+            self.tries.sorted &= !self.means.sort_first;
             return Some(Remedy::Glide);
         }
         self.shorten(increments, end, cause)

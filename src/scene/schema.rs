@@ -82,9 +82,9 @@ fn closed(properties: Map<String, Value>) -> Value {
 /// The tables that have a key, by their headings; none if many have it.
 pub fn tables_with(key: &str) -> Vec<&'static str> {
     const MANY: usize = 4;
-    let mut found: Vec<_> = tables().into_iter().filter(|(_, rows)| rows.iter().any(|row| row.key == key)).collect();
-    found.truncate(MANY);
-    if found.len() < MANY { found.into_iter().map(|(heading, _)| heading).collect() } else { Vec::new() }
+    let has = |rows: &[Row]| rows.iter().any(|row| row.key == key);
+    let found: Vec<_> = tables().into_iter().filter(|(_, rows)| has(rows)).map(|(heading, _)| heading).collect();
+    if found.len() < MANY { found } else { Vec::new() }
 }
 
 fn tables() -> Tables {

@@ -3,6 +3,7 @@
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::surface::analytic::Profile;
+use crate::surface::normals::more_along;
 use crate::surface::{Analytic, Even, FaceSet, PatchSet, Piece, PieceSet, Projection};
 
 /// The whole of a surface, or what is near.
@@ -137,9 +138,8 @@ pub fn side_normal<P: Piece>(set: &PieceSet<P>, x: &Vec3, like: &Vec3) -> Option
         let closest = piece.closest(x);
         (closest.distance <= enough).then(|| piece.normal(closest.xi))
     };
-    let more = |a: Vec3, b: Vec3| if b.dot(like).abs() > a.dot(like).abs() { b } else { a };
     let normals = set.within(&(x - around), &(x + around)).into_iter().filter_map(meets);
-    normals.reduce(more).map(|normal| (normal, distance))
+    normals.reduce(|a, b| more_along(like, a, b)).map(|normal| (normal, distance))
 }
 
 #[cfg(test)]

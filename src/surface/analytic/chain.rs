@@ -7,6 +7,7 @@
 
 use super::corners::{Corners, Misfit, ROUNDED, STRAIGHT, check_radii};
 use super::section::{Planar, circle, corner, right};
+use crate::surface::normals::more_along;
 use crate::{Mat2, Vec2};
 
 /// Lines and arcs, end to end.
@@ -194,17 +195,10 @@ impl Chain {
         pieces.map(|(k, piece)| (piece.project(x), k as u32))
     }
 
-    /// The projections of `x` onto all pieces that are as near as a `gap`, with their numbers, if there are several.
-    pub fn evenly(&self, x: &Vec2, gap: f64) -> Vec<(Planar, u32)> {
-        let even = || (0..self.count()).filter_map(|k| Some((self.on_piece(x, k, gap)?, k)));
-        if even().nth(1).is_some() { even().collect() } else { Vec::new() }
-    }
-
-    /// The projection of `x` onto a piece, if that is as near as a `gap`.
-    pub fn on_piece(&self, x: &Vec2, piece: u32, gap: f64) -> Option<Planar> {
-        let (near, piece) = (self.near(), self.pieces.get(piece as usize)?);
-        let is_beside = (-near..=piece.length() + near).contains(&piece.foot(x));
-        is_beside.then(|| piece.project(x)).filter(|planar| (planar.gap - gap).abs() <= near)
+    /// The perpendiculars from `x` to all pieces that are as near as a `gap`.
+    pub fn evenly(&self, x: &Vec2, gap: f64) -> impl Iterator<Item = (Planar, u32)> {
+        let near = self.near();
+        self.perpendiculars(x, near).filter(move |(planar, _)| (planar.gap - gap).abs() <= near)
     }
 
     /// The number of pieces.
@@ -274,8 +268,8 @@ impl Chain {
         };
         let least = self.pieces.iter().map(|piece| foot(piece).0).fold(f64::INFINITY, f64::min);
         let meets = |(distance, _): &(f64, Vec2)| *distance <= least + KEEP * self.size;
-        let more = |a: (f64, Vec2), b: (f64, Vec2)| if b.1.dot(like).abs() > a.1.dot(like).abs() { b } else { a };
-        self.pieces.iter().map(foot).filter(meets).reduce(more).map_or(Vec2::zeros(), |(_, normal)| normal)
+        let normals = self.pieces.iter().map(foot).filter(meets).map(|(_, normal)| normal);
+        normals.reduce(|a, b| more_along(like, a, b)).unwrap_or_default()
     }
 
     /// The chain and its first and second derivatives at a way along it.

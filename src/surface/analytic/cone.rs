@@ -2,8 +2,8 @@
 
 use super::axis::Axis;
 use super::chain::KEEP;
-use super::more_along;
 use super::section::{Planar, corner};
+use crate::surface::normals::more_along;
 use crate::surface::{Closest, Local, Parametric, Projection};
 use crate::{Mat2, Vec2, Vec3};
 use std::f64::consts::PI;

@@ -42,11 +42,6 @@ pub enum Analytic {
 /// Distances that differ by less, over the size of the coordinates, are equal.
 const NEARLY: f64 = 1e-12;
 
-/// Which of two normals is the more along a direction, whichever its sign.
-fn more_along(like: &Vec3, a: Vec3, b: Vec3) -> Vec3 {
-    if b.dot(like).abs() > a.dot(like).abs() { b } else { a }
-}
-
 impl Analytic {
     /// Closest point to `x` within the distance `reach`; `kept` is [`Projection::patch`] of the last projection, which
     /// stays in a tie. `None` when there is none, or beyond an end of a profile.

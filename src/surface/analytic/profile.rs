@@ -3,8 +3,8 @@
 use super::axis::Axis;
 use super::chain::{Chain, FARTHER};
 use super::corners::STRAIGHT;
-use super::more_along;
 use super::section::Planar;
+use crate::surface::normals::more_along;
 use crate::surface::{Closest, Local, Parametric, Projection};
 use crate::{Vec2, Vec3};
 use nalgebra::Matrix3x2;
@@ -61,11 +61,14 @@ impl Profile {
         match &self.sweep {
             Sweep::Revolved(axis) if own.x <= self.chain.near() => {
                 let count = self.chain.count();
-                let on = |x: &Vec2| self.chain.on_piece(x, at.patch % count, at.gap);
+                let piece = at.patch % count;
+                let on = |x: &Vec2| Some(self.chain.evenly(x, at.gap).find(|(_, k)| *k == piece)?.0);
                 let is_tip = on(&Vec2::new(0.0, own.y)).is_some_and(|planar| planar.normal.x.abs() > STRAIGHT);
-                if is_tip { axis.around(x, (at.patch % count, count), on) } else { Vec::new() }
+                if is_tip { axis.around(x, (piece, count), on) } else { Vec::new() }
             }
-            _ => self.chain.evenly(&own, at.gap).into_iter().map(|found| self.in_space(x, found)).collect(),
+            // Most are on one piece.
+            _ if self.chain.evenly(&own, at.gap).nth(1).is_none() => Vec::new(),
+            _ => self.chain.evenly(&own, at.gap).map(|found| self.in_space(x, found)).collect(),
         }
     }
 

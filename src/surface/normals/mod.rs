@@ -51,6 +51,7 @@ use crate::error::Result;
 use crate::mesh::Mesh;
 use ends::End;
 use groups::Groups;
+use nalgebra::SVector;
 pub use options::NormalOptions;
 use sharp::SharpEdges;
 pub use symmetry::Whole;
@@ -144,6 +145,11 @@ fn kinds(facets: &Facets, is_sharp: impl Fn(usize, usize) -> bool) -> Vec<[Edge;
 pub fn tangents(n: &Vec3) -> [Vec3; 2] {
     let a = n.cross(&Vec3::ith(n.iamin(), 1.0)).normalize();
     [n.cross(&a), -a]
+}
+
+/// Which of two normals is the more along a direction, whichever its sign.
+pub fn more_along<const D: usize>(like: &SVector<f64, D>, a: SVector<f64, D>, b: SVector<f64, D>) -> SVector<f64, D> {
+    if b.dot(like).abs() > a.dot(like).abs() { b } else { a }
 }
 
 #[cfg(test)]
