@@ -294,7 +294,7 @@ controls! {
         kink_turn: f64 = 0.1, [0.0, 0.5], "1 - cosine of the angle between the normals of both sides",
             "Beyond, 26 degrees, both sides are not of one surface that is smooth but for its patches, and what is on either side is another contact.";
         even_turn: f64 = 0.234, [0.0, 0.5], "1 - cosine of the angle between the normals of both sides",
-            "Beyond, 40 degrees, as where an edge is sharp by default (`feature_angle`), pieces between which a node is exactly are not of one surface, and it is on one of them. What iterations fold counts, too: with 0.1 a dome of facets that goes to and fro over a slab, in two passes without friction, leans by 3 % of its force.";
+            "Beyond, 40 degrees, as where an edge is sharp by default (`feature_angle`), pieces between which a node is exactly are not of one surface, and it is on one of them, unless it looks at both aslant. What iterations fold counts, too: with 0.1 a dome of facets that goes to and fro over a slab, in two passes without friction, leans by 3 % of its force.";
         edge_aside: f64 = 1e-3, [0.0, 0.02], "longest edge of the slave facets",
             "A node so little past a sharp edge of a side that it was on is still on it: so exact are the places of meshes and the iterates of nodes that stick. A platen that is as wide as the block that it presses would lose the nodes of the rim to rounding, a third of the force.";
         edge_beside: f64 = 0.5, [0.0, 2.0], "patch parameters",

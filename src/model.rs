@@ -258,13 +258,12 @@ impl Model {
         volume[0]
     }
 
-    /// Turns the slave nodes of pairs within a body to where their faces look with nodes displaced by `u`.
+    /// Turns the slave nodes of pairs to where their faces look with nodes displaced by `u`.
     pub fn turn_slaves(&mut self, u: &[Vec3]) {
         let part = &self.part;
         for pair in &mut self.pairs {
-            let Some(within) = &mut pair.within else { continue };
             let outward = outward_of(part, pair.side.set, |n| part.points[n as usize] + u[n as usize]);
-            within.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
+            pair.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
         }
     }
 

@@ -608,8 +608,8 @@ fn wedge_mesh(rise: f64) -> String {
 
 /// ```text
 ///      \     /         Nodes exactly under the edge of a wedge, or the tip of a cone, are on all of its sides: by symmetry nothing pushes
-///     __\   /__        across. A profile and the facets of the same shape are one tool. Where the edge is as sharp as to be none
-///        \_/           of one surface, that is said, unless the nodes are held between its sides.
+///     __\   /__        across. A profile and the facets of the same shape are one tool, however sharp the edge is. Where a torque turns
+///        \_/           it nodes are on one side, and that is said, unless they are held between its sides.
 /// ```
 #[test]
 fn what_stands_under_an_edge_is_on_both_sides() {
@@ -621,23 +621,27 @@ fn what_stands_under_an_edge_is_on_both_sides() {
     let wedge = |rise: f64| drawn(&format!("[-6.0, {0:?}], [0.0, 6.0], [6.0, {0:?}]", 6.0 + rise));
     let told = "exactly under a sharp edge or a tip of the tool `t`";
     for friction in ["", "friction = 0.3"] {
-        let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", -0.8, friction);
-        facets.write("w.msh", &wedge_mesh(2.0));
-        let (facets, profile) = (facets.solve(1, &[]).history(), under(&wedge(2.0), -0.8, friction).solve(2, &[]));
-        assert!(!profile.log().contains(told), "{}", profile.log());
-        let profile = profile.history();
-        let force = facets.last("t.fz");
-        assert_close("as facets", profile.last("t.fz"), force, 1e-8);
-        assert_small("across the wedge", profile.last("t.fx") / force, 1e-9);
+        for rise in [2.0, 12.0] {
+            let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", -0.8, friction);
+            facets.write("w.msh", &wedge_mesh(rise));
+            let (facets, profile) = (facets.solve(1, &[]).history(), under(&wedge(rise), -0.8, friction).solve(2, &[]));
+            assert!(!profile.log().contains(told), "{}", profile.log());
+            let profile = profile.history();
+            let force = facets.last("t.fz");
+            assert_close("as facets", profile.last("t.fz"), force, 1e-8);
+            assert_small("across the wedge", profile.last("t.fx") / force, 1e-9);
+        }
     }
     let height = 6.0;
     let cone =
         |angle: f64| format!("cone = {{ apex = [0.0, 0.0, {height:?}], axis = [0.0, 0.0, 1.0], angle = {angle:?} }}");
-    let revolved = format!(
-        "profile = {{ points = [[0.0, {height:?}], [6.0, {:?}]], revolve = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }} }}",
-        height + 6.0 / f64::to_radians(72.0).tan()
-    );
-    let forces = [cone(72.0), revolved].map(|tool| {
+    let revolved = |angle: f64| {
+        format!(
+            "profile = {{ points = [[0.0, {height:?}], [6.0, {:?}]], revolve = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }} }}",
+            height + 6.0 / angle.to_radians().tan()
+        )
+    };
+    let forces = [cone(72.0), revolved(72.0), cone(40.0), revolved(40.0)].map(|tool| {
         let history = under(&tool, -0.8, "").solve(1, &[]).history();
         let force = history.last("t.fz");
         for across in ["t.fx", "t.fy"] {
@@ -646,15 +650,19 @@ fn what_stands_under_an_edge_is_on_both_sides() {
         force
     });
     assert_close("the cone as a profile", forces[1], forces[0], 1e-8);
-    for tool in [wedge(6.0), cone(40.0)] {
-        let run = under(&tool, -0.2, "").run(1, &[]);
-        assert!(run.log().contains(told) && run.log().contains("of its slave nodes"), "{}", run.log());
-    }
+    assert_close("the sharp cone as a profile", forces[3], forces[2], 1e-8);
+    // Half of the block, held in its plane of symmetry, bears half.
     let half = [
         "body.b.block={ box = { origin = [0.0, -6.0, 0.0], size = [6.0, 12.0, 6.0] }, elements = [2, 4, 2] }",
         "step.press.fix=[{ set = \"b.zmin\" }, { set = \"b.xmin\", directions = \"x\" }]",
     ];
-    let held = under(&wedge(6.0), -0.2, "").solve(1, &["--set", half[0], "--set", half[1]]);
+    let whole = under(&wedge(6.0), -0.2, "").solve(1, &[]).history();
+    let held = under(&wedge(6.0), -0.2, "").solve(1, &["--set", half[0], "--set", half[1]]).history();
+    assert_close("half", 2.0 * held.last("t.fz"), whole.last("t.fz"), 1e-9);
+    let turn = "step.press.torque=[{ tool = \"t\", total = 0.0, point = [0.0, 0.0, 6.0], axis = [0.0, 1.0, 0.0] }]";
+    let turned = under(&wedge(6.0), -0.01, "").run(1, &["--set", turn]);
+    assert!(turned.log().contains(told) && turned.log().contains("of its slave nodes"), "{}", turned.log());
+    let held = under(&wedge(6.0), -0.01, "").run(1, &["--set", half[0], "--set", half[1], "--set", turn]);
     assert!(!held.log().contains(told), "{}", held.log());
     // Nodes under the edge of a block look at its lower side alone.
     let punch = drawn("[-3.0, 9.0], [-3.0, 6.0], [3.0, 6.0], [3.0, 9.0]");

@@ -354,7 +354,7 @@ impl<'a> Simulation<'a> {
                     None => projection,
                     Some(segments) => segments.meet(pair, s, projection.as_ref()).map(|(mean, _)| mean),
                 };
-                let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, &position, &at, None));
+                let even = projection.map_or(Vec::new(), |at| ground.evenly(pair, (s, &position), &at, None));
                 let slave = &mut pair.slaves[s];
                 slave.committed.aside = aside[s];
                 slave.trial.projection = projection.map(|at| mean_of_pieces(&even, &at).unwrap_or(at));

@@ -105,8 +105,9 @@ struct OfPair {
     interference: Interference,
     /// Of the last converged increment; the iterate; what was seen.
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
-    /// Within a body where slave nodes looked, and what they were not to meet.
-    within: Option<(Vec<Vec3>, Vec<Avoided>)>,
+    /// Where slave nodes looked; in self-contact what they were not to meet.
+    outward: Vec<Vec3>,
+    avoided: Option<Vec<Avoided>>,
 }
 
 impl Memory {
@@ -117,7 +118,8 @@ impl Memory {
             eased: pair.rules.eased,
             interference: pair.rules.interference,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sights.accepted)).collect(),
-            within: pair.within.as_ref().map(|within| (within.outward.clone(), within.avoided.clone())),
+            outward: pair.outward.clone(),
+            avoided: pair.within.as_ref().map(|within| within.avoided.clone()),
         };
         Self {
             solids: model.history.clone(),
@@ -151,8 +153,8 @@ impl Memory {
                 (slave.committed, slave.accepted, slave.trial, slave.sights.accepted) =
                     (*committed, *accepted, *trial, *sight);
             }
-            if let Some((within, (outward, avoided))) = pair.within.as_mut().zip(memory.within.as_ref()) {
-                within.outward.clone_from(outward);
+            pair.outward.clone_from(&memory.outward);
+            if let Some((within, avoided)) = pair.within.as_mut().zip(memory.avoided.as_ref()) {
                 within.avoided.clone_from(avoided);
             }
         }

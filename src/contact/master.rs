@@ -13,7 +13,9 @@ use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
-use crate::surface::{Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way};
+use crate::surface::{
+    Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way, looks_aslant,
+};
 use crate::tool::shape::side_normal;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -103,10 +105,6 @@ pub struct Prospect {
 }
 
 impl Prospect {
-    /// Cosines of the angles to a side within which a place looks at it squarely, and within which it looks at it.
-    const SQUARELY: f64 = 0.94;
-    const LOOKS: f64 = 0.1;
-
     /// With the normal of the `side` next to a place that is the most along a direction, whichever its sign, and the distance.
     fn new(
         outward: &Vec3,
@@ -115,12 +113,11 @@ impl Prospect {
         side: impl Fn(&Vec3) -> Option<(Vec3, f64)>,
     ) -> Self {
         let nearest = side(outward);
-        let looks = |normal: &Vec3| normal.dot(outward) < -Self::LOOKS;
-        let own = nearest.map(|(normal, _)| normal).filter(|own| looks(own) && own.dot(outward) > -Self::SQUARELY);
+        let own = nearest.map(|(normal, _)| normal).filter(|own| looks_aslant(outward, own));
         let sides = own.and_then(|own| {
             let across = (own - outward * own.dot(outward)).normalize();
             let (other, _) = side(&(outward + across))?;
-            looks(&other).then_some([own, other])
+            looks_aslant(outward, &other).then_some([own, other])
         });
         Self { contact, nearest, sides, component }
     }
@@ -465,21 +462,32 @@ impl<'a> Ground<'a> {
         (sees(&first) && sees(&most)).then_some([first, most])
     }
 
-    /// Where a slave node of a pair at `x`, which has the point `at`, is exactly between pieces of the master: its points on all of
+    /// Where slave node `s` of a pair at `x`, which has the point `at`, is exactly between pieces of the master: its points on all of
     /// them, and their shares by the angles that they fill there. The choice of one of them would push it aside. At most one
-    /// elsewhere. One that keeps to the pieces `kept` counts on these, and on their extensions, or on none.
-    pub fn evenly(&self, pair: &Pair, x: &Vec3, at: &Projection, kept: Option<&[Beside]>) -> Vec<(Projection, f64)> {
+    /// elsewhere, and in a sharp hollow. One that keeps to the pieces `kept` counts on these, and on their extensions, or on none.
+    pub fn evenly(
+        &self,
+        pair: &Pair,
+        (s, x): (usize, &Vec3),
+        at: &Projection,
+        kept: Option<&[Beside]>,
+    ) -> Vec<(Projection, f64)> {
         if !pair.may_be_between() {
             return Vec::new();
         }
         let kept: Option<Vec<u32>> = kept.map(|kept| kept.iter().map(|piece| piece.patch).collect());
-        let even = Even { turn: pair.controls.even_turn, reach: pair.reach, extension: None, kept: kept.as_deref() };
+        let (turn, outward) = (pair.controls.even_turn, pair.outward[s]);
+        let even = Even { turn, outward, reach: pair.reach, extension: None, kept: kept.as_deref() };
         let mut found = match self {
             Self::Tool(tool) => tool.evenly(x, at, &even),
             Self::Surface(surface, _) => {
                 surface.shapes().evenly(x, at, &Even { extension: Some(pair.controls.edge_beside), ..even })
             }
         };
+        let is_sharp = found.iter().any(|(p, _)| p.normal.dot(&found[0].0.normal) < 1.0 - turn);
+        if is_sharp && self.hollow(pair, x, at.gap.abs() + pair.controls.touching_gap * pair.facet_size).is_some() {
+            return Vec::new();
+        }
         let all: f64 = found.iter().map(|(_, angle)| angle).sum();
         found.iter_mut().for_each(|(_, angle)| *angle /= all);
         found

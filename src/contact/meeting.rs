@@ -111,7 +111,7 @@ impl Meeting {
         let Wedge { stiffness, points } = wedge.unwrap_or_default();
         let projection = points.iter().copied().min_by(|a, b| a.gap.total_cmp(&b.gap)).or(projection);
         let even = projection.filter(|_| points.is_empty() && (kept.is_some() || is_nearest));
-        let even = even.map_or(Vec::new(), |at| ground.evenly(pair, position, &at, kept));
+        let even = even.map_or(Vec::new(), |at| ground.evenly(pair, (s, position), &at, kept));
         let even = if stiffness > 0.0 { shared(&points) } else { even };
         let between = projection.and_then(|at| between(pair, ground, &pair.slaves[s], &at, &even));
         let (projection, several) = match (met, between) {

@@ -119,8 +119,6 @@ impl Pass {
 pub struct Within {
     /// Cosine between the normals of what meets, at most.
     pub facing: f64,
-    /// Outward unit normals of the slave nodes at the last converged increment.
-    pub outward: Vec<Vec3>,
     /// In self-contact what each slave node must not meet; else empty.
     pub avoided: Vec<Avoided>,
     /// The nodes that the thickness of its sheets depends on.
@@ -141,6 +139,8 @@ pub struct Pair {
     pub pass: Pass,
     pub within: Option<Within>,
     pub slaves: Vec<Slave>,
+    /// Where these looked at the last converged increment: unit normals, by the areas of the facets around.
+    pub outward: Vec<Vec3>,
     /// From segment to segment the slave's faces.
     pub faces: Option<Faces>,
     /// Distance from the master within which a slave node is projected.
@@ -155,7 +155,7 @@ impl Pair {
     pub fn outlook<'a>(&'a self, slave: usize, x: &'a Vec3) -> Outlook<'a> {
         self.within.as_ref().map_or(Outlook::everywhere(x), |within| Outlook {
             x,
-            outward: within.outward.get(slave),
+            outward: self.outward.get(slave),
             avoided: within.avoided.get(slave),
             facing: within.facing,
         })
@@ -168,7 +168,7 @@ impl Pair {
 
     /// Within a body the outward unit normal of slave node `slave` at the last converged increment.
     pub fn outward(&self, slave: usize) -> Option<&Vec3> {
-        self.within.as_ref().and_then(|within| within.outward.get(slave))
+        self.outward.get(slave).filter(|_| self.is_within_body())
     }
 
     /// In self-contact what slave node `slave` must not meet.

@@ -78,7 +78,8 @@ impl Tool {
         }
         let [x, place] = [point, &at.point].map(|x| self.trial.inward(x));
         let own = Projection { normal: self.trial.rotation.tr_mul(&at.normal), point: place, ..*at };
-        let found = self.surface.near().evenly(&x, &own, even);
+        let even = Even { outward: self.trial.rotation.tr_mul(&even.outward), ..*even };
+        let found = self.surface.near().evenly(&x, &own, &even);
         found.iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
     }
 

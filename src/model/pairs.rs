@@ -88,6 +88,7 @@ impl Model {
             },
             pass: Pass::Only,
             within,
+            outward: vec![Vec3::zeros(); slaves.len()],
             slaves,
             faces,
             reach: contact.reach.unwrap_or(self.controls.reach_facets * facet_size),
@@ -117,7 +118,6 @@ impl Model {
         }
         Within {
             facing: -self.controls.self_facing.to_radians().cos(),
-            outward: Vec::new(),
             sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
             avoided: shunned,
         }

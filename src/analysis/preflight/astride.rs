@@ -1,13 +1,14 @@
-//! Slave nodes that stand exactly under a sharp edge or a tip of their master, and look at both of its sides.
+//! Slave nodes that stand exactly under a sharp edge or a tip of a tool that a torque turns, or of what is on the same body, and look
+//! at both of its sides.
 //!
-//! Such a node touches one of the sides, by rounding, slides off along it, and pushes aside what by symmetry stays. Edges that are
-//! not sharp have their nodes on both sides, see [`crate::contact::Ground::evenly`]; at those of a block nodes look at one side alone.
+//! Such a node touches one of the sides, by rounding, slides off along it, and pushes aside what by symmetry stays. Elsewhere it is on
+//! both sides, see [`crate::contact::Ground::evenly`]; at the edges of a block nodes look at one side alone.
 
 use super::super::conditions::Conditions;
 use super::sight::Standing;
 use super::worst;
 use crate::Vec3;
-use crate::contact::Pair;
+use crate::contact::{Master, Pair};
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use mpi::topology::SimpleCommunicator;
@@ -17,11 +18,16 @@ const EXACTLY: f64 = 1e-6;
 /// Share of the way along the sides that supports may leave to a node that they hold there.
 const HELD: f64 = 0.1;
 
-/// Warns of such nodes, unless supports hold them between the sides in all `steps`. Collective.
+/// Warns of such nodes, unless supports hold them between the sides in all such `steps`. Collective.
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, (steps, sights): (&[Conditions], &[Vec<Standing>])) {
     let mut told = Vec::new();
     for (pair, sights) in model.pairs.iter().zip(sights) {
-        let is_free = |s: usize, across: &Vec3| steps.iter().any(|conditions| left(conditions, pair, s, across) > HELD);
+        let chooses = |conditions: &&Conditions| match pair.master {
+            Master::Tool(t) => conditions.motions[t].axle.is_some(),
+            Master::Surface(..) => !pair.may_be_between(),
+        };
+        let steps = || steps.iter().filter(chooses);
+        let is_free = |s: usize, across: &Vec3| steps().any(|conditions| left(conditions, pair, s, across) > HELD);
         let sharp = |(s, sight): (usize, &Standing)| {
             let ([a, b], at) = sight.sides.zip(sight.contact)?;
             let cosine = a.dot(&b);

@@ -11,7 +11,7 @@
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step
 //! - `pressed`: bodies that nothing presses against what touches them
-//! - `astride`: slave nodes exactly under sharp edges of a master
+//! - `astride`: slave nodes exactly under sharp edges where they are on one side of these
 //! - `idle`: loads, springs and dashpots on nodes that are held
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry

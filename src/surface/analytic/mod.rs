@@ -59,16 +59,16 @@ impl Analytic {
 
     /// Where `x`, whose closest point is `at`, is exactly between the sides of a sharp edge, or in a tip on an axis of revolution:
     /// the projections onto these sides, or onto the planes that touch the tip at four places around, with equal shares. None where two
-    /// of their normals differ by more than the turn that is asked for: they are not of one surface.
+    /// of them are not one for it.
     pub fn evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         let found = match self {
             Self::Cone(cone) => cone.around(x, at, even.reach),
             Self::Profile(profile) => profile.evenly(x, at),
             _ => Vec::new(),
         };
-        let pairs = found.iter().flat_map(|a| found.iter().map(|b| 1.0 - a.normal.dot(&b.normal)));
-        let turn = pairs.fold(0.0, f64::max);
-        if !(NEARLY..=even.turn).contains(&turn) || found.iter().all(|p| p.patch != at.patch) {
+        let mut pairs = found.iter().flat_map(|a| found.iter().map(move |b| [&a.normal, &b.normal]));
+        let is_edge = pairs.clone().any(|[a, b]| a.dot(b) < 1.0 - NEARLY);
+        if !is_edge || !pairs.all(|[a, b]| even.joins(a, b)) || found.iter().all(|p| p.patch != at.patch) {
             return Vec::new();
         }
         found.into_iter().map(|p| (p, 1.0)).collect()

@@ -53,18 +53,37 @@ const ALIGNED: f64 = 1.0 - 1e-12;
 const TOUCH: f64 = 1e-9;
 /// Parameters within which a point inside a piece may be as close to the one beyond the edge.
 const BESIDE: f64 = 0.05;
+/// Cosines of the angles within which what looks at a face looks at it squarely, and at all: 20 and 84 degrees. Sides of an edge that are
+/// no more than 40 degrees apart are of one surface by default.
+const SQUARELY: f64 = 0.94;
+const LOOKS: f64 = 0.1;
 
 /// What is asked of a point that is exactly between pieces, see [`PieceSet::evenly`].
 #[derive(Clone, Copy, Debug)]
 pub struct Even<'a> {
-    /// Pieces whose normals differ from that of the point of contact by more, 1 - cosine, do not count.
+    /// Pieces whose normals differ by more, 1 - cosine, count as one only where the point looks at both aslant.
     pub turn: f64,
+    /// Where the point looks; nowhere, and it is zero.
+    pub outward: Vec3,
     /// How far pieces may be.
     pub reach: f64,
     /// Outside a sharp edge no pieces count, or its sides by so much extension, see [`PieceSet::beside_edge`].
     pub extension: Option<f64>,
     /// The pieces to which it keeps, and to their extensions; all of them count, or none.
     pub kept: Option<&'a [u32]>,
+}
+
+impl Even<'_> {
+    /// Whether pieces with these normals are one for the point: the surface is as good as smooth there, or they are the sides of an edge
+    /// or a tip, of which it could slide to either.
+    pub fn joins(&self, a: &Vec3, b: &Vec3) -> bool {
+        a.dot(b) >= 1.0 - self.turn || [a, b].iter().all(|side| looks_aslant(&self.outward, side))
+    }
+}
+
+/// Whether what looks `outward` looks at a face with this normal, but not squarely, as at the side of an edge that points at it.
+pub fn looks_aslant(outward: &Vec3, normal: &Vec3) -> bool {
+    (-SQUARELY..-LOOKS).contains(&outward.dot(normal))
 }
 
 /// Pieces with a search tree over their boxes.
@@ -263,7 +282,7 @@ impl<P: Piece> PieceSet<P> {
             Some(kept) => self.kept(x, at, kept),
             None => self.nearest_evenly(x, at, even),
         };
-        found.retain(|(p, _)| p.normal.dot(&at.normal) >= 1.0 - even.turn);
+        found.retain(|(p, _)| even.joins(&p.normal, &at.normal));
         let lacks = even.kept.is_some_and(|kept| found.len() < kept.len());
         if lacks || !found.iter().any(|(p, _)| p.patch == at.patch) {
             return Vec::new();
