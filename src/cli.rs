@@ -24,7 +24,7 @@ use clap::{Args, ColorChoice, Parser, Subcommand, value_parser};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::Petsc;
-use std::io::Write;
+use std::io::{ErrorKind as OutputError, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -281,6 +281,9 @@ impl Cli {
                 };
                 let default = left.map_or_else(|| Path::new("out").join(&loaded.name), Clone::clone);
                 let steps = steps.map(NonZeroUsize::get);
+                if let Some(asked) = steps.filter(|asked| *asked > loaded.steps.len() && comm.rank() == 0) {
+                    eprintln!("warning: --steps {asked}, and the scene has {}", loaded.steps.len());
+                }
                 let out = out.as_deref().unwrap_or(&default);
                 let source = &scene.scene;
                 let (restart, report) = (*restart, *report);
@@ -295,35 +298,23 @@ impl Cli {
                 let default = if let [folder] = &folders[..] { folder.join(report::NAME) } else { report::NAME.into() };
                 let out = out.as_ref().unwrap_or(&default);
                 agree(comm, if comm.rank() == 0 { report::write(folders, out) } else { Ok(()) })?;
-                if comm.rank() == 0 {
-                    let _ = writeln!(std::io::stdout(), "report: {}", out.display());
-                }
-                Ok(())
+                let text = format!("report: {}\n", out.display());
+                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
                 let begun = Instant::now();
                 let mut model = Model::new(comm, &loaded, &Phases::default())?;
                 let text = analysis::check(comm, &petsc, &loaded, &mut model, begun)?;
-                if comm.rank() == 0 {
-                    // Whoever reads it may have stopped.
-                    let _ = write!(std::io::stdout(), "{text}");
-                }
-                Ok(())
+                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })
             }
             Command::New { scene } => agree(comm, if comm.rank() == 0 { scene::begin(scene) } else { Ok(()) }),
-            Command::Schema => {
-                if comm.rank() == 0 {
-                    let _ = write!(std::io::stdout(), "{}", scene::schema());
-                }
-                Ok(())
-            }
+            Command::Schema => agree(comm, if comm.rank() == 0 { put(&scene::schema()) } else { Ok(()) }),
             Command::Calibrate { repeats } => {
                 let rates = calibrate(comm, &petsc, repeats.get())?;
                 let kept = machine::keep(comm, &rates);
-                if comm.rank() == 0 {
-                    let _ = write!(std::io::stdout(), "{}", describe::rates(&rates, kept.as_deref().ok()));
-                }
+                let text = describe::rates(&rates, kept.as_deref().ok());
+                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })?;
                 agree(comm, kept.map(drop))
             }
             Command::Surface(arguments) => arguments.measure(comm),
@@ -440,6 +431,17 @@ impl SceneArguments {
     /// Collective.
     fn load(&self, comm: &SimpleCommunicator) -> Result<Scene> {
         agree(comm, scene::load(&self.scene, &self.overrides))
+    }
+}
+
+/// Writes to stdout. Whoever reads it may have stopped.
+fn put(text: &str) -> Result<()> {
+    let mut out = std::io::stdout();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != OutputError::BrokenPipe => {
+            Err(Error::System(format!("cannot write to the standard output: {error}")))
+        }
+        _ => Ok(()),
     }
 }
 

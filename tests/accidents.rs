@@ -163,6 +163,15 @@ fn a_full_disk_ends_all_ranks() {
     }
 }
 
+/// What a full device takes nothing of is not said to be written.
+#[test]
+fn what_cannot_be_printed_is_an_error() {
+    let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let run = Command::new(env!("CARGO_BIN_EXE_nagata")).arg("schema").stdout(full()).output().unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.code() == Some(3) && said.starts_with("error: cannot write to the standard output: "), "{said}");
+}
+
 /// MPI would take what stands before a colon for a kind of file system.
 #[test]
 fn a_folder_may_have_a_colon() {

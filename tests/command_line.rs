@@ -195,6 +195,8 @@ fn only_so_many_steps_are_run() {
     assert_eq!(run.summary()["increments"], 2);
     assert_eq!(run.summary()["converged"], true);
     assert!(run.log().contains("100%"), "{}", run.log());
+    let run = bench.solve(1, &["--steps", "7"]);
+    assert!(run.stderr.contains("warning: --steps 7, and the scene has "), "{}", run.stderr);
 }
 
 #[test]

@@ -23,6 +23,7 @@ use hdf5::File;
 use journal::Change;
 use mpi::collective::SystemOperation;
 use mpi::traits::*;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const ANEW: &str = "move it elsewhere, and the fields begin anew at the checkpoint";
@@ -204,8 +205,16 @@ impl Fields {
         self.written = number;
 
         let shown = if comm.rank() == 0 {
-            self.increments.push_str(&self.describe(time, &increment, data));
-            replace(&self.xdmf, &xdmf::document(&self.increments))
+            let another = self.describe(time, &increment, data);
+            let longer = xdmf::lengthen(&self.xdmf, &self.increments, &another);
+            self.increments.push_str(&another);
+            match longer.map_err(|error| error.kind()) {
+                // There is none yet, or not as it was left.
+                Err(ErrorKind::NotFound | ErrorKind::InvalidData) => {
+                    replace(&self.xdmf, &xdmf::document(&self.increments))
+                }
+                written => written.map_err(|error| cannot_write(&self.xdmf, error)),
+            }
         } else {
             Ok(())
         };

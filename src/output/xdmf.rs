@@ -4,6 +4,17 @@
 
 use super::fields::CellShape;
 use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write as _};
+use std::path::Path;
+
+/// What stands around the increments.
+const HEAD: &str = r#"<?xml version="1.0" encoding="utf-8"?>
+<Xdmf Version="3.0">
+<Domain>
+<Grid Name="fields" GridType="Collection" CollectionType="Temporal">
+"#;
+const TAIL: &str = "</Grid>\n</Domain>\n</Xdmf>\n";
 
 /// A grid whose geometry stands in the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,16 +152,27 @@ pub(super) fn of_grid(increments: &str, name: &str) -> String {
 
 /// The whole file around its increments.
 pub(super) fn document(increments: &str) -> String {
-    format!(
-        r#"<?xml version="1.0" encoding="utf-8"?>
-<Xdmf Version="3.0">
-<Domain>
-<Grid Name="fields" GridType="Collection" CollectionType="Temporal">
-{increments}</Grid>
-</Domain>
-</Xdmf>
-"#
-    )
+    format!("{HEAD}{increments}{TAIL}")
+}
+
+/// Puts another increment at the end of a file with `increments`, so that what a run writes grows with what there is, not with its
+/// square. A file that cannot hold it stays as it was.
+///
+/// # Errors
+/// Those of the file; [`io::ErrorKind::InvalidData`] when it is another one.
+pub(super) fn lengthen(path: &Path, increments: &str, another: &str) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).open(path)?;
+    let end = (HEAD.len() + increments.len()) as u64;
+    if file.metadata()?.len() != end + TAIL.len() as u64 {
+        return Err(io::ErrorKind::InvalidData.into());
+    }
+    let put =
+        |file: &mut File, text: &str| file.seek(SeekFrom::Start(end)).and_then(|_| file.write_all(text.as_bytes()));
+    put(&mut file, &format!("{another}{TAIL}")).or_else(|error| {
+        put(&mut file, TAIL)?;
+        file.set_len(end + TAIL.len() as u64)?;
+        Err(error)
+    })
 }
 
 /// Symmetric tensors go as a "Vector" of 6 components: "Tensor6" has the order xx xy xz yy yz zz, but ParaView labels six
@@ -183,6 +205,20 @@ fn escaped(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A file that is lengthened is as one that is written whole; another one is left alone.
+    #[test]
+    fn a_file_grows_by_its_increments() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("fields.xdmf");
+        let kind = |increments: &str| lengthen(&path, increments, "<b/>\n").map_err(|error| error.kind());
+        assert_eq!(kind("<a/>\n"), Err(io::ErrorKind::NotFound));
+        std::fs::write(&path, document("<a/>\n")).unwrap();
+        assert_eq!(kind("<a/>\n"), Ok(()));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), document("<a/>\n<b/>\n"));
+        assert_eq!(kind("<a/>\n"), Err(io::ErrorKind::InvalidData));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), document("<a/>\n<b/>\n"));
+    }
 
     #[test]
     fn an_increment_refers_to_its_data() {

@@ -52,7 +52,7 @@ pub fn check(
                 model.master_name(pair),
                 pair.reach
             );
-            return Err(Error::input(&contact.name.at, what, advice(pair, contact)));
+            return Err(Error::input(&contact.name.at, what, too_deep_for(pair, contact)));
         }
         if deep > 0.0 && pair.rules.interference != Interference::Ramped {
             warnings.push(format!(
@@ -65,6 +65,13 @@ pub fn check(
     }
     model.warnings.extend(warnings);
     Ok(lines)
+}
+
+/// What to do where no force would act on a node.
+fn too_deep_for(pair: &Pair, contact: &Contact) -> String {
+    let fits = pair.rules.interference == Interference::Ramped || pair.is_within_body();
+    let reach = contact.reach.filter(|_| !fits).map(|_| "; in either case with a larger `reach`, or without one");
+    format!("{}{}", advice(pair, contact), reach.unwrap_or_default())
 }
 
 fn advice(pair: &Pair, contact: &Contact) -> &'static str {
