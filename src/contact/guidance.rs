@@ -215,7 +215,8 @@ pub fn guidance(
             ));
         }
         let is_tet10 = |f: &PartFacet| part.quadratic.middles.of(&f.nodes[..f.count as usize]).is_some();
-        let may_be_twice = !by_segments && !any(comm, facets.iter().flat_map(|facets| facets.iter()).any(is_tet10));
+        let mut whole = names.iter().flat_map(|name| part.sets[sets[*name]].facets.iter());
+        let may_be_twice = !by_segments && !any(comm, whole.any(is_tet10));
         found.wrong.extend(reason.map(|reason| WrongWayRound {
             contact: name.clone(),
             slave: slave.name,

@@ -529,10 +529,13 @@ impl Newton<'_> {
                 } else if self.rounding(g) > self.own_rounding(g) {
                     &self.rounded_by(g)
                 } else {
-                    "it is too stiff for them, too thin, or too nearly incompressible; stiff bodies can be tools, and forces \
-                     that are of no interest, as those of a weak dashpot alone, are below `force_floor` of the table `solver`"
+                    "it is too stiff for them, too thin, or too nearly incompressible"
                 };
-                let word = format!("what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}");
+                let word = format!(
+                    "what rounding leaves of the forces of {what}, {lost:.1e}, is too much of the {forces:.1e} that act on it: {why}; \
+                     stiff bodies can be tools, and forces that are of no interest, as those of a weak dashpot alone, are below \
+                     `force_floor` of the table `solver`"
+                );
                 (Lost(lost / (model.controls.rounding_cap * forces)), word)
             })
         })
