@@ -299,22 +299,22 @@ impl Cli {
                 let out = out.as_ref().unwrap_or(&default);
                 agree(comm, if comm.rank() == 0 { report::write(folders, out) } else { Ok(()) })?;
                 let text = format!("report: {}\n", out.display());
-                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })
+                put(comm, &text)
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
                 let begun = Instant::now();
                 let mut model = Model::new(comm, &loaded, &Phases::default())?;
                 let text = analysis::check(comm, &petsc, &loaded, &mut model, begun)?;
-                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })
+                put(comm, &text)
             }
             Command::New { scene } => agree(comm, if comm.rank() == 0 { scene::begin(scene) } else { Ok(()) }),
-            Command::Schema => agree(comm, if comm.rank() == 0 { put(&scene::schema()) } else { Ok(()) }),
+            Command::Schema => put(comm, &scene::schema()),
             Command::Calibrate { repeats } => {
                 let rates = calibrate(comm, &petsc, repeats.get())?;
                 let kept = machine::keep(comm, &rates);
                 let text = describe::rates(&rates, kept.as_deref().ok());
-                agree(comm, if comm.rank() == 0 { put(&text) } else { Ok(()) })?;
+                put(comm, &text)?;
                 agree(comm, kept.map(drop))
             }
             Command::Surface(arguments) => arguments.measure(comm),
@@ -434,15 +434,17 @@ impl SceneArguments {
     }
 }
 
-/// Writes to stdout. Whoever reads it may have stopped.
-fn put(text: &str) -> Result<()> {
+/// Rank 0 writes to stdout. Whoever reads it may have stopped. Collective.
+fn put(comm: &SimpleCommunicator, text: &str) -> Result<()> {
     let mut out = std::io::stdout();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    let mut write = || out.write_all(text.as_bytes()).and_then(|()| out.flush());
+    let written = match if comm.rank() == 0 { write() } else { Ok(()) } {
         Err(error) if error.kind() != OutputError::BrokenPipe => {
             Err(Error::System(format!("cannot write to the standard output: {error}")))
         }
         _ => Ok(()),
-    }
+    };
+    agree(comm, written)
 }
 
 /// The name that a run has in its folder.
