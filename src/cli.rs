@@ -16,6 +16,7 @@ use crate::output::phases::Phases;
 use crate::parallel::agree;
 use crate::report;
 use crate::scene::{self, Scene};
+use crate::stdout::{print, print_from_root};
 use crate::surface::EXTENSION;
 use crate::trade;
 use crate::trade::plan::Wishes;
@@ -24,7 +25,6 @@ use clap::{Args, ColorChoice, Parser, Subcommand, value_parser};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use petsc::Petsc;
-use std::io::{ErrorKind as OutputError, Write};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -299,22 +299,22 @@ impl Cli {
                 let out = out.as_ref().unwrap_or(&default);
                 agree(comm, if comm.rank() == 0 { report::write(folders, out) } else { Ok(()) })?;
                 let text = format!("report: {}\n", out.display());
-                put(comm, &text)
+                print_from_root(comm, &text)
             }
             Command::Check { scene } => {
                 let loaded = scene.load(comm)?;
                 let begun = Instant::now();
                 let mut model = Model::new(comm, &loaded, &Phases::default())?;
                 let text = analysis::check(comm, &petsc, &loaded, &mut model, begun)?;
-                put(comm, &text)
+                print_from_root(comm, &text)
             }
             Command::New { scene } => agree(comm, if comm.rank() == 0 { scene::begin(scene) } else { Ok(()) }),
-            Command::Schema => put(comm, &scene::schema()),
+            Command::Schema => print_from_root(comm, &scene::schema()),
             Command::Calibrate { repeats } => {
                 let rates = calibrate(comm, &petsc, repeats.get())?;
                 let kept = machine::keep(comm, &rates);
                 let text = describe::rates(&rates, kept.as_deref().ok());
-                put(comm, &text)?;
+                print_from_root(comm, &text)?;
                 agree(comm, kept.map(drop))
             }
             Command::Surface(arguments) => arguments.measure(comm),
@@ -434,19 +434,6 @@ impl SceneArguments {
     }
 }
 
-/// Rank 0 writes to stdout. Whoever reads it may have stopped. Collective.
-fn put(comm: &SimpleCommunicator, text: &str) -> Result<()> {
-    let mut out = std::io::stdout();
-    let mut write = || out.write_all(text.as_bytes()).and_then(|()| out.flush());
-    let written = match if comm.rank() == 0 { write() } else { Ok(()) } {
-        Err(error) if error.kind() != OutputError::BrokenPipe => {
-            Err(Error::System(format!("cannot write to the standard output: {error}")))
-        }
-        _ => Ok(()),
-    };
-    agree(comm, written)
-}
-
 /// The name that a run has in its folder.
 fn name_of(folder: &Path) -> String {
     let folder = folder.canonicalize().unwrap_or_else(|_| folder.into());
@@ -454,10 +441,10 @@ fn name_of(folder: &Path) -> String {
 }
 
 /// Says what was converted, and what of it is not as in the deck.
-fn tell_of(converted: &convert::Converted) {
+fn tell_of(converted: &convert::Converted) -> Result<()> {
     converted.notes.iter().for_each(|note| eprintln!("warning: {note}"));
     let groups = converted.groups.as_ref().map_or(String::new(), |groups| format!(" and {}", groups.display()));
-    let _ = writeln!(std::io::stdout(), "{}{groups}", converted.scene.display());
+    print(&format!("{}{groups}\n", converted.scene.display()))
 }
 
 /// Names the options for PETSc that a run has not asked for: they are misspelt, or belong to what was not used. Some PETSc
@@ -556,7 +543,7 @@ fn run_alone() -> i32 {
         }
         (None, Ok(Cli { command: Command::Trade(arguments) })) => arguments.trade(),
         (None, Ok(Cli { command: Command::Convert { deck, out } })) => {
-            convert::convert(&deck, out.as_deref()).map(|converted| tell_of(&converted))
+            convert::convert(&deck, out.as_deref()).and_then(|converted| tell_of(&converted))
         }
         (None, Ok(_)) => Err(Error::System("only `trade` and `convert` run alone".into())),
     };

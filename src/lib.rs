@@ -9,6 +9,7 @@
 //! - [`encoding`]: marks before texts, and encodings that are not read
 //! - [`interrupt`]: signals as the wish that a run end
 //! - [`parallel`]: what ranks say to each other: agreement on errors, sums, exchanges
+//! - [`stdout`]: what commands print, which is written or an error
 //! - [`controls`]: the numbers that decide whether a solution is found, with their reasons
 //! - [`scene`]: the scene file as plain structs, checked for form with file:line:column errors
 //! - [`mesh`]: points, elements, groups; readers for Gmsh, Abaqus and STL; elements of second order split, collapsed
@@ -54,6 +55,7 @@ pub mod refine;
 pub mod report;
 pub mod scene;
 pub mod solid;
+pub mod stdout;
 pub mod surface;
 pub mod system;
 pub mod tool;

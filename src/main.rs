@@ -1,5 +1,5 @@
 //! The `nagata` program.
 
 fn main() {
-    std::process::exit(nagata::cli::run());
+    petsc::environment::leave(nagata::cli::run())
 }

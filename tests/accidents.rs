@@ -166,10 +166,15 @@ fn a_full_disk_ends_all_ranks() {
 /// What a full device takes nothing of is not said to be written.
 #[test]
 fn what_cannot_be_printed_is_an_error() {
+    let bench = Bench::new(&scene());
     let full = || std::fs::File::options().write(true).open("/dev/full").unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_nagata")).arg("schema").stdout(full()).output().unwrap();
-    let said = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.code() == Some(3) && said.starts_with("error: cannot write to the standard output: "), "{said}");
+    for arguments in [vec!["schema"], vec!["check", "scene.toml"], vec!["trade", "scene.toml", "--list"]] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nagata"));
+        let run = command.args(&arguments).current_dir(bench.path("")).stdout(full()).output().unwrap();
+        let said = String::from_utf8_lossy(&run.stderr);
+        assert!(run.status.code() == Some(3), "{arguments:?}: {said}");
+        assert!(said.contains("error: cannot write to the standard output: "), "{arguments:?}: {said}");
+    }
 }
 
 /// MPI would take what stands before a colon for a kind of file system.

@@ -766,12 +766,13 @@ fn springs_stand_on_the_ground() {
 fn nothing_is_overwritten() {
     let bench = Bench::new("");
     bench.write("deck.inp", PRESSURE);
-    let command = || {
+    let of = |deck: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nagata"));
-        let done = command.args(["convert", "deck.inp"]).current_dir(bench.path("")).output().unwrap();
+        let done = command.args(["convert", deck]).current_dir(bench.path("")).output().unwrap();
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (done.status.code(), text(&done.stdout), text(&done.stderr))
     };
+    let command = || of("deck.inp");
     let (code, stdout, stderr) = command();
     assert_eq!((code, stdout.as_str()), (Some(0), "deck.toml\n"), "{stderr}");
     assert!(stderr.contains("warning: deck.inp:84:1: *EXPANSION is passed over"), "{stderr}");
@@ -779,6 +780,13 @@ fn nothing_is_overwritten() {
     let (code, _, stderr) = command();
     assert!(code == Some(2) && stderr.contains("deck.toml exists already"), "{stderr}");
     assert_eq!(fs::read_to_string(bench.path("deck.toml")).unwrap(), "mine");
+    // What is no deck is not said to be in its own way.
+    for (wrong, word) in
+        [(".", "Is a directory"), ("deck.toml", "deck.toml:1:1: expected a keyword"), ("no.inp", "No such file")]
+    {
+        let (code, _, stderr) = of(wrong);
+        assert!(code == Some(2) && stderr.contains(word), "{wrong}: {stderr}");
+    }
 }
 
 /// A tube of axisymmetric elements under pressure from inside, by their sides and by a surface. Lame, as in `axisymmetric.rs`.

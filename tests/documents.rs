@@ -521,6 +521,12 @@ fn fits(schema: &Value, value: &Value, at: &str) -> Result<(), String> {
         Some("object") if !value.is_object() => return wrong("no table"),
         _ => {}
     }
+    let has = value.as_array().map_or(0, Vec::len) as u64;
+    if value.is_array()
+        && (schema["minItems"].as_u64() > Some(has) || schema["maxItems"].as_u64().is_some_and(|n| n < has))
+    {
+        return wrong("not so many");
+    }
     for (k, item) in value.as_array().into_iter().flatten().enumerate() {
         fits(&schema["items"], item, &format!("{at}.{k}"))?;
     }
@@ -584,6 +590,9 @@ fn the_schema_takes_all_scenes() {
         ("/step/0", serde_json::json!({ "gravity": { "accel": [0, 0, -1] } }), "none of its forms"),
         ("/output/probe/0", serde_json::json!({ "nam": "p" }), "no key nam"),
         ("/body/pad/block/box/size", 1.into(), "no list"),
+        ("/body/pad/block/elements", serde_json::json!([1, 1]), "not so many"),
+        ("/body/pad/block/elements", serde_json::json!([1, 1, 1.5]), "no integer"),
+        ("/output", serde_json::json!({ "history": [1] }), "no string"),
         (
             "/body/pad",
             serde_json::json!({ "block": { "box": { "size": [1, 1, 1] }, "elements": [1, 1, 1] } }),

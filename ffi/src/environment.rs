@@ -22,6 +22,30 @@ pub fn leave_hdf5_at_exit() {
     }
 }
 
+/// Ends the process once MPI has ended, without what libraries do at exit: a thread that one of them has left running then meets
+/// what another has taken down, and the process ends by a signal after all is done. What they still have to print is printed.
+pub fn leave(code: i32) -> ! {
+    use std::ffi::{c_char, c_int, c_void};
+    use std::io::Write as _;
+    unsafe extern "C" {
+        fn fflush(stream: *mut c_void) -> c_int;
+        fn dlsym(handle: *mut c_void, symbol: *const c_char) -> *mut c_void;
+        fn _exit(code: c_int) -> !;
+    }
+    let _ = std::io::stdout().flush();
+    // SAFETY: no stream means all of them, no handle the whole process; the Fortran library has this function since its
+    // beginning, and no unit means all of them, too. Nothing runs after `_exit`.
+    unsafe {
+        fflush(std::ptr::null_mut());
+        let flush = dlsym(std::ptr::null_mut(), c"_gfortran_flush_i4".as_ptr());
+        if !flush.is_null() {
+            let flush: extern "C" fn(*const i32) = std::mem::transmute(flush);
+            flush(std::ptr::null());
+        }
+        _exit(code)
+    }
+}
+
 /// Lets the process give memory back that it has freed. SuperLU_DIST, which PETSc is linked with, keeps malloc from it as
 /// soon as it is loaded (CombBLAS sets M_MMAP_MAX to 0): the largest array of every phase would stay beside all others.
 ///

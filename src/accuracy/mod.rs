@@ -25,6 +25,7 @@ use crate::Vec3;
 use crate::error::Result;
 use crate::output::OutputFolder;
 use crate::parallel::{agree, exchange, sum};
+use crate::stdout::print_from_root;
 use crate::tool::Shape;
 use described::Described;
 use errors::{Errors, SampledPiece, Sampling, measure};
@@ -34,7 +35,6 @@ use mpi::traits::*;
 use projections::Row;
 use sampling::Grid;
 use size::Size;
-use std::io::Write as _;
 use std::ops::Range;
 use std::path::Path;
 use table::Table;
@@ -115,11 +115,7 @@ pub fn run(comm: &SimpleCommunicator, subject: &Subject, options: &Options) -> R
         }
         folder.write(comm, "summary.json", &table.summary())?;
     }
-    if comm.rank() == 0 {
-        // Whoever reads it may have stopped.
-        let _ = write!(std::io::stdout(), "{}", table.text());
-    }
-    Ok(())
+    print_from_root(comm, &table.text())
 }
 
 /// The size of the whole surface. Collective.

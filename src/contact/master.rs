@@ -392,7 +392,7 @@ impl<'a> Ground<'a> {
         let shapes = surface.shapes();
         let found = on_faces(shapes, pair, warm, &outlook)?;
         let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
-        Some(stays.unwrap_or(found)).filter(|p| pair.outward(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+        Some(stays.unwrap_or(found)).filter(|p| pair.must_face(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last

@@ -166,8 +166,8 @@ impl Pair {
         self.within.is_some()
     }
 
-    /// Within a body the outward unit normal of slave node `slave` at the last converged increment.
-    pub fn outward(&self, slave: usize) -> Option<&Vec3> {
+    /// Within a body where slave node `slave` looked at the last converged increment: what it meets looks back at it.
+    pub fn must_face(&self, slave: usize) -> Option<&Vec3> {
         self.outward.get(slave).filter(|_| self.is_within_body())
     }
 
@@ -207,7 +207,7 @@ impl Pair {
 
     /// Whether slave node `slave` may meet a patch before long: in self-contact none around it or that looks the same way.
     pub fn may_meet(&self, slave: usize, patch: &Patch) -> bool {
-        match (self.outward(slave), self.avoided(slave)) {
+        match (self.must_face(slave), self.avoided(slave)) {
             (Some(outward), Some(avoided)) => avoided.may_meet(outward, patch),
             _ => true,
         }

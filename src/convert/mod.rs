@@ -63,13 +63,13 @@ pub fn convert(deck: &Path, out: Option<&Path>) -> Result<Converted> {
     let scene = out.map_or_else(|| deck.with_extension("toml"), Path::to_path_buf);
     let stem = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let more = scene.with_file_name(format!("{stem}-groups.inp"));
+    let whole = read_whole(deck)?;
     for path in [&scene, &more] {
         if path.exists() {
             let what = format!("{} exists already", path.display());
             return Err(Error::input_anywhere(what, "remove it, or name another scene by --out"));
         }
     }
-    let whole = read_whole(deck)?;
     let mut notes = Notes::default();
     let folder = scene.parent().unwrap_or(Path::new(""));
     let mesh = relative(deck, folder);

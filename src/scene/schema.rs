@@ -5,7 +5,8 @@ use crate::controls::{Control, Controls};
 use crate::error::{Error, Result};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use std::fs::OpenOptions;
+use std::fmt::Display;
+use std::fs::{OpenOptions, remove_file};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -17,11 +18,17 @@ const TEMPLATE: &str = include_str!("template.toml");
 /// Writes a scene to start from, but over no file.
 ///
 /// # Errors
-/// [`Error::Input`] when there is a file, or none can be written.
+/// [`Error::Input`] when there is a file, or none can be made; [`Error::System`] when it cannot be written, and is removed.
 pub fn begin(path: &Path) -> Result<()> {
-    let file = OpenOptions::new().write(true).create_new(true).open(path);
-    file.and_then(|mut file| file.write_all(TEMPLATE.as_bytes())).map_err(|error| {
-        Error::input_anywhere(format!("cannot write {}: {error}", path.display()), "give the name of a new file")
+    let failed = |error: &dyn Display| format!("cannot write {}: {error}", path.display());
+    let mut file = OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .open(path)
+        .map_err(|error| Error::input_anywhere(failed(&error), "give the name of a new file"))?;
+    file.write_all(TEMPLATE.as_bytes()).map_err(|error| {
+        let _ = remove_file(path); // half a scene is none
+        Error::System(failed(&error))
     })
 }
 
@@ -154,11 +161,28 @@ fn typed(kind: &str) -> Value {
     let words: Vec<&str> =
         kind.split('`').skip(1).step_by(2).filter_map(|code| code.strip_prefix('"')?.strip_suffix('"')).collect();
     let number = || json!({ "type": "number" });
+    let list_of = |items: Value| json!({ "type": "array", "items": items });
+    let numbers = |list: &str, kind| {
+        let count = list.split(',').count();
+        json!({ "type": "array", "items": { "type": kind }, "minItems": count, "maxItems": count })
+    };
+    if let Some(list) = kind.strip_prefix("`[") {
+        let (list, _) = list.split_once(']').unwrap_or((list, ""));
+        return match list.strip_prefix('[') {
+            Some(pair) => list_of(numbers(pair, "number")),
+            None => numbers(list, if list.starts_with("n,") { "integer" } else { "number" }),
+        };
+    }
     let first = kind.split([',', ' ', '/']).next().unwrap_or_default();
     match first {
         _ if !words.is_empty() && kind.starts_with('`') => json!({ "enum": words }),
         _ if !words.is_empty() => json!({ "anyOf": [number(), { "enum": words }] }),
         _ if kind.contains("or a ") => json!({}),
+        _ if kind.starts_with("list of ") => list_of(json!({ "type": "string" })),
+        _ if kind == "table of names" => {
+            let name = || json!({ "type": "string" });
+            json!({ "type": "object", "additionalProperties": { "anyOf": [name(), list_of(name())] } })
+        }
         "number" | "length" | "stress" | "time" | "degrees" | "force" => number(),
         "integer" => json!({ "type": "integer" }),
         "boolean" => json!({ "type": "boolean" }),

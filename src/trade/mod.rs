@@ -26,11 +26,11 @@ mod table;
 use crate::error::{Error, Result};
 use crate::interrupt;
 use crate::output::OutputFolder;
+use crate::stdout::print;
 use child::{Bench, Cost, Ended};
 use errors::{Errors, Quantity, Reading};
 use plan::{Plan, Variant, Wishes};
 use sheet::{Price, Sheet};
-use std::io::Write as _;
 use std::path::Path;
 
 /// What is asked of a study.
@@ -75,8 +75,7 @@ const GRACE_S: f64 = 5.0;
 pub fn run(options: &Options) -> Result<()> {
     let (plan, scene) = Plan::new(options.scene, &options.wishes)?;
     if options.list {
-        let _ = write!(std::io::stdout(), "{}", listed(&plan));
-        return Ok(());
+        return print(&listed(&plan));
     }
     let folder = OutputFolder::of_this_process(options.out)?;
     interrupt::heed()?;
@@ -106,10 +105,8 @@ pub fn run(options: &Options) -> Result<()> {
         }
     }
     study.write()?;
-    // Whoever reads it may have stopped.
     let text = table::text(&study.sheet(), &plan);
-    let _ = writeln!(std::io::stdout(), "{text}written to {}", options.out.display());
-    Ok(())
+    print(&format!("{text}written to {}\n", options.out.display()))
 }
 
 /// The runs of a plan, as text.

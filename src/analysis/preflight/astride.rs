@@ -22,9 +22,11 @@ const HELD: f64 = 0.1;
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, (steps, sights): (&[Conditions], &[Vec<Standing>])) {
     let mut told = Vec::new();
     for (pair, sights) in model.pairs.iter().zip(sights) {
+        // Means over a segment choose no side.
         let chooses = |conditions: &&Conditions| match pair.master {
+            _ if pair.faces.is_some() => false,
             Master::Tool(t) => conditions.motions[t].axle.is_some(),
-            Master::Surface(..) => !pair.may_be_between(),
+            Master::Surface(..) => pair.is_within_body(),
         };
         let steps = || steps.iter().filter(chooses);
         let is_free = |s: usize, across: &Vec3| steps().any(|conditions| left(conditions, pair, s, across) > HELD);
