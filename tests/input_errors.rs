@@ -524,6 +524,17 @@ fn fillets_that_do_not_fit() {
     refuses_scene(PLATE, profile, "scene.toml:11:70: ", &words);
 }
 
+/// One side of what crosses itself looks the wrong way.
+#[test]
+fn a_profile_that_crosses_itself() {
+    let word = ["tool.plate.profile.points.3 begins a line that crosses the one from points.0 to points.1"];
+    let open = "profile = { points = [[0.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, -1.0], [0.0, -1.0]] }";
+    refuses_scene(PLATE, open, "scene.toml:11:59: ", &word);
+    let word = ["tool.plate.profile.points.2 begins a line that crosses the one from points.0 to points.1"];
+    let closed = "profile = { points = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]], closed = true }";
+    refuses_scene(PLATE, closed, "scene.toml:11:47: ", &word);
+}
+
 #[test]
 fn cad_files_that_cannot_be_read() {
     let broken = bench(PLATE, "bezier = \"plate.bpt\"");

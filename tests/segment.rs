@@ -173,6 +173,63 @@ move = [{{ target = "up.ymax", by = [3, 0, 0] }}]
     }
 }
 
+/// Blocks side by side under one platen, which stick to each other: what the platen and their faces ask of the nodes that are in both
+/// says the same, and only friction that grows until it slips can tell who bears what. From nodes to surface they bear as much.
+#[test]
+fn blocks_side_by_side_stick_under_one_platen() {
+    let scene = r#"
+[body.l]
+material = "m"
+block = { box = { origin = [0, 0, 1], size = [1, 1, 1] }, elements = [2, 2, 2] }
+[body.r]
+material = "m"
+block = { box = { origin = [1, 0, 1], size = [1, 1, 1] }, elements = [2, 2, 2] }
+[material.m]
+model = "neo-hookean"
+young = 100.0
+poisson = 0.3
+[tool.platen]
+plane = { point = [0, 0, 2], normal = [0, 0, -1] }
+[contact.between]
+slave = "l.xmax"
+master = "r.xmin"
+friction = 0.2
+[contact.left]
+slave = "l.zmax"
+master = "platen"
+friction = 0.1
+[contact.right]
+slave = "r.zmax"
+master = "platen"
+friction = 0.1
+[output]
+history = ["l.xmin", "r.xmax"]
+[[step]]
+increments = 4
+fix = [{ set = "l.zmin", directions = "z" }, { set = "r.zmin", directions = "z" }]
+move = [
+    { target = "platen", by = [0, 0, -0.1] },
+    { target = "l.xmin", by = [0.03, 0, 0], directions = "xy" },
+    { target = "r.xmax", by = [-0.03, 0, 0], directions = "xy" },
+]
+[[step]]
+increments = 4
+keep = true
+move = [
+    { target = "l.xmin", by = [0.1, 0, 0], directions = "xy" },
+    { target = "r.xmax", by = [0.1, 0, 0], directions = "xy" },
+]
+"#;
+    let bench = Bench::new(scene);
+    let segments = bench.solve(1, &["--set", "contact.between.discretization=segment"]).history();
+    let nodes = Bench::new(scene).solve(1, &[]).history();
+    for (column, within) in [("platen.fz", 2e-3), ("platen.fx", 2e-3), ("l.xmin.fx", 1e-2), ("r.xmax.fx", 1e-2)] {
+        assert_close(column, segments.last(column), nodes.last(column), within);
+    }
+    let along = ["platen.fx", "l.xmin.fx", "r.xmax.fx"].map(|column| segments.last(column));
+    assert_small("balance", along.iter().sum::<f64>() / along[1], 1e-9);
+}
+
 /// A block on a wider one, with friction, whole and as a quarter between planes of symmetry, on smooth patches and on facets.
 #[test]
 fn a_quarter_bears_a_quarter_of_the_force() {

@@ -19,13 +19,18 @@
 //! Where what touches is to stick first, it does until the active set stands, for a set that lets bodies touch may press what
 //! only friction holds; and where the iteration goes along the [central path](super::central), each of its stages is a round.
 //!
+//! Held multipliers grow so, too, where several contacts hold what sticks, as blocks side by side that stick to one platen and to each
+//! other: by the same in each round, and by some 1e-4 of what friction can bear. What changes so is twice as much in each round
+//! as in the one before.
+//!
 //! An active set that comes back would come back for ever: from then on one node changes in a round, that with the
 //! largest violation. When a set comes back even so, the increment has failed.
 
 use super::Newton;
+use crate::Vec3;
 use crate::contact::{Compliance, Pair, Slave, Status};
 use crate::controls::Controls;
-use crate::parallel::{first_word, max};
+use crate::parallel::{any, first_word, max};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 
@@ -55,6 +60,9 @@ pub struct Rounds {
     singly: bool,
     /// The active set is the last one, as far as is known.
     settled: bool,
+    /// What Uzawa's method last added to the multipliers of this rank's slave nodes, and how many times as much it adds now.
+    added: Vec<(f64, Vec3)>,
+    leap: f64,
 }
 
 impl Newton<'_> {
@@ -119,13 +127,43 @@ impl Newton<'_> {
             return Round::Failed(self.told(here, &format!("{outer_rounds} rounds of contact forces do not settle")));
         }
         if is_open {
-            of_method(&mut self.system.model.pairs, Enforcement::Uzawa)
-                .for_each(|slave| slave.held = slave.taken_over());
+            self.take_over();
         }
         if is_wrong && !self.change_set(tolerance, largest[1]) {
             return Round::Failed(self.told(here, "the active set of contacts comes back again and again"));
         }
         self.again()
+    }
+
+    /// Lets the multipliers of Uzawa's method take over the forces. Collective.
+    fn take_over(&mut self) {
+        /// Share by which what is added twice may differ to be the same.
+        const ALIKE: f64 = 0.1;
+        let alike = |now: f64, change: f64| now > 0.0 && change <= ALIKE * now;
+        let mut slaves: Vec<&mut Slave> = of_method(&mut self.system.model.pairs, Enforcement::Uzawa).collect();
+        // To the gap, and, where it sticks, to the friction.
+        let add = |slave: &&mut Slave| {
+            let now = slave.taken_over();
+            let sticks = slave.trial.status == Status::Stick;
+            (now.gap - slave.held.gap, if sticks { now.tangential - slave.held.tangential } else { Vec3::zeros() })
+        };
+        let added: Vec<(f64, Vec3)> = slaves.iter().map(add).collect();
+        let rounds = &mut self.course.rounds;
+        let drifts = |((gap, friction), (last_gap, last)): (&(f64, Vec3), &(f64, Vec3))| {
+            [alike(gap.abs(), (gap - last_gap).abs()), alike(friction.norm(), (friction - last).norm())]
+        };
+        let mut drifting: Vec<[bool; 2]> = added.iter().zip(&rounds.added).map(drifts).collect();
+        drifting.resize(added.len(), [false; 2]);
+        // Friction ends it; what only presses has no end.
+        let drift = any(self.system.comm, drifting.iter().any(|[_, friction]| *friction));
+        rounds.leap = if drift { 2.0 * rounds.leap.max(1.0) } else { 1.0 };
+        let more = rounds.leap - 1.0;
+        for ((slave, (gap, friction)), [of_gap, of_friction]) in slaves.iter_mut().zip(&added).zip(drifting) {
+            slave.held = slave.taken_over();
+            slave.held.gap += if of_gap { more * gap } else { 0.0 };
+            slave.held.tangential += if of_friction { more * friction } else { Vec3::zeros() };
+        }
+        rounds.added = added;
     }
 
     /// Ends the settling: what touches may slip from now on, and has friction.

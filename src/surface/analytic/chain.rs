@@ -75,7 +75,7 @@ impl Chain {
     /// image there.
     ///
     /// # Errors
-    /// Points that repeat or turn back, radii below 0, fillets that do not fit.
+    /// Points that repeat or turn back, lines that cross, radii below 0, fillets that do not fit.
     pub fn new(points: &[[f64; 2]], fillets: &[f64], closed: bool, about_axis: bool) -> Result<Self, Misfit> {
         let points: Vec<Vec2> = points.iter().map(|p| Vec2::from(*p)).collect();
         let (low, high) = points.iter().fold((points[0], points[0]), |(low, high), p| (low.inf(p), high.sup(p)));

@@ -27,7 +27,7 @@ pub struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    /// Fails on points that repeat or turn back, and fillets that do not fit; `size` is that of the chain.
+    /// Fails on points that repeat or turn back, lines that cross, and fillets that do not fit; `size` is that of the chain.
     pub fn new(points: &[Vec2], radii: &'a [f64], closed: bool, size: f64) -> Result<Self, Misfit> {
         let count = points.len();
         let lines = if closed { count } else { count - 1 };
@@ -61,6 +61,22 @@ impl<'a> Corners<'a> {
                     "does not fit: the line from points.{from} to points.{to} is {room} long, its fillets take {taken} of it"
                 );
                 return Err(Misfit { point, fillet: true, what });
+            }
+        }
+        let place = |k: usize| points[k % count];
+        for line in 2..lines {
+            let neighbour = usize::from(closed && line + 1 == lines);
+            let crosses = |&other: &usize| {
+                let beside = |at: usize, of: usize| corners.ways[of].perp(&(place(at) - points[of]));
+                let apart = |a: usize, b: usize| {
+                    let sides = [beside(a, b), beside(a + 1, b)];
+                    sides[0] * sides[1] < 0.0 && sides[0].abs().min(sides[1].abs()) > ROUNDED * size
+                };
+                apart(line, other) && apart(other, line)
+            };
+            if let Some(other) = (neighbour..line - 1).find(crosses) {
+                let what = format!("begins a line that crosses the one from points.{other} to points.{}", other + 1);
+                return Err(Misfit { point: line, fillet: false, what });
             }
         }
         Ok(corners)
