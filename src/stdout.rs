@@ -23,7 +23,7 @@ pub fn print(text: &str) -> Result<()> {
 /// Rank 0 prints its text. Collective.
 ///
 /// # Errors
-/// As of [`print`], on all ranks.
+/// As of [`print()`], on all ranks.
 pub fn print_from_root(comm: &SimpleCommunicator, text: &str) -> Result<()> {
     agree(comm, if comm.rank() == 0 { print(text) } else { Ok(()) })
 }
