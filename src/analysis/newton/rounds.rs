@@ -122,7 +122,7 @@ impl Newton<'_> {
         self.course.rounds.settled = !is_wrong;
         let worst = if is_open { open } else { wrong };
         let here = worst.1.filter(|_| worst.0 == if is_open { largest[0] } else { largest[1] });
-        let here = here.map(|at| self.lacks(at));
+        let here = here.map(|at| self.lacks(at, worst.0));
         if self.course.rounds.count - self.course.rounds.early > outer_rounds {
             return Round::Failed(self.told(here, &format!("{outer_rounds} rounds of contact forces do not settle")));
         }
@@ -291,15 +291,15 @@ impl Newton<'_> {
         first_word(self.system.comm, word).unwrap_or_else(|| reason.into())
     }
 
-    /// What the worst node of an active set, or of Uzawa's method, lacks.
-    fn lacks(&self, (p, s): (usize, usize)) -> (usize, usize, String) {
+    /// What the worst node of an active set, or of Uzawa's method, lacks: so many times what may be left.
+    fn lacks(&self, (p, s): (usize, usize), times: f64) -> (usize, usize, String) {
         let (pair, trial) = (&self.system.model.pairs[p], &self.system.model.pairs[p].slaves[s].trial);
         let violation = trial.violation;
         let lacks = match pair.rules.method {
             Enforcement::Lagrange => {
                 format!("should be {}, force {violation:.1e}", trial.asked.name(pair.rules.friction))
             }
-            _ => format!("penetration or slip {violation:.1e}"),
+            _ => format!("penetration or slip {violation:.1e}, of which {:.1e} may be left", violation / times),
         };
         (p, s, lacks)
     }
