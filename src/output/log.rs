@@ -4,6 +4,7 @@
 use super::{OutputFolder, cannot_write};
 use crate::error::{Error, Result};
 use crate::parallel::agree;
+use crate::stdout;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use mpi::traits::*;
 use std::fs::File;
@@ -194,11 +195,10 @@ impl Log {
         }
     }
 
-    /// Not `println!`, which panics when the reader of a pipe is gone.
+    /// What cannot be shown ends no run.
     fn show(&self, text: &str) {
         let print = || {
-            let mut out = std::io::stdout().lock();
-            let _ = writeln!(out, "{text}").and_then(|()| out.flush());
+            let _ = stdout::print(&format!("{text}\n"));
         };
         match &self.bar {
             Some(bar) => bar.suspend(print),

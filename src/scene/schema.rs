@@ -5,9 +5,8 @@ use crate::controls::{Control, Controls};
 use crate::error::{Error, Result};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
-use std::fmt::Display;
 use std::fs::{OpenOptions, remove_file};
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::path::Path;
 
 const DOCUMENT: &str = include_str!("../../docs/scene.md");
@@ -20,7 +19,7 @@ const TEMPLATE: &str = include_str!("template.toml");
 /// # Errors
 /// [`Error::Input`] when there is a file, or none can be made; [`Error::System`] when it cannot be written, and is removed.
 pub fn begin(path: &Path) -> Result<()> {
-    let failed = |error: &dyn Display| format!("cannot write {}: {error}", path.display());
+    let failed = |error: &io::Error| format!("cannot write {}: {error}", path.display());
     let mut file = OpenOptions::new()
         .write(true)
         .create_new(true)

@@ -28,7 +28,7 @@
 
 use super::Newton;
 use crate::Vec3;
-use crate::contact::{Compliance, Pair, Slave, Status};
+use crate::contact::{Compliance, Held, Pair, Slave, Status};
 use crate::controls::Controls;
 use crate::parallel::{any, first_word, max};
 use crate::scene::Enforcement;
@@ -60,9 +60,9 @@ pub struct Rounds {
     singly: bool,
     /// The active set is the last one, as far as is known.
     settled: bool,
-    /// What Uzawa's method last added to the multipliers of this rank's slave nodes, and how many times as much it adds now.
+    /// What Uzawa's method last added to the multipliers of this rank's slave nodes, and how often in succession twice as much of it.
     added: Vec<(f64, Vec3)>,
-    leap: f64,
+    doubled: i32,
 }
 
 impl Newton<'_> {
@@ -140,14 +140,14 @@ impl Newton<'_> {
         /// Share by which what is added twice may differ to be the same.
         const ALIKE: f64 = 0.1;
         let alike = |now: f64, change: f64| now > 0.0 && change <= ALIKE * now;
-        let mut slaves: Vec<&mut Slave> = of_method(&mut self.system.model.pairs, Enforcement::Uzawa).collect();
+        let slaves: Vec<&mut Slave> = of_method(&mut self.system.model.pairs, Enforcement::Uzawa).collect();
+        let taken: Vec<Held> = slaves.iter().map(|slave| slave.taken_over()).collect();
         // To the gap, and, where it sticks, to the friction.
-        let add = |slave: &&mut Slave| {
-            let now = slave.taken_over();
+        let add = |(slave, now): (&&mut Slave, &Held)| {
             let sticks = slave.trial.status == Status::Stick;
             (now.gap - slave.held.gap, if sticks { now.tangential - slave.held.tangential } else { Vec3::zeros() })
         };
-        let added: Vec<(f64, Vec3)> = slaves.iter().map(add).collect();
+        let added: Vec<(f64, Vec3)> = slaves.iter().zip(&taken).map(add).collect();
         let rounds = &mut self.course.rounds;
         let drifts = |((gap, friction), (last_gap, last)): (&(f64, Vec3), &(f64, Vec3))| {
             [alike(gap.abs(), (gap - last_gap).abs()), alike(friction.norm(), (friction - last).norm())]
@@ -156,12 +156,13 @@ impl Newton<'_> {
         drifting.resize(added.len(), [false; 2]);
         // Friction ends it; what only presses has no end.
         let drift = any(self.system.comm, drifting.iter().any(|[_, friction]| *friction));
-        rounds.leap = if drift { 2.0 * rounds.leap.max(1.0) } else { 1.0 };
-        let more = rounds.leap - 1.0;
-        for ((slave, (gap, friction)), [of_gap, of_friction]) in slaves.iter_mut().zip(&added).zip(drifting) {
-            slave.held = slave.taken_over();
-            slave.held.gap += if of_gap { more * gap } else { 0.0 };
-            slave.held.tangential += if of_friction { more * friction } else { Vec3::zeros() };
+        rounds.doubled = if drift { rounds.doubled + 1 } else { 0 };
+        let more = 2f64.powi(rounds.doubled) - 1.0;
+        for (s, slave) in slaves.into_iter().enumerate() {
+            let [of_gap, of_friction] = drifting[s].map(|drifts| if drifts { more } else { 0.0 });
+            slave.held = taken[s];
+            slave.held.gap += of_gap * added[s].0;
+            slave.held.tangential += of_friction * added[s].1;
         }
         rounds.added = added;
     }

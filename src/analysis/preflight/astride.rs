@@ -21,10 +21,9 @@ const HELD: f64 = 0.1;
 /// Warns of such nodes, unless supports hold them between the sides in all such `steps`. Collective.
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, (steps, sights): (&[Conditions], &[Vec<Standing>])) {
     let mut told = Vec::new();
-    for (pair, sights) in model.pairs.iter().zip(sights) {
-        // Means over a segment choose no side.
+    // Means over a segment choose no side.
+    for (pair, sights) in model.pairs.iter().zip(sights).filter(|(pair, _)| pair.faces.is_none()) {
         let chooses = |conditions: &&Conditions| match pair.master {
-            _ if pair.faces.is_some() => false,
             Master::Tool(t) => conditions.motions[t].axle.is_some(),
             Master::Surface(..) => pair.is_within_body(),
         };

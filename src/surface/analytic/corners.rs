@@ -63,23 +63,23 @@ impl<'a> Corners<'a> {
                 return Err(Misfit { point, fillet: true, what });
             }
         }
-        let place = |k: usize| points[k % count];
-        for line in 2..lines {
-            let neighbour = usize::from(closed && line + 1 == lines);
-            let crosses = |&other: &usize| {
-                let beside = |at: usize, of: usize| corners.ways[of].perp(&(place(at) - points[of]));
-                let apart = |a: usize, b: usize| {
-                    let sides = [beside(a, b), beside(a + 1, b)];
-                    sides[0] * sides[1] < 0.0 && sides[0].abs().min(sides[1].abs()) > ROUNDED * size
-                };
-                apart(line, other) && apart(other, line)
-            };
-            if let Some(other) = (neighbour..line - 1).find(crosses) {
-                let what = format!("begins a line that crosses the one from points.{other} to points.{}", other + 1);
-                return Err(Misfit { point: line, fillet: false, what });
-            }
+        if let Some((line, other)) = corners.crossing(points, size) {
+            let what = format!("begins a line that crosses the one from points.{other} to points.{}", other + 1);
+            return Err(Misfit { point: line, fillet: false, what });
         }
         Ok(corners)
+    }
+
+    /// The first line that crosses one before it, and that one. Neighbours meet in a point, and do not cross.
+    fn crossing(&self, points: &[Vec2], size: f64) -> Option<(usize, usize)> {
+        let end = |line: usize| points[(line + 1) % points.len()];
+        let beside = |point: Vec2, line: usize| self.ways[line].perp(&(point - points[line]));
+        let parts = |line: usize, ends: usize| {
+            let [a, b] = [beside(points[ends], line), beside(end(ends), line)];
+            a * b < 0.0 && a.abs().min(b.abs()) > ROUNDED * size
+        };
+        let lines = 0..self.ways.len();
+        lines.flat_map(|line| (0..line).map(move |other| (line, other))).find(|&(a, b)| parts(a, b) && parts(b, a))
     }
 
     /// The direction of a line, counted around.
