@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -39,13 +40,23 @@ def apart(run, whole):
     return study.difference(rest(run.history), rest(whole.history))
 
 
-def killed(scene, out, ranks, options, after):
-    """Starts a run or goes on with it, and kills a rank after so many seconds; whether it had not ended by then."""
+def written(out):
+    """When the history was written last."""
+    history = out / "history.csv"
+    return history.stat().st_mtime_ns if history.exists() else 0
+
+
+def killed(scene, out, ranks, options, spare):
+    """Starts a run or goes on with it, and kills a rank: of four kills one as it starts, the others within so many seconds
+    after it has written something; whether it had not ended by then."""
     restart = ["--restart"] if (out / "checkpoint.h5").exists() else []
     command = study.on_ranks(ranks, study.NAGATA, "run", scene, "--out", out, "--quiet", *options, *restart)
+    before, starts = written(out), random.random() < 0.25
     process = subprocess.Popen([str(word) for word in command], stderr=subprocess.DEVNULL)
+    while not starts and process.poll() is None and written(out) == before:
+        time.sleep(0.01)
     try:
-        process.wait(after)
+        process.wait(random.uniform(0.0, spare))
         return False
     except subprocess.TimeoutExpired:
         children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=False)
@@ -74,8 +85,7 @@ def main():
                 sys.exit(whole.code)
             out, kills = Path(folder) / "killed", 0
             for _ in range(args.kills):
-                after = random.uniform(0.2, 1.0) * (1.0 + 2.0 * whole.wall / args.kills)
-                kills += killed(scene, out, random.choice([1, 2, 3]), options, after)
+                kills += killed(scene, out, random.choice([1, 2, 3]), options, 2.0 * whole.wall / args.kills)
                 say(f"{name}: killed {kills} times, {rows(out)} increments")
             restart = ["--restart"] if (out / "checkpoint.h5").exists() else []
             last = study.Run(scene, out, 2, *options, *restart)
