@@ -5,9 +5,9 @@ use super::super::{GAUSS, Gradients, add_scaled, inverse, jacobian};
 use crate::solid::voigt::{Voigt, to_matrix};
 use crate::{Mat3, Vec3};
 
-/// Modes of the enhanced strain: of the membrane, and of the thickness.
+/// Modes of the enhanced strain: of the membrane, of the thickness, and the last, where it is seen, the quadratic one of that.
 pub(super) const MEMBRANE: usize = 4;
-pub(super) const MODES: usize = MEMBRANE + 4;
+pub(super) const MODES: usize = MEMBRANE + 5;
 
 /// The transverse strain that is assumed: a component at a place, from where it is interpolated.
 struct Tie {
@@ -63,6 +63,8 @@ pub(super) struct IntegrationPoint {
     ratio: f64,
     /// J0^-1 J of the membrane, times j0/j.
     to_centre: [[f64; 2]; 2],
+    /// 1 - 3 zeta^2; 0 where there are two points through the thickness, at which it is none.
+    quadratic: f64,
     /// Share of each tie.
     pub shares: [f64; TIES],
 }
@@ -117,7 +119,9 @@ impl Shape {
             let (ratio, map) = (det0 / det, inverse0 * j);
             let to_centre = std::array::from_fn(|l| std::array::from_fn(|i| ratio * map[(l, i)]));
             let shares = std::array::from_fn(|t| TIED[t].share(&at));
-            IntegrationPoint { at, gradients, reference: j, inverse, weight: weight * det, ratio, to_centre, shares }
+            let quadratic = if layers.len() > 2 { 1.0 - 3.0 * at[2] * at[2] } else { 0.0 };
+            let (reference, weight) = (j, weight * det);
+            IntegrationPoint { at, gradients, reference, inverse, weight, ratio, to_centre, quadratic, shares }
         };
         let places: Vec<IntegrationPoint> = points(layers).map(place).collect();
         let x = std::array::from_fn(|a| std::array::from_fn(|i| x0[a][i] + u[a][i]));
@@ -280,7 +284,7 @@ impl IntegrationPoint {
     /// dE_zz/dalpha of a mode of the thickness.
     fn thickness(&self, m: usize) -> f64 {
         let [xi, eta, zeta] = self.at;
-        self.ratio * zeta * [1.0, xi, eta, xi * eta][m - MEMBRANE]
+        self.ratio * [zeta, zeta * xi, zeta * eta, zeta * xi * eta, self.quadratic][m - MEMBRANE]
     }
 }
 
