@@ -151,6 +151,52 @@ keep = true
 }
 
 /// What a node that is fixed bears of a pulley that can only turn is undetermined, and so is its friction.
+/// A wheel on a pad whose torque goes on about a line beside its axis: it begins with the moment that holds the wheel there,
+/// whichever way the axis is written. Its angle is about the axis as written, and goes on from what it was.
+#[test]
+fn a_torque_about_another_line_begins_with_the_moment_that_holds() {
+    let scene = |second: &str| {
+        let step = |name: &str, n: usize, more: &str| {
+            format!("[[step]]\nname = \"{name}\"\nincrements = {n}\nkeep = true\n{more}\n")
+        };
+        format!(
+            "body.a = {{ material = \"m\", plane_strain = true, block = {{ box = {{ origin = [-10, -4, 0], size = [20, 4, 1] }}, elements = [20, 2, 1] }} }}\n\
+             material.m = {{ model = \"neo-hookean\", young = 10, poisson = 0.3 }}\n\
+             tool.w.cylinder = {{ point = [0, 5, 0], axis = [0, 0, 1], radius = 5 }}\n\
+             contact.c = {{ slave = \"a.ymax\", master = \"w\", friction = 0.8 }}\n\
+             [[step]]\nname = \"press\"\nincrements = 3\nfix = [{{ set = \"a.ymin\" }}]\nmove = [{{ target = \"w\", by = [0, -0.6, 0] }}]\n{}{}",
+            step("turn", 2, "torque = [{ tool = \"w\", total = 4, point = [0, 4.4, 0], axis = [0, 0, 1] }]"),
+            step("on", 4, second)
+        )
+    };
+    let run =
+        |second: &str| Bench::new(&scene(&format!("torque = [{{ tool = \"w\", {second} }}]"))).solve(1, &[]).history();
+    // Beside, along and against the axis; the moments between are those of a straight line from the one that holds to the last.
+    let along = run("total = -12, point = [-3, 4.4, 0], axis = [0, 0, 1]");
+    let against = run("total = 12, point = [-3, 4.4, 0], axis = [0, 0, -1]");
+    for name in ["w.fx", "w.fy", "w.uy"] {
+        for (a, b) in along.column(name).iter().zip(against.column(name)) {
+            assert_close(name, *a, *b, 1e-8);
+        }
+    }
+    let before = along.steps.iter().rposition(|step| step == "turn").unwrap();
+    let (held, force) = (along.column("w.moment")[before], along.column("w.fy")[before]);
+    // The tool's force on the body is at its old axis, 3 beside the new one.
+    let begin = held + 3.0 * force;
+    for (k, moment) in (1..).zip(&along.column("w.moment")[before + 1..]) {
+        assert_close("moment", *moment, begin + (-12.0 - begin) * 0.25 * f64::from(k), 1e-7);
+    }
+    // About the same line it goes on from its value, to zero, whichever way that is written.
+    let [same, turned] = ["1", "-1"].map(|z| run(&format!("total = 0, point = [0, 4.4, 1], axis = [0, 0, {z}]")));
+    for (a, b) in same.column("w.fx").iter().zip(turned.column("w.fx")) {
+        assert_small("w.fx", a - b, 1e-8);
+    }
+    assert_close("ramp", same.column("w.moment")[before + 1], 3.0, 1e-7);
+    assert_close("angle", same.last("w.angle"), -turned.last("w.angle"), 1e-8);
+    assert_close("angle about the line beside", along.last("w.angle"), -against.last("w.angle"), 1e-8);
+    assert!(same.last("w.angle").abs() < 0.5 * same.column("w.angle")[before], "{}", same.last("w.angle"));
+}
+
 #[test]
 fn a_torque_against_held_nodes_is_refused() {
     let run = Bench::new(

@@ -248,7 +248,7 @@ impl Conditions {
         conditions.add_body_forces(model, step);
         conditions.add_spins(model, step, last)?;
         conditions.add_forces(comm, model, step);
-        step.torques.iter().for_each(|torque| conditions.add_torque(comm, model, last, torque));
+        step.torques.iter().for_each(|torque| conditions.add_torque(comm, model, torque));
         for spring in &step.springs {
             for (n, weight) in nodal_weights(comm, model, &spring.set.value) {
                 conditions.springs.entry(n).or_default().stiffness += spring.stiffness * weight;
@@ -278,16 +278,21 @@ impl Conditions {
         }
     }
 
-    /// Lets tools that were not driven by force or torque until now begin with the contact forces that hold them and, after
-    /// those of all, their moments about the origin, of the last converged increment; tools are at `poses`.
+    /// Lets tools that were not driven by force, or by torque about the same line, until now begin with the contact forces that hold
+    /// them and, after those of all, their moments about the origin, of the last converged increment; tools are at `poses`.
     pub fn hand_over(&mut self, last: &Self, contact_forces: &[Vec3], poses: &[Pose]) {
         let tools = self.motions.len();
         let (forces, moments) = contact_forces.split_at(tools);
         for (t, motion) in self.motions.iter().enumerate() {
-            if let Some(axle) = motion.axle.filter(|axle| !last.turns_about(t, &axle.axis)) {
-                let axle = Axle { point: axle.point + poses[t].driven, ..axle };
-                self.tool_forces[tools + t].from = Vec3::x() * -axle.drive(&forces[t], &moments[t]);
-            }
+            let Some(axle) = motion.axle else { continue };
+            let axle = Axle { point: axle.point + poses[t].driven, ..axle };
+            let drove = last.motions.get(t).is_some_and(|last| last.axle.is_some());
+            let old = poses[t].axle_in_space().filter(|_| drove);
+            let from = &mut self.tool_forces[tools + t].from;
+            *from = match old.and_then(|old| Some(*from * (old.sense_on_line(&axle)? * old.lever / axle.lever))) {
+                Some(same) => same,
+                None => Vec3::x() * -axle.drive(&forces[t], &moments[t]),
+            };
         }
         for (t, (ramp, force)) in self.tool_forces.iter_mut().zip(forces).enumerate() {
             for d in 0..3 {
@@ -316,17 +321,11 @@ impl Conditions {
     pub fn driven(&self, t: usize, pose: &Pose) -> ([bool; 3], Option<Axle>) {
         let ToolMotion { free, axle, .. } = self.motions[t];
         let about = |axle: Axle| {
-            let now = pose.axle_in_space().filter(|now| (now.axis - axle.axis).norm() < 1e-9);
+            // One of another line has another lever.
+            let now = pose.axle_in_space().filter(|now| now.lever == axle.lever && now.sense(&axle.axis) == Some(1.0));
             now.unwrap_or(Axle { point: axle.point + pose.driven, ..axle })
         };
         (free, axle.map(about))
-    }
-
-    /// Whether a torque turns a tool about this axis, a unit vector.
-    fn turns_about(&self, t: usize, axis: &Vec3) -> bool {
-        const ONE: f64 = 1e-9;
-        let axle = self.motions.get(t).and_then(|motion| motion.axle);
-        axle.is_some_and(|axle| (axle.axis - axis).norm() < ONE)
     }
 
     /// Where a motion prescribes to be at fraction `s` of the step.
@@ -505,7 +504,7 @@ impl Conditions {
     }
 
     /// A torque, whose lever is the mean distance of the tool's slave nodes from the axis, as they are meshed. Collective.
-    fn add_torque(&mut self, comm: &SimpleCommunicator, model: &Model, last: &Self, torque: &Torque) {
+    fn add_torque(&mut self, comm: &SimpleCommunicator, model: &Model, torque: &Torque) {
         let Some(t) = model.tool_named(&torque.tool.value) else { return };
         let Torque { total, point, axis, table, .. } = torque;
         let slaves = model.pairs.iter().filter(|pair| pair.master.tool() == Some(t)).flat_map(|pair| &pair.slaves);
@@ -514,9 +513,6 @@ impl Conditions {
         sum(comm, &mut distances);
         let lever = Some(distances[0] / distances[1]).filter(|mean| *mean > 0.0).unwrap_or(model.size);
         let ramp = &mut self.tool_forces[model.masters.tools.len() + t];
-        // About another axis it was another torque, and another lever.
-        let from = last.motions.get(t).and_then(|motion| motion.axle).map_or(0.0, |axle| axle.lever);
-        ramp.from *= if last.turns_about(t, axis) { from / lever } else { 0.0 };
         ramp.add(Vec3::x() * (total / lever), shared(table).as_ref());
         self.motions[t].axle = Some(Axle { point: *point, axis: *axis, lever });
     }

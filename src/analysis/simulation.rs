@@ -252,7 +252,7 @@ impl<'a> Simulation<'a> {
         Some(ToolReading {
             displacement: tool.displacement(),
             force: -self.state.tool_forces[t],
-            turned: tool.committed.turned.to_degrees(),
+            turned: tool.committed.turned_about_axle().to_degrees(),
             moment: -self.moment_on(t),
         })
     }
@@ -378,7 +378,7 @@ pub struct ToolReading {
     pub displacement: Vec3,
     /// Force that it exerts on the bodies, N.
     pub force: Vec3,
-    /// By how much torques have turned it since the beginning, degrees, and its moment on the bodies about the axis of its
+    /// By how much torques have turned it about the axis of its torque, or of the last one, since there was one along it, degrees, and its moment on the bodies about the axis of its
     /// torque, or of the last one; 0 without one.
     pub turned: f64,
     pub moment: f64,

@@ -38,6 +38,21 @@ pub struct Axle {
 crate::words!(Axle { point, axis, lever });
 
 impl Axle {
+    /// 1 if its axis has this direction, a unit vector, and -1 if it has the opposite one.
+    pub fn sense(&self, direction: &Vec3) -> Option<f64> {
+        const ONE: f64 = 1e-9;
+        let sense = self.axis.dot(direction).signum();
+        ((self.axis * sense - direction).norm() < ONE).then_some(sense)
+    }
+
+    /// The same if another axis is on its line, too.
+    pub fn sense_on_line(&self, other: &Self) -> Option<f64> {
+        // Over the lever: points are as exact as scenes have them.
+        const ON: f64 = 1e-6;
+        let aside = self.axis.cross(&(other.point - self.point)).norm();
+        self.sense(&other.axis).filter(|_| aside <= ON * self.lever)
+    }
+
     /// How fast the point `x` moves with the unknown of the rotation: a x (x - p) / lever.
     pub fn velocity(&self, x: &Vec3) -> Vec3 {
         self.axis.cross(&(x - self.point)) / self.lever
@@ -56,20 +71,22 @@ pub struct Pose {
     pub translation: Vec3,
     /// What forces have moved it by, of all its ways.
     pub driven: Vec3,
-    /// What torques have turned it by, radians.
+    /// What torques have turned it by, each about its axis, radians.
     pub turned: f64,
+    /// What of that does not count about the axis of the torque, or of the last one.
+    pub before: f64,
     /// The axis about which a torque turns it, or did last, in the tool's frame.
     pub axle: Option<Axle>,
     /// A point of the first axis about which anything turned it, in the tool's frame.
     pub center: Vec3,
 }
 
-crate::words!(Pose { rotation, translation, driven, turned, axle, center });
+crate::words!(Pose { rotation, translation, driven, turned, before, axle, center });
 
 impl Default for Pose {
     fn default() -> Self {
         let (rotation, still) = (Mat3::identity(), Vec3::zeros());
-        Self { rotation, translation: still, driven: still, turned: 0.0, axle: None, center: still }
+        Self { rotation, translation: still, driven: still, turned: 0.0, before: 0.0, axle: None, center: still }
     }
 }
 
@@ -110,10 +127,21 @@ impl Pose {
         let rotation = turn * self.rotation;
         let translation = turn * (self.translation - axle.point) + axle.point;
         let center = self.center_of_turn(&axle.point);
-        let mut pose = Self { rotation, translation, turned: self.turned + angle, center, ..*self };
+        let before = match self.axle_in_space().and_then(|old| old.sense(&axle.axis)) {
+            Some(1.0) => self.before,
+            // What it has turned the other way.
+            Some(_) => 2.0 * self.turned - self.before,
+            None => self.turned,
+        };
+        let mut pose = Self { rotation, translation, turned: self.turned + angle, before, center, ..*self };
         let (point, axis) = (pose.inward(&axle.point), rotation.tr_mul(&axle.axis));
         pose.axle = Some(Axle { point, axis, ..*axle });
         pose
+    }
+
+    /// What torques have turned it by about the axis of the torque, or of the last one, since there was one along it, radians.
+    pub fn turned_about_axle(&self) -> f64 {
+        self.turned - self.before
     }
 
     /// The center once it turns about an axis through a point in space. As long as nothing has turned it all points go the same way.
@@ -203,10 +231,38 @@ mod tests {
         let pose = start.turned_by(&axle, 0.4).turned_by(&axle, 0.3);
         let found = pose.axle_in_space().unwrap();
         assert!((found.point - axle.point).norm() + (found.axis - axle.axis).norm() < 1e-14);
+        assert_eq!(pose.turned_about_axle(), pose.turned);
         assert!((pose.turned - 0.7).abs() < 1e-15 && (start.angle(&pose) - 0.7).abs() < 1e-14);
         let (x, h) = (Vec3::new(-0.4, 2.0, 1.0), 1e-6);
         let at = |way: f64| start.turned_by(&axle, way / axle.lever).outward(&start.inward(&x));
         assert!(((at(h) - at(-h)) / (2.0 * h) - axle.velocity(&x)).norm() < 1e-9);
+    }
+
+    #[test]
+    fn turns_count_about_the_axis_of_the_torque() {
+        let axle = Axle { point: Vec3::new(1.0, 0.0, 2.0), axis: Vec3::new(0.0, 0.6, 0.8), lever: 2.0 };
+        let [back, beside, across] = [
+            Axle { axis: -axle.axis, ..axle },
+            Axle { point: axle.point + Vec3::x(), ..axle },
+            Axle { axis: Vec3::x(), ..axle },
+        ];
+        let along = Axle { point: axle.point + axle.axis * 3.0, ..back };
+        assert_eq!(axle.sense_on_line(&axle), Some(1.0));
+        assert_eq!(axle.sense_on_line(&along), Some(-1.0));
+        assert_eq!([axle.sense_on_line(&beside), axle.sense_on_line(&across)], [None, None]);
+        let mut pose = Pose::default();
+        for (axle, angle, about) in [
+            (axle, 0.4, 0.4),
+            (back, 0.1, -0.3),
+            (back, 0.2, -0.1),
+            (beside, 0.2, 0.3),
+            (across, 0.5, 0.5),
+            (axle, 0.1, 0.1),
+        ] {
+            pose = pose.turned_by(&axle, angle);
+            assert!((pose.turned_about_axle() - about).abs() < 1e-15, "{about}");
+        }
+        assert!((pose.turned - 1.5).abs() < 1e-15);
     }
 
     #[test]
