@@ -349,6 +349,12 @@ fn what_cannot_be_converted_is_refused() {
             "*ELEMENT, TYPE=SPRING1, ELSET=S\n900, 101\n*SPRING, ELSET=S\n2\n5.\n*STEP",
             "of a *SPRING along 2",
         ),
+        (
+            TETS,
+            "*Surface interaction",
+            "*Tie, Name=T\nSlave, Master\n*Surface interaction",
+            "is on elements C3D10, which ties do not take",
+        ),
         (FRAMES, "-1, 1, 0.5", "2, 2, 0", "in one line with the origin"),
         (FRAMES, "*BOUNDARY", "*CLOAD\nFOOT, 1, 5.\n*BOUNDARY", "of a *TRANSFORM: forces there"),
         (GRAVITY, "*DENSITY\n1.134e-08\n", "", "material 'Head_Lead' has no density"),
@@ -592,6 +598,9 @@ fn conditions_along_axes_of_their_own_are_those_of_calculix() {
     for (found, expected) in of_head.into_iter().zip([-482.3195, -64.29651, -836.0460]) {
         assert_small("block", (found - expected) / 836.0, 5e-3);
     }
+    // What is held in all directions needs none of them, on an axis, too.
+    let text = scene(&converted(&FRAMES.replace("RIM, 1, 2", "RIM, 1, 3")).0);
+    assert!(text.contains("{ set = \"RING.RIM\" }"), "{text}");
 }
 
 /// What is wrong in several places is told at once, as in scenes.

@@ -45,7 +45,7 @@ impl Support {
                 let along = (0..3).filter(|&d| held[d]).map(|d| vector(&axes[d]));
                 along.map(|normal| format!("{{ set = {set}, normal = {normal} }}")).collect()
             }
-            Some(Frame::Around { point, axis }) => {
+            Some(Frame::Around { point, axis }) if held != [true; 3] => {
                 vec![format!("{{ set = {set}, {} }}", around(point, axis, held))]
             }
             _ => vec![format!("{{ set = {set}{} }}", letters("xyz", held))],

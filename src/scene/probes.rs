@@ -89,7 +89,10 @@ fn probe(item: &Item, names: &Names) -> Result<Probe> {
     if let (ProbePlace::Set(_), Some(body)) = (&place, table.get("body")) {
         return Err(body.error("stands beside a set", "a set is of one body: leave `body` out"));
     }
-    let asked = table.optional("fields", |item| fields(item, &Quantity::OF_PROBES))?;
+    let asked = table.optional("fields", |item| match fields(item, &Quantity::OF_PROBES)? {
+        none if none.is_empty() => Err(item.error("names no fields", "name some, or leave it out")),
+        fields => Ok(fields),
+    })?;
     Ok(Probe { name, place, body, fields: asked.unwrap_or(Quantity::USUAL_OF_PROBES.to_vec()) })
 }
 
