@@ -28,7 +28,7 @@ use crate::parallel::{agree, first_word, max, number, serve, sum};
 use crate::partition::parcels::{bounds, hull};
 use crate::partition::{Component, GlobalMesh, Part, PartSet, PartSolid, distribute};
 use crate::scene::{self, Discretization, Reduction, Scene};
-use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::solid::history::History;
 pub use assemble::{assemble_bodies, set_names};
 use masters::bulges;
@@ -251,6 +251,7 @@ impl Model {
                 SolidShape::Hex8 => hex8::volume(&std::array::from_fn(at)),
                 SolidShape::Wedge6 => wedge6::volume(&std::array::from_fn(at)),
                 SolidShape::Pyramid5 => pyramid5::volume(&std::array::from_fn(at)),
+                SolidShape::Wedge18 => wedge18::volume(&std::array::from_fn(at)),
                 SolidShape::Hex27 => hex27::volume(&std::array::from_fn(at)),
             };
         }

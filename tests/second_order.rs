@@ -1,5 +1,5 @@
-//! Hexahedra and wedges of second order, which become linear ones between their nodes: decks of them against decks of those, a bar
-//! that bends, meshes as Gmsh writes them, and what is refused.
+//! Hexahedra and wedges of second order, which become linear ones between their nodes, or are taken as such: decks of them against
+//! decks of those, bars that bend, meshes as Gmsh writes them, and what is refused.
 
 mod common;
 
@@ -104,6 +104,53 @@ impl Block {
         let own = self.elements().into_iter().filter(|(_, low)| is_own(low[axis]));
         own.map(|(id, _)| format!("{id}, {end}\n")).collect()
     }
+}
+
+/// A block of cells of two wedges of 15 nodes, which are upright, as a mesh file; its sides are surfaces. Of some cells hexahedra
+/// stand in the place of them.
+fn wedges(cells: [usize; 3], [origin, size]: [[f64; 3]; 2], is_hexahedron: impl Fn([usize; 3]) -> bool) -> String {
+    let block = Block { name: "w", cells, origin, size, first: 0, quadratic: true };
+    const LOWER: [[usize; 2]; 6] = [[0, 0], [2, 0], [2, 2], [1, 0], [2, 1], [1, 1]];
+    const UPPER: [[usize; 2]; 6] = [[0, 0], [2, 2], [0, 2], [1, 1], [1, 2], [0, 1]];
+    let (mut nodes, mut id) = (std::collections::BTreeMap::new(), 0);
+    let (mut elements, mut surfaces) = ([String::new(), String::new()], vec![String::new(); 6]);
+    for (_, low) in block.elements() {
+        let mut element = |kind: usize, at: &[[usize; 3]], sides: &[(usize, usize)]| {
+            id += 1;
+            let own = at.iter().map(|d| [0, 1, 2].map(|i| low[i] + d[i]));
+            let own: Vec<String> =
+                own.map(|at| (nodes.insert(block.node(at), at), block.node(at)).1.to_string()).collect();
+            let _ = writeln!(elements[kind], "{id}, {},\n{}", own[..8].join(", "), own[8..].join(", "));
+            for &(side, face) in sides {
+                let end = if side % 2 == 0 { 0 } else { 2 * cells[side / 2] - 2 };
+                if low[side / 2] == end {
+                    let _ = writeln!(surfaces[side], "{id}, S{face}");
+                }
+            }
+        };
+        if is_hexahedron(low.map(|i| i / 2)) {
+            element(1, &HEX20, &[(4, 1), (5, 2), (2, 3), (1, 4), (3, 5), (0, 6)]);
+            continue;
+        }
+        for (triangle, sides) in [(LOWER, [(2, 3), (1, 4)]), (UPPER, [(3, 4), (0, 5)])] {
+            let up = |range: std::ops::Range<usize>, k| triangle[range].iter().map(move |[i, j]| [*i, *j, k]);
+            let at: Vec<_> =
+                up(0..3, 0).chain(up(0..3, 2)).chain(up(3..6, 0)).chain(up(3..6, 2)).chain(up(0..3, 1)).collect();
+            element(0, &at, &[&sides[..], &[(4, 1), (5, 2)]].concat());
+        }
+    }
+    let mut text = String::from("*NODE\n");
+    for (number, at) in nodes {
+        let [x, y, z] = block.place(at);
+        let _ = writeln!(text, "{number}, {x:?}, {y:?}, {z:?}");
+    }
+    for (kind, lines) in ["C3D15", "C3D20"].iter().zip(elements).filter(|(_, lines)| !lines.is_empty()) {
+        let _ = write!(text, "*ELEMENT, TYPE={kind}, ELSET=all\n{lines}");
+    }
+    for (name, lines) in ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"].iter().zip(surfaces) {
+        let _ = write!(text, "*SURFACE, NAME={name}\n{lines}");
+    }
+    text
 }
 
 /// A block that is pressed onto another and drawn over it, with a pressure on one side and nodes held one by one on another.
@@ -322,14 +369,14 @@ fn quadratic_hexahedra_pass_an_even_pressure_on_to_coarser_ones() {
     for elements in ["elements = [8, 4, 2]", "elements = [12, 6, 2]", "elements = [8, 2, 2]"] {
         let (run, [low, high]) = of(elements, one, &[]);
         assert!(low > -1e-10 && high < 1e-10, "{elements}: {low:e} {high:e}");
-        assert!(!run.log().contains("faces of nine nodes meet others"), "{}", run.log());
+        assert!(!run.log().contains("quadratic faces meet others"), "{}", run.log());
     }
     // Patches of two passes take 99 % of their bulge.
     let (_, [low, high]) = of("elements = [8, 4, 2]", "contact.c.discretization=\"two-pass\"", &[]);
     assert!(low > -0.02 && high < 0.02, "two passes: {low:e} {high:e}");
     let (run, [low, high]) = of("elements = [4, 2, 2]", one, &["--set", "body.b.element=\"hex8\""]);
     assert!(
-        low < -0.2 && high > 0.2 && run.log().contains("faces of nine nodes meet others"),
+        low < -0.2 && high > 0.2 && run.log().contains("quadratic faces meet others"),
         "{low} {high} {}",
         run.log()
     );
@@ -356,6 +403,96 @@ fn quadratic_hexahedra_of_files() {
     assert_close("balance", one.history().last("UPPER.TOP.fz") / one.history().last("SLAVE-MASTER.fz"), -1.0, 1e-9);
 }
 
+/// Loads on ends, sides and faces of hexahedra among them are those of the faces: stress is even, whichever side bears.
+#[test]
+fn quadratic_wedges_bear_an_even_pressure() {
+    let bench = Bench::new(
+        "[body.w]\nmesh = \"w.inp\"\nmaterial = \"m\"\nelement = \"wedge18\"\n[material.m]\nmodel = \"hooke\"\nyoung = 100.0\npoisson = 0.3\n\
+         [[step]]\nincrements = 1\npressure = [{ set = \"w.zmax\", value = 5.0 }]\nfix = [{ set = \"w.xmin\", directions = \"x\" },\n\
+         { set = \"w.ymin\", directions = \"y\" }, { set = \"w.zmin\", directions = \"z\" }]\n[output]\nhistory = [\"w.zmin\", \"w.ymin\"]\nfields = [\"von_mises\", \"stress_jump\"]\n",
+    );
+    let at = [[0.0; 3], [2.0, 1.0, 1.5]];
+    let none = |_: [usize; 3]| false;
+    let some = |[i, j, _]: [usize; 3]| i == j;
+    for (element, is_hexahedron) in
+        [("wedge18", &none as &dyn Fn([usize; 3]) -> bool), ("wedge18-sri", &none), ("hex27", &some)]
+    {
+        bench.write("w.inp", &wedges([2, 2, 1], at, is_hexahedron));
+        for (loaded, held, ranks, area) in
+            [("zmax", "zmin", 1, 2.0), ("zmax", "zmin", 2, 2.0), ("ymax", "ymin", 1, 3.0)]
+        {
+            let set = format!("step.0.pressure.0.set=\"w.{loaded}\"");
+            let run = bench.solve(ranks, &["--set", &format!("body.w.element=\"{element}\""), "--set", &set]);
+            let stress = run.field("increments/000001/body_w/cell/von_mises");
+            assert_eq!(stress.len(), if element == "hex27" { 6 } else { 8 });
+            stress.iter().for_each(|s| assert_close(&format!("{element}, {loaded}: stress"), *s, 5.0, 1e-10));
+            let jump = run.field("increments/000001/body_w/node/stress_jump");
+            jump.iter().for_each(|j| assert_small(&format!("{element}, {loaded}: jump"), *j, 1e-9));
+            let wide = (1.0 + 0.3 * 5.0 / 100.0_f64).powi(2);
+            let axis = &held[..1];
+            assert_close("force", run.history().last(&format!("w.{held}.f{axis}")), 5.0 * area * wide, 1e-3);
+        }
+    }
+}
+
+/// Through a contact of their sides, faces of nine nodes, an even pressure passes evenly; through one of their ends with all of its
+/// force, and all that bears there balances.
+#[test]
+fn quadratic_wedges_meet() {
+    let bench = Bench::new(
+        "[body.a]\nmesh = \"a.inp\"\nmaterial = \"m\"\nelement = \"wedge18\"\n[body.b]\nmesh = \"b.inp\"\nmaterial = \"m\"\nelement = \"wedge18\"\n\
+         [material.m]\nmodel = \"hooke\"\nyoung = 100.0\npoisson = 0.3\n[contact.c]\nslave = \"b.ymin\"\nmaster = \"a.ymax\"\nfriction = 0.2\n\
+         [[step]]\nincrements = 1\npressure = [{ set = \"b.ymax\", value = 5.0 }]\n\
+         fix = [{ set = \"a.xmin\", directions = \"x\" }, { set = \"a.ymin\", directions = \"y\" }, { set = \"a.zmin\", directions = \"z\" },\n\
+         { set = \"b.xmin\", directions = \"x\" }, { set = \"b.zmin\", directions = \"z\" }]\n[output]\nhistory = [\"a.ymin\"]\n",
+    );
+    bench.write("a.inp", &wedges([2, 1, 1], [[0.0; 3], [2.0, 1.0, 1.0]], |_| false));
+    bench.write("b.inp", &wedges([4, 1, 2], [[0.0, 1.0, 0.0], [2.0, 1.0, 1.0]], |_| false));
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        for body in ["a", "b"] {
+            let stress = run.field(&format!("increments/000001/body_{body}/cell/von_mises"));
+            stress.iter().for_each(|s| assert_close("stress", *s, 5.0, 1e-10));
+        }
+    }
+    // The same two on their ends.
+    bench.write("b.inp", &wedges([2, 2, 1], [[0.0, 0.0, 1.0], [2.0, 1.0, 1.0]], |_| false));
+    let sets = [
+        "contact.c.slave=\"b.zmin\"",
+        "contact.c.master=\"a.zmax\"",
+        "step.0.pressure.0.set=\"b.zmax\"",
+        "step.0.fix.4={ set = \"b.ymin\", directions = \"y\" }",
+        "output.history=[\"a.zmin\"]",
+    ];
+    let all: Vec<&str> = sets.iter().flat_map(|set| ["--set", set]).collect();
+    let [one, two] = [1, 2].map(|ranks| bench.solve(ranks, &all));
+    for name in ["a.zmin.fz", "c.fz"] {
+        assert_close(name, two.history().last(name), one.history().last(name), 1e-9);
+    }
+    assert_close("balance", one.history().last("a.zmin.fz") / one.history().last("c.fz").abs(), 1.0, 1e-9);
+    assert_close("force", one.history().last("a.zmin.fz"), 10.0 * (1.0 + 0.3 * 5.0 / 100.0_f64).powi(2), 2e-3);
+}
+
+/// A cantilever of one layer of elements twice as long as high, bent in the plane of their triangles or across it, is within 4 % of
+/// beam theory.
+#[test]
+fn one_layer_of_quadratic_wedges_bends() {
+    let shear = 0.01 * 10.0 / (5.0 / 6.0 * 1000.0 / 2.6);
+    let exact = 0.01 * 1e3 / (3.0 * 1000.0 / 12.0) + shear;
+    let bench = Bench::new(
+        "[body.w]\nmesh = \"w.inp\"\nmaterial = \"m\"\nelement = \"wedge18\"\n[material.m]\nmodel = \"hooke\"\nyoung = 1000.0\npoisson = 0.3\n\
+         [[step]]\nincrements = 1\nfix = [{ set = \"w.xmin\" }]\nforce = [{ target = \"w.xmax\", total = [0.0, 0.0, -0.01] }]\n\
+         [output]\nhistory = [\"w.xmax\"]\n",
+    );
+    bench.write("w.inp", &wedges([5, 1, 1], [[0.0; 3], [10.0, 1.0, 1.0]], |_| false));
+    for axis in ["y", "z"] {
+        let force = if axis == "y" { "[0.0, -0.01, 0.0]" } else { "[0.0, 0.0, -0.01]" };
+        let run = bench.solve(1, &["--set", &format!("step.0.force.0.total={force}")]);
+        assert_close(axis, -run.history().last(&format!("w.xmax.u{axis}")), exact, 0.04);
+        assert_eq!(run.summary()["warnings"].as_array().map(Vec::len), Some(0), "{}", run.summary()["warnings"]);
+    }
+}
+
 #[test]
 fn what_quadratic_hexahedra_are_not_for_is_refused() {
     let bench = Bench::new(STACK);
@@ -374,7 +511,12 @@ fn what_quadratic_hexahedra_are_not_for_is_refused() {
             "has quadratic faces, which are not for contact from segment to segment",
         ),
         ("tie.t={ slave = \"b.xmax\", master = \"a.xmax\" }", "has quadratic faces, which ties do not take"),
-        ("body.d={ mesh = \"linear.inp\", material = \"m\", element = \"hex27\" }", "is no hexahedron of second order"),
+        (
+            "body.d={ mesh = \"linear.inp\", material = \"m\", element = \"hex27\" }",
+            "is no hexahedron or wedge of second order",
+        ),
+        ("body.d={ mesh = \"linear.inp\", material = \"m\", element = \"wedge18\" }", "is no wedge of second order"),
+        ("body.a.element=\"wedge18\"", "body.a is a block of hexahedra, of no others"),
     ] {
         let sets: Vec<&str> = set.split(';').flat_map(|set| ["--set", set]).collect();
         let run = bench.run(1, &sets);

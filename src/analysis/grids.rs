@@ -133,6 +133,7 @@ fn cell_shape(shape: SolidShape) -> CellShape {
         SolidShape::Wedge6 => CellShape::Wedge,
         SolidShape::Pyramid5 => CellShape::Pyramid,
         SolidShape::Tet10 => CellShape::QuadraticTetrahedron,
+        SolidShape::Wedge18 => CellShape::QuadraticWedge,
         SolidShape::Hex27 => CellShape::QuadraticHexahedron,
     }
 }
@@ -171,6 +172,12 @@ fn show(
                 // Both triangles of VTK's are seen clockwise from inside, where ours are seen counter-clockwise.
                 of_cell.swap(1, 2);
                 of_cell.swap(4, 5);
+            }
+            if *shape == CellShape::QuadraticWedge {
+                // With both triangles seen from the other side, and the middles of their edges, of those between and of sides.
+                for [a, b] in [[1, 2], [4, 5], [6, 8], [9, 11], [13, 14], [15, 17]] {
+                    of_cell.swap(a, b);
+                }
             }
             if *shape == CellShape::QuadraticHexahedron {
                 // The middles of faces are those at -xi, xi, -eta, eta, -zeta and zeta there.

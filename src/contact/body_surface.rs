@@ -110,7 +110,7 @@ impl BodySurface {
         Self {
             name: name.into(),
             given,
-            is_quadratic: any(comm, share.iter().any(|patch| patch.is_quadratic)),
+            is_quadratic: any(comm, share.iter().any(|patch| patch.quadratic.is_some())),
             total: number(comm, share.len() as u64).1,
             facet_size,
             fetches: 0,

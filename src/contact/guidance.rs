@@ -146,7 +146,7 @@ fn is_hopeless(slave: &Side, master: &Side) -> bool {
 #[derive(Clone, Debug, Default)]
 pub struct Guidance {
     pub wrong: Vec<WrongWayRound>,
-    /// Of two passes whose facets cross, and of faces of nine nodes that meet others, in words.
+    /// Of two passes whose facets cross, and of quadratic faces that meet others, in words.
     pub uneven: Vec<String>,
 }
 
@@ -204,11 +204,11 @@ pub fn guidance(
             ));
         }
         let quadratic = |k: usize| {
-            any(comm, facets[k].iter().any(|f| part.quadratic.nines.of(&f.nodes[..f.count as usize]).is_some()))
+            any(comm, facets[k].iter().any(|f| part.quadratic.quarters.of(&f.nodes[..f.count as usize]).is_some()))
         };
         if let [true, false] | [false, true] = [quadratic(0), quadratic(1)] {
             found.uneven.push(format!(
-                "contact `{name}`: faces of nine nodes meet others between `{}` and `{}`: an even pressure comes out as uneven ones at \
+                "contact `{name}`: quadratic faces meet others between `{}` and `{}`: an even pressure comes out as uneven ones at \
                  the nodes, half as high to half as high again where nodes meet nodes; forces and moments balance: use one kind of \
                  element on both sides, or a slave of `hex27` twice as fine",
                 slave.name, master.name

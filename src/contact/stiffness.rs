@@ -15,7 +15,7 @@
 use crate::mesh::SolidShape;
 use crate::partition::{Part, PartFacet, PartSolid};
 use crate::scene::Reduction;
-use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::solid::load;
 
 /// What a body is made of, as far as contact feels it.
@@ -100,6 +100,7 @@ fn height(part: &Part, solid: &PartSolid, facet: &PartFacet, face: f64) -> f64 {
         SolidShape::Hex27 => hex27::volume(&std::array::from_fn(at)) / (4.0 * face),
         // To the apex over its base, to the edge across over a triangle.
         SolidShape::Pyramid5 => 1.5 * f64::from(facet.count - 2) * pyramid5::volume(&std::array::from_fn(at)) / face,
+        SolidShape::Wedge18 => f64::from(facet.count - 2) * wedge18::volume(&std::array::from_fn(at)) / (4.0 * face),
         // Over a triangle it is a prism, over a quadrilateral a roof.
         SolidShape::Wedge6 => f64::from(facet.count - 2) * wedge6::volume(&std::array::from_fn(at)) / face,
     }

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::model::elements::{carrying, lost, mine, samples};
 use crate::model::{Model, states};
 use crate::parallel::{agree, sum};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, hex27, pyramid5, tet10, wedge6};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, hex27, pyramid5, tet10, wedge6, wedge18};
 use crate::solid::voigt::double_contraction;
 use mpi::topology::SimpleCommunicator;
 
@@ -60,6 +60,7 @@ fn of_element(model: &Model, recovered: &Recovered, e: usize, u: &[Vec3]) -> Res
         match (samples.len(), nodes) {
             // Squares of linear functions want four points.
             (1, _) => tet10::RULE.iter().for_each(|shape| add(0.25 * sample.weight, shape)),
+            (_, 18) => add(sample.weight, &wedge18::VALUES[q]),
             (_, 27) => add(sample.weight, &hex27::VALUES[q]),
             (_, 10) => add(sample.weight, &tet10::VALUES[q]),
             (_, 6) => add(sample.weight, &wedge6::VALUES[q]),

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::mesh::{MOST_NODES, SolidShape};
 use crate::model::Model;
 use crate::model::elements::{lost, medium, samples};
-use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, hex27, pyramid5, tet10, wedge6};
+use crate::solid::element::{Formulation, Inverted, hex8, hex8_shell, hex27, pyramid5, tet10, wedge6, wedge18};
 use crate::solid::voigt::{Voigt, double_contraction};
 
 impl Recovered {
@@ -70,6 +70,7 @@ fn at_nodes(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<[Voigt; 
     Ok(match (model.part.solids[e].shape, samples.len()) {
         (SolidShape::Tet4, _) => [points[0]; MOST_NODES],
         (SolidShape::Tet10, _) => first(&mut tet10::AT_NODES.iter().map(|weights| sum(weights))),
+        (SolidShape::Wedge18, _) => first(&mut wedge18::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Hex27, _) => first(&mut hex27::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Wedge6, _) => first(&mut wedge6::AT_NODES.iter().map(|weights| sum(weights))),
         (SolidShape::Pyramid5, _) => first(&mut pyramid5::AT_NODES.iter().map(|weights| sum(weights))),

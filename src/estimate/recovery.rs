@@ -12,7 +12,7 @@ use crate::mesh::SolidShape;
 use crate::model::Model;
 use crate::model::elements::{carrying, lost, medium, samples};
 use crate::parallel::{agree, max};
-use crate::solid::element::{Inverted, Sample, hex27, tet10};
+use crate::solid::element::{Inverted, Sample, hex27, tet10, wedge18};
 use crate::solid::voigt::logarithmic_strain;
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
@@ -161,6 +161,7 @@ fn points_of(model: &Model, e: usize, u: &[Vec3]) -> std::result::Result<Vec<Poi
     let all: f64 = samples.iter().map(|sample| sample.weight).sum();
     let nodes = || nodes_of(model, e).map(|n| model.part.points[n]);
     let functions = |q: usize| match model.part.solids[e].shape {
+        SolidShape::Wedge18 => Some(&wedge18::VALUES[q][..]),
         SolidShape::Hex27 => Some(&hex27::VALUES[q][..]),
         SolidShape::Tet10 => Some(&tet10::VALUES[q][..]),
         _ => None,

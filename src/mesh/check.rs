@@ -2,9 +2,9 @@
 
 use super::faces::{TET_EDGES, boundary};
 use super::{Facet, MOST_NODES, Mesh, Solid, SolidShape, message};
-use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::solid::element::hex27;
+use crate::solid::element::{hex27, wedge18};
+use crate::{Mat3, Vec3};
 use std::collections::HashMap;
 
 /// Coincident nodes are closer than this times the size of the elements around them.
@@ -137,7 +137,7 @@ fn check_fit(mesh: &Mesh) -> Result<()> {
     let (mut triangles, mut quadrilaterals) = (false, false);
     for solid in &mesh.solids {
         triangles |= !matches!(solid.shape, SolidShape::Hex8 | SolidShape::Hex27);
-        quadrilaterals |= matches!(solid.shape, SolidShape::Hex8 | SolidShape::Wedge6 | SolidShape::Pyramid5);
+        quadrilaterals |= !matches!(solid.shape, SolidShape::Tet4 | SolidShape::Tet10);
     }
     if !(triangles && quadrilaterals) {
         return Ok(());
@@ -199,13 +199,9 @@ fn scaled_tet10(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
     }))
 }
 
-/// The same of a quadratic hexahedron, over its integration points and nodes.
-fn scaled_hex27(x: &[Vec3; MOST_NODES]) -> (f64, f64) {
-    let nodes = x.map(Into::into);
-    widen(
-        hex27::frames(&nodes)
-            .map(|frame| scaled(frame.column(0).into(), frame.column(1).into(), frame.column(2).into())),
-    )
+/// The same of a quadratic hexahedron or wedge, over its integration points and nodes.
+fn scaled_frames(frames: impl Iterator<Item = Mat3>) -> (f64, f64) {
+    widen(frames.map(|frame| scaled(frame.column(0).into(), frame.column(1).into(), frame.column(2).into())))
 }
 
 /// The same of a wedge, over its integration points and corners.
@@ -283,7 +279,8 @@ impl Quadrature {
             SolidShape::Wedge6 => scaled_wedge(&corners),
             SolidShape::Pyramid5 => scaled_pyramid(&corners),
             SolidShape::Tet10 => scaled_tet10(&corners),
-            SolidShape::Hex27 => scaled_hex27(&corners),
+            SolidShape::Wedge18 => scaled_frames(wedge18::frames(&std::array::from_fn(|a| corners[a].into()))),
+            SolidShape::Hex27 => scaled_frames(hex27::frames(&corners.map(Into::into))),
         }
     }
 

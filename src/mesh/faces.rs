@@ -1,6 +1,6 @@
 //! Faces of volume elements: local tables, the boundary of a set of solids, and which solid a facet belongs to.
 
-use super::nines::QUARTERS;
+use super::quarters::{OF_HEXAHEDRON, OF_WEDGE};
 use super::{Facet, Solid, SolidShape};
 use std::collections::HashMap;
 
@@ -48,6 +48,20 @@ pub const HEX_BETWEEN: [[usize; 2]; 27] = {
     between
 };
 
+/// The same of a wedge of 18.
+pub const WEDGE_BETWEEN: [[usize; 2]; 18] = {
+    let (mut between, mut a) = ([[0; 2]; 18], 0);
+    while a < 18 {
+        between[a] = match a {
+            0..6 => [a, a],
+            6..15 => WEDGE_EDGES[a - 6],
+            _ => [WEDGE_SIDES[a - 15][0] as usize, WEDGE_SIDES[a - 15][2] as usize],
+        };
+        a += 1;
+    }
+    between
+};
+
 /// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];
 
@@ -63,14 +77,15 @@ pub enum Owner {
 }
 
 impl SolidShape {
-    /// The number of faces; of quadratic hexahedra their quarters count.
+    /// The number of faces; of quadratic hexahedra and wedges their quarters count.
     pub fn face_count(self) -> usize {
         match self {
             Self::Tet4 | Self::Tet10 => TET_FACES.len(),
             Self::Hex8 => HEX_FACES.len(),
             Self::Wedge6 => WEDGE_ENDS.len() + WEDGE_SIDES.len(),
             Self::Pyramid5 => 1 + PYRAMID_SIDES.len(),
-            Self::Hex27 => QUARTERS.len(),
+            Self::Wedge18 => OF_WEDGE.len(),
+            Self::Hex27 => OF_HEXAHEDRON.len(),
         }
     }
 }
@@ -90,10 +105,8 @@ impl Solid {
                 Some(side) => gather(&self.nodes, &PYRAMID_SIDES[side], &mut nodes),
                 None => gather(&self.nodes, &PYRAMID_BASE, &mut nodes),
             },
-            SolidShape::Hex27 => {
-                let [corner, .., before, middle] = QUARTERS[face];
-                gather(&self.nodes, &[corner, QUARTERS[face][4], middle, before], &mut nodes)
-            }
+            SolidShape::Wedge18 => gather(&self.nodes, OF_WEDGE[face].corners(), &mut nodes),
+            SolidShape::Hex27 => gather(&self.nodes, OF_HEXAHEDRON[face].corners(), &mut nodes),
         };
         Facet { count, nodes, id: self.id }
     }

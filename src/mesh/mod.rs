@@ -1,7 +1,7 @@
 //! Meshes: points, solids, surface facets and named groups, read on rank 0.
 //!
 //! [`load`] goes from the scene to a checked mesh: a reader or [`block`] gives all of a file, hexahedra, wedges and
-//! quadrilaterals of second order as linear ones (`halves`), of which [`make_quadratic`] makes whole hexahedra, and elements with nodes that occur twice as what they are
+//! quadrilaterals of second order as linear ones (`halves`), of which [`make_quadratic`] makes whole ones, and elements with nodes that occur twice as what they are
 //! (`collapse`), `select` takes the body or tool out of it and `orient` turns its facets outward,
 //! [`check`](check::check) refuses what cannot be computed. [`tie_layer`] prepares a body of one layer, [`lay_flat`] a sheet.
 
@@ -17,9 +17,9 @@ mod layer;
 mod load;
 pub(crate) mod message;
 pub mod middles;
-pub mod nines;
 mod orient;
 mod quadratic;
+pub mod quarters;
 mod raw;
 mod select;
 mod shape;
@@ -31,8 +31,8 @@ pub(crate) use halves::{Made, at_side, is_made};
 pub use layer::tie_layer;
 pub use load::load;
 pub use middles::Middles;
-pub use nines::Nines;
 pub use quadratic::make_quadratic;
+pub use quarters::Quarters;
 pub(crate) use raw::Slot;
 pub use shape::SolidShape;
 pub use sheet::lay_flat;

@@ -14,6 +14,9 @@ pub enum SolidShape {
     Pyramid5,
     /// 6 nodes; Gmsh and Abaqus order: a triangle counter-clockwise seen from inside the element, then the one above it.
     Wedge6,
+    /// 18 nodes: those of [`Self::Wedge6`], then the middles of the edges [`super::faces::WEDGE_EDGES`] and of the sides
+    /// [`super::faces::WEDGE_SIDES`].
+    Wedge18,
     /// 27 nodes: those of [`Self::Hex8`], then the middles of the edges [`super::faces::HEX_EDGES`], of the faces
     /// [`super::faces::HEX_FACES`], and of all.
     Hex27,
@@ -28,6 +31,7 @@ impl SolidShape {
             SolidShape::Wedge6 => 6,
             SolidShape::Hex8 => 8,
             SolidShape::Tet10 => 10,
+            SolidShape::Wedge18 => 18,
             SolidShape::Hex27 => 27,
         }
     }

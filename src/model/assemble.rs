@@ -121,7 +121,7 @@ pub(super) fn with_shapes<'a>(scene: &'a Scene, global: &GlobalMesh, shapes: &[S
 /// Refuses what does not know of the nodes in the middles of the edges of quadratic faces.
 fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
     let of_tetrahedra = with_shapes(scene, global, &[SolidShape::Tet10]);
-    let of_any = with_shapes(scene, global, &[SolidShape::Tet10, SolidShape::Hex27]);
+    let of_any = with_shapes(scene, global, &[SolidShape::Tet10, SolidShape::Hex27, SolidShape::Wedge18]);
     let wrong = |quadratic: &BTreeSet<&str>, set: &Located<String>, kind: &str, help: &str| {
         let is_quadratic = quadratic.contains(body_of(&set.value));
         let error = || Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help);

@@ -58,27 +58,37 @@ fn read(body: &Body) -> Result<Meshed> {
         return Err(Error::input(&body.name.at, what, "add `axisymmetric = true`"));
     }
     let wedges = mesh.solids.iter().filter(|solid| solid.shape == SolidShape::Wedge6).count();
-    if mesh.has_halves && wedges as f64 > STIFF * mesh.solids.len() as f64 {
+    let quadratic = body.element.as_ref().and_then(|asked| Some((asked, quadratic_of(asked.value)?)));
+    if mesh.has_halves && quadratic.is_none() && wedges as f64 > STIFF * mesh.solids.len() as f64 {
         mesh.warnings.push(format!(
-            "'{}': wedges of second order become linear ones, eight each, which are too stiff where they bend in few layers: recombine \
-             the surface that is swept to quadrilaterals, or mesh with tetrahedra of second order",
+            "'{}': wedges of second order become linear ones, eight each, which are too stiff where they bend in few layers: \
+             `element = \"wedge18\"` takes a mesh of them alone as such, `\"hex27\"` one with hexahedra of second order",
             mesh.source
         ));
     }
-    if let Some(asked) = body.element.as_ref().filter(|asked| asked.value == Formulation::Hex27) {
+    if let Some((asked, shapes)) = quadratic {
         let block = match &source {
             MeshSource::Block(block) => Some(block.value.elements),
             MeshSource::File { .. } => None,
         };
         if let (None, Some(times)) = (block, &body.refine) {
             let help = "split a mesh of linear elements, or mesh finer";
-            return Err(Error::input(&times.at, "meshes of quadratic hexahedra cannot be split", help));
+            return Err(Error::input(&times.at, "meshes of quadratic hexahedra and wedges cannot be split", help));
         }
-        mesh::make_quadratic(&mut mesh, block, &asked.at)?;
+        mesh::make_quadratic(&mut mesh, block, shapes, &asked.at)?;
     }
     let last = mesh.point_ids.iter().copied().max().unwrap_or(0);
     let ties = tie(body, &mut mesh)?;
     Ok(Meshed { mesh, ties, last })
+}
+
+/// The elements that a formulation wants made of linear ones, if any.
+fn quadratic_of(asked: Formulation) -> Option<&'static [SolidShape]> {
+    match asked {
+        Formulation::Hex27 => Some(&[SolidShape::Hex27, SolidShape::Wedge18]),
+        Formulation::Wedge18 | Formulation::Wedge18Sri => Some(&[SolidShape::Wedge18]),
+        _ => None,
+    }
 }
 
 /// Share of the elements of a body that may be wedges in the place of ones that bend: a bar of them, two layers, bends by 70 % of

@@ -9,7 +9,7 @@ use crate::partition::{PartFacet, PartSolid};
 use crate::scene::Reduction;
 use crate::solid::element::{
     ElementMatrices, Formulation, Inverted, Medium, Sample, hex8, hex8_eas, hex8_fbar, hex8_shell, hex8_sri, hex27,
-    plane4, pyramid5, pyramid5_sri, ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri,
+    plane4, pyramid5, pyramid5_sri, ring4, tet4, tet10, tet10_sri, wedge6, wedge6_sri, wedge18, wedge18_sri,
 };
 use crate::solid::load;
 use crate::solid::material::strain_between;
@@ -23,6 +23,7 @@ pub struct Scratch {
     pub of_five: ElementMatrices<15>,
     pub of_six: ElementMatrices<18>,
     pub of_ten: ElementMatrices<30>,
+    pub of_18: ElementMatrices<54>,
     pub of_27: ElementMatrices<81>,
 }
 
@@ -68,6 +69,11 @@ impl Scratch {
                     if element == Formulation::Pyramid5 { pyramid5::evaluate } else { pyramid5_sri::evaluate };
                 evaluate(&x, &u, medium, want_tangent, &mut self.of_five)
             }
+            SolidShape::Wedge18 => {
+                let (x, u) = (gather(points, solid), gather(u, solid));
+                let evaluate = if element == Formulation::Wedge18 { wedge18::evaluate } else { wedge18_sri::evaluate };
+                evaluate(&x, &u, medium, want_tangent, &mut self.of_18)
+            }
             SolidShape::Hex27 => {
                 let (x, u) = (gather(points, solid), gather(u, solid));
                 hex27::evaluate(&x, &u, medium, want_tangent, &mut self.of_27)
@@ -104,6 +110,7 @@ impl Scratch {
             5 => &self.of_five.residual,
             6 => &self.of_six.residual,
             10 => &self.of_ten.residual,
+            18 => &self.of_18.residual,
             27 => &self.of_27.residual,
             _ => &self.of_eight.residual,
         };
@@ -117,6 +124,7 @@ impl Scratch {
             5 => &self.of_five.tangent[row],
             6 => &self.of_six.tangent[row],
             10 => &self.of_ten.tangent[row],
+            18 => &self.of_18.tangent[row],
             27 => &self.of_27.tangent[row],
             _ => &self.of_eight.tangent[row],
         }
@@ -185,6 +193,8 @@ pub fn samples(model: &Model, e: usize, u: &[Vec3]) -> Result<Samples, Inverted>
             hex8_shell::samples(nodes, model.section(solid).layers, medium)?.into()
         }
         Formulation::Hex27 => hex27::samples(&gather(points, solid), &gather(u, solid))?.to_vec().into(),
+        Formulation::Wedge18 => wedge18::samples(&gather(points, solid), &gather(u, solid))?.to_vec().into(),
+        Formulation::Wedge18Sri => wedge18_sri::samples(&gather(points, solid), &gather(u, solid))?.to_vec().into(),
         Formulation::Wedge6 => wedge6::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Wedge6Sri => wedge6_sri::samples(&gather(points, solid), &gather(u, solid))?.into(),
         Formulation::Pyramid5 => pyramid5::samples(&gather(points, solid), &gather(u, solid))?.into(),
@@ -213,6 +223,7 @@ pub fn any_inverted(model: &Model, u: &[Vec3], solve: bool) -> bool {
             SolidShape::Hex8 => hex8::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Wedge6 => wedge6::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Pyramid5 => pyramid5::min_jacobian(&moved(model, solid, u)) <= 0.0,
+            SolidShape::Wedge18 => wedge18::min_jacobian(&moved(model, solid, u)) <= 0.0,
             SolidShape::Hex27 => hex27::min_jacobian(&moved(model, solid, u)) <= 0.0,
         };
         inverted || solve && model.history.amplitudes(e).is_some() && samples(model, e, u).is_err()
@@ -231,6 +242,7 @@ pub fn folded(model: &Model, before: &[Vec3], after: &[Vec3]) -> Option<String> 
         SolidShape::Hex8 => folds(states.map(|u| hex8::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Wedge6 => folds(states.map(|u| wedge6::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Pyramid5 => folds(states.map(|u| pyramid5::nodal_jacobians(&moved(model, solid, u)))),
+        SolidShape::Wedge18 => folds(states.map(|u| wedge18::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Hex27 => folds(states.map(|u| hex27::nodal_jacobians(&moved(model, solid, u)))),
         SolidShape::Tet4 | SolidShape::Tet10 => false,
     };
@@ -311,6 +323,7 @@ pub fn body_force(model: &Model, solid: &PartSolid, per_volume: &Vec3) -> [Vec3;
         SolidShape::Tet10 => set(&tet10::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex8 => set(&hex8::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Pyramid5 => set(&pyramid5::body_force(&gather(&model.part.points, solid), *per_volume)),
+        SolidShape::Wedge18 => set(&wedge18::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Hex27 => set(&hex27::body_force(&gather(&model.part.points, solid), *per_volume)),
         SolidShape::Wedge6 => set(&wedge6::body_force(&gather(&model.part.points, solid), *per_volume)),
     }
@@ -357,7 +370,7 @@ pub fn facet_pressure(
 pub fn add_nodal_areas(model: &Model, facets: &[PartFacet], u: &[Vec3], mut add: impl FnMut(u32, f64)) {
     for facet in facets {
         let nodes = model.part.face_nodes(facet);
-        nodes.iter().zip(nodal_areas(model, &nodes, u)).for_each(|(&n, share)| add(n, share));
+        nodes.iter().zip(nodal_areas(model, &nodes, u)).for_each(|(&n, area)| add(n, nodes.share * area));
     }
 }
 

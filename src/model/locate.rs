@@ -7,7 +7,7 @@ use crate::mesh::{MOST_NODES, SolidShape};
 use crate::parallel::{max, number, sum, word_of_largest};
 use crate::partition::PartSolid;
 use crate::partition::parcels::{bounds, grown};
-use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::surface::piece_set::tree::{Tree, away};
 use mpi::topology::SimpleCommunicator;
 
@@ -130,12 +130,17 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
         SolidShape::Wedge6 => {
             let [xi, eta, zeta] = wedge6::parameters(&corners(solid, place), x)?;
             shape[..6].copy_from_slice(&wedge6::shape(xi, eta, zeta).0);
-            [-xi, -eta, xi + eta - 1.0, zeta.abs() - 1.0].into_iter().fold(0.0, f64::max)
+            past_wedge([xi, eta, zeta])
         }
         SolidShape::Pyramid5 => {
             let [p, r, t] = pyramid5::parameters(&corners(solid, place), x)?;
             shape[..5].copy_from_slice(&pyramid5::shape(p, r, t).0);
             [p.abs() - t, r.abs() - t, t - 1.0].into_iter().fold(0.0, f64::max)
+        }
+        SolidShape::Wedge18 => {
+            let at = wedge18::parameters(&corners(solid, place), x)?;
+            shape[..18].copy_from_slice(&wedge18::shape(at).0);
+            past_wedge(at)
         }
         SolidShape::Hex27 => {
             let at = hex27::parameters(&corners(solid, place), x)?;
@@ -149,6 +154,11 @@ fn shapes_at(solid: &PartSolid, place: impl Fn(u32) -> Vec3, x: &Vec3) -> Option
         }
     };
     Some((if past < ROUNDING { 0.0 } else { past }, shape))
+}
+
+/// How far parameters are past the edge of a wedge.
+fn past_wedge([xi, eta, zeta]: [f64; 3]) -> f64 {
+    [-xi, -eta, xi + eta - 1.0, zeta.abs() - 1.0].into_iter().fold(0.0, f64::max)
 }
 
 /// Which of this rank's points are in an element of a body, on whatever rank, with nodes at `place`. Collective.

@@ -5,7 +5,7 @@ use super::symmetry::{self, SymmetryPlane};
 use crate::Vec3;
 use crate::contact::{Avoided, self_contact};
 use crate::error::Result;
-use crate::mesh::{Facet, Mesh, Nines};
+use crate::mesh::{Facet, Mesh, Quarters};
 use crate::mortar::Corners;
 use crate::partition::{GlobalFacet, GlobalMesh};
 use crate::scene::{self, Description, Discretization, Located, Scene};
@@ -48,13 +48,13 @@ fn of_master(
     let facets = &set.facets;
     let (surface, nodes) = surface(mesh, facets, &master.value);
     let of_corners: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
-    // Faces of nine nodes keep their own shape, too, unless nodes meet nodes.
-    let nines = match contact.discretization {
-        Discretization::NodeToNode => Nines::default(),
-        _ => Nines::in_solids(mesh.solids.iter(), facets.iter().map(GlobalFacet::nodes)),
+    // Quadratic faces keep their own shape, too, unless nodes meet nodes.
+    let quarters = match contact.discretization {
+        Discretization::NodeToNode => Quarters::default(),
+        _ => Quarters::in_solids(mesh.solids.iter(), facets.iter().map(GlobalFacet::nodes)),
     };
     let smoothing = match contact.discretization {
-        _ if is_quadratic(mesh, facets) || !nines.is_empty() => Smoothing::Facet,
+        _ if is_quadratic(mesh, facets) || !quarters.is_empty() => Smoothing::Facet,
         // Nodes have nodal normals, whatever is between them.
         Discretization::NodeToNode => Smoothing::Nagata,
         _ => given.smoothing,
@@ -67,11 +67,11 @@ fn of_master(
         if let Some(middles) = mesh.middles.of(facet.nodes()) {
             patch.bend_through(middles.map(|n| numbers[n as usize]));
         }
-        if let Some(nine) = nines.of(facet.nodes()) {
-            patch.bend_as_quarter(nine.map(|n| numbers[n as usize]));
+        if let Some(whole) = quarters.of(facet.nodes()) {
+            patch.bend_as_quarter(&whole.iter().map(|&n| numbers[n as usize]).collect::<Vec<_>>());
         }
     }
-    let bulges = smoothing == Smoothing::Nagata || !nines.is_empty();
+    let bulges = smoothing == Smoothing::Nagata || !quarters.is_empty();
     let bulges_twice = contact.discretization == Discretization::TwoPass && bulges;
     if bulges_twice && !fit(scene, names, (contact, given), planes, mesh)? {
         patches.iter_mut().for_each(|patch| patch.bulge = scene.controls.two_pass_bulge);

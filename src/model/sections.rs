@@ -5,7 +5,7 @@ use crate::mesh::{Mesh, SolidShape};
 use crate::parallel::max;
 use crate::partition::Part;
 use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
-use crate::solid::element::{hex8, hex8_shell, hex27, plane4, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex8_shell, hex27, plane4, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::solid::material::Material;
 use mpi::topology::SimpleCommunicator;
 
@@ -36,6 +36,7 @@ impl Section {
             SolidShape::Pyramid5 => pyramid5::POINTS,
             SolidShape::Tet4 => tet4::POINTS,
             SolidShape::Tet10 => tet10::POINTS,
+            SolidShape::Wedge18 => wedge18::POINTS,
             SolidShape::Hex27 => hex27::POINTS,
         }
     }
@@ -115,13 +116,14 @@ pub(super) fn read(comm: &SimpleCommunicator, scene: &Scene, part: &Part, halves
 }
 
 /// Whether a body for which a formulation is asked may have elements of these shapes: its own, and where that is a hexahedron what
-/// fills in between some: wedges, which may be all, pyramids and tetrahedra.
+/// fills in between some: wedges, of linear ones all may be, pyramids and tetrahedra.
 fn goes_with(asked: Formulation, shapes: &[SolidShape]) -> bool {
     let own = asked.shape();
     let is_filled = own == SolidShape::Hex8 && asked != Formulation::Hex8Shell;
     let fills = |shape: SolidShape| match shape {
         SolidShape::Wedge6 => is_filled,
         SolidShape::Pyramid5 | SolidShape::Tet4 => is_filled && shapes.contains(&own),
+        SolidShape::Wedge18 => own == SolidShape::Hex27 && shapes.contains(&own),
         _ => false,
     };
     shapes.iter().all(|&shape| shape == own || fills(shape))
@@ -135,13 +137,14 @@ fn element_kinds(
     part: &Part,
     halves: &[bool],
 ) -> Result<Vec<(Formulation, Vec<SolidShape>)>> {
-    const SHAPES: [(SolidShape, &str); 6] = [
+    const SHAPES: [(SolidShape, &str); 7] = [
         (SolidShape::Hex8, "hexahedra"),
         (SolidShape::Wedge6, "wedges"),
         (SolidShape::Pyramid5, "pyramids"),
         (SolidShape::Tet4, "linear tetrahedra"),
         (SolidShape::Tet10, "quadratic tetrahedra"),
         (SolidShape::Hex27, "quadratic hexahedra"),
+        (SolidShape::Wedge18, "quadratic wedges"),
     ];
     let mut present = vec![0.0; SHAPES.len() * scene.sections().count()];
     for solid in &part.solids {

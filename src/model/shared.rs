@@ -99,7 +99,8 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
             && bare.iter().all(|face| face.iter().all(|&n| is_shared(n)))
             && bare.iter().any(|face| face.iter().any(|&n| of_file(n)));
         let quadratic = |solids: &[Solid]| {
-            [SolidShape::Tet10, SolidShape::Hex27].map(|shape| solids.iter().any(|solid| solid.shape == shape))
+            let any = |shapes: &[SolidShape]| solids.iter().any(|solid| shapes.contains(&solid.shape));
+            [any(&[SolidShape::Tet10]), any(&[SolidShape::Hex27, SolidShape::Wedge18])]
         };
         let alike = one.is_layer() == other.is_layer() && quadratic(&own) == quadratic(&theirs);
         if shared && covered.is_empty() && alike {

@@ -38,6 +38,8 @@ pub enum CellShape {
     Wedge,
     Pyramid,
     QuadraticTetrahedron,
+    /// 18 nodes.
+    QuadraticWedge,
     /// 27 nodes.
     QuadraticHexahedron,
 }
@@ -341,7 +343,7 @@ pub(super) fn on_root<T>(comm: &impl Communicator, work: impl FnOnce() -> Result
 
 impl CellShape {
     /// All of them, in the order of their numbers.
-    pub(super) const ALL: [Self; 8] = [
+    pub(super) const ALL: [Self; 9] = [
         Self::Triangle,
         Self::Quadrilateral,
         Self::Tetrahedron,
@@ -349,6 +351,7 @@ impl CellShape {
         Self::Wedge,
         Self::Pyramid,
         Self::QuadraticTetrahedron,
+        Self::QuadraticWedge,
         Self::QuadraticHexahedron,
     ];
 
@@ -361,6 +364,7 @@ impl CellShape {
             Self::Wedge => 6,
             Self::Pyramid => 5,
             Self::QuadraticTetrahedron => 10,
+            Self::QuadraticWedge => 18,
             Self::QuadraticHexahedron => 27,
         }
     }

@@ -92,6 +92,7 @@ impl<T: H5Type> Rows<'_, T> {
             6 => write_table::<T, 6>(dataset, values, first),
             8 => write_table::<T, 8>(dataset, values, first),
             10 => write_table::<T, 10>(dataset, values, first),
+            18 => write_table::<T, 18>(dataset, values, first),
             _ => write_table::<T, 27>(dataset, values, first),
         }
     }

@@ -56,6 +56,7 @@ impl CellShape {
             Self::Wedge => "Wedge",
             Self::Pyramid => "Pyramid",
             Self::QuadraticTetrahedron => "Tetrahedron_10",
+            Self::QuadraticWedge => "Wedge_18",
             Self::QuadraticHexahedron => "Hexahedron_27",
         }
     }
@@ -70,6 +71,7 @@ impl CellShape {
             Self::Wedge => 13,
             Self::Pyramid => 14,
             Self::QuadraticTetrahedron => 24,
+            Self::QuadraticWedge => 32,
             Self::QuadraticHexahedron => 29,
         }
     }
@@ -89,6 +91,7 @@ impl CellShape {
             Self::Wedge => 8,
             Self::Pyramid => 7,
             Self::QuadraticTetrahedron => 38,
+            Self::QuadraticWedge => 41,
             Self::QuadraticHexahedron => 50,
         }
     }

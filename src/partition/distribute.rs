@@ -8,7 +8,7 @@ use super::lists::Lists;
 use super::{Part, PartFacet, PartSet, PartSolid, Quadratic};
 use crate::Vec3;
 use crate::error::Result;
-use crate::mesh::{MOST_NODES, Middles, Nines, Solid, SolidShape};
+use crate::mesh::{MOST_NODES, Middles, Quarters, Solid, SolidShape};
 use crate::parallel::{Parcels, agree, beginnings, serve, starts};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -191,14 +191,14 @@ impl<'a> Cut<'a> {
         }
         let solids = Lists::new(size, mesh.solids.len(), |e, each| owners(&owner, mesh.solids[e].nodes(), each));
         let facets = mesh.sets.iter().flat_map(|set| &set.facets);
-        let nines = Nines::in_solids(mesh.solids.iter(), facets.map(GlobalFacet::nodes));
+        let quarters = Quarters::in_solids(mesh.solids.iter(), facets.map(GlobalFacet::nodes));
         let of_set = |set: &GlobalSet| {
             let nodes = Lists::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
             let facets = Lists::new(size, set.facets.len(), |k, each| {
                 let corners = set.facets[k].nodes();
-                match (mesh.middles.of(corners), nines.of(corners)) {
+                match (mesh.middles.of(corners), quarters.of(corners)) {
                     (Some(middles), _) => owners(&owner, &[corners, &middles].concat(), each),
-                    (None, Some(nine)) => owners(&owner, nine, each),
+                    (None, Some(whole)) => owners(&owner, whole, each),
                     (None, None) => owners(&owner, corners, each),
                 }
             });
@@ -305,6 +305,7 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
             5 => SolidShape::Pyramid5,
             6 => SolidShape::Wedge6,
             10 => SolidShape::Tet10,
+            18 => SolidShape::Wedge18,
             27 => SolidShape::Hex27,
             _ => SolidShape::Hex8,
         };
@@ -331,13 +332,13 @@ fn unpack(numbers: &[u64]) -> (Part, Parcels<(u32, u32)>) {
 
 /// What carries the facets of the sets of a part where they are quadratic.
 fn quadratic(part: &Part) -> Quadratic {
-    let is_quadratic = |shape: SolidShape| matches!(shape, SolidShape::Tet10 | SolidShape::Hex27);
+    let is_quadratic = |shape: SolidShape| matches!(shape, SolidShape::Tet10 | SolidShape::Hex27 | SolidShape::Wedge18);
     let quadratic = part.solids.iter().filter(|solid| is_quadratic(solid.shape));
     let solids: Vec<Solid> = quadratic.map(|s| Solid { shape: s.shape, nodes: s.nodes, id: s.id }).collect();
     let facets = part.sets.iter().flat_map(|set| &set.facets);
     let corners = facets.map(|facet| &facet.nodes[..facet.count as usize]);
     let middles = Middles::in_solids(solids.iter(), corners.clone(), [].into_iter());
-    Quadratic { middles, nines: Nines::in_solids(solids.iter(), corners) }
+    Quadratic { middles, quarters: Quarters::in_solids(solids.iter(), corners) }
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ pub use parcels::{Bounds, Parcel};
 
 use crate::Vec3;
 use crate::mesh::middles::four;
-use crate::mesh::{MOST_NODES, Middles, Nines, SolidShape};
+use crate::mesh::{MOST_NODES, Middles, Quarters, SolidShape};
 use std::borrow::Cow;
 use std::ops::Deref;
 
@@ -65,6 +65,8 @@ impl PartSolid {
 pub struct FaceNodes {
     nodes: [u32; 9],
     count: usize,
+    /// Of what the nodes bear: 1, but of a quarter of a face of six nodes 1/4, for its four quarters together bear what the face does.
+    pub share: f64,
 }
 
 impl Deref for FaceNodes {
@@ -125,15 +127,18 @@ impl Part {
         Cow::Owned(pieces.collect())
     }
 
-    /// The nodes that carry a facet: 3 or 4, 6 of a quadratic triangle, or the 9 of the face that it is a quarter of.
+    /// The nodes that carry a facet: 3 or 4, 6 of a quadratic triangle, or the 6 or 9 of the face that it is a quarter of.
     pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
         let ([a, b, c, d], corners) = (facet.nodes, &facet.nodes[..facet.count as usize]);
-        let (nodes, count) = match (self.quadratic.middles.of(corners), self.quadratic.nines.of(corners)) {
-            (Some([e, f, g]), _) => ([a, b, c, e, f, g, 0, 0, 0], 6),
-            (None, Some(nine)) => (*nine, 9),
-            (None, None) => ([a, b, c, d, 0, 0, 0, 0, 0], corners.len()),
-        };
-        FaceNodes { nodes, count }
+        match (self.quadratic.middles.of(corners), self.quadratic.quarters.of(corners)) {
+            (Some([e, f, g]), _) => FaceNodes { nodes: [a, b, c, e, f, g, 0, 0, 0], count: 6, share: 1.0 },
+            (None, Some(whole)) => {
+                let mut nodes = [0; 9];
+                nodes[..whole.len()].copy_from_slice(whole);
+                FaceNodes { nodes, count: whole.len(), share: if whole.len() == 6 { 0.25 } else { 1.0 } }
+            }
+            (None, None) => FaceNodes { nodes: [a, b, c, d, 0, 0, 0, 0, 0], count: corners.len(), share: 1.0 },
+        }
     }
 
     /// The least and the largest distance of two nodes of an element, on the initial mesh.
@@ -204,12 +209,12 @@ pub struct Part {
 pub struct Quadratic {
     /// Of their edges.
     pub middles: Middles,
-    pub nines: Nines,
+    pub quarters: Quarters,
 }
 
 impl Quadratic {
     pub fn is_empty(&self) -> bool {
-        self.middles.is_empty() && self.nines.is_empty()
+        self.middles.is_empty() && self.quarters.is_empty()
     }
 }
 

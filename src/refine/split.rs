@@ -167,7 +167,7 @@ impl<W: Fn(u32, u32) -> bool> Split<'_, W> {
             SolidShape::Pyramid5 => self.pyramid(solid, parts),
             SolidShape::Tet4 | SolidShape::Tet10 => self.tetrahedron(solid, parts),
             // They are made of linear ones after splitting.
-            SolidShape::Hex27 => parts.push(*solid),
+            SolidShape::Wedge18 | SolidShape::Hex27 => parts.push(*solid),
         }
     }
 

@@ -4,7 +4,7 @@ use crate::controls::Controls;
 use crate::error::Location;
 use crate::mesh::{Facet, Group, Mesh, Middles, Solid, SolidShape, block, check, faces};
 use crate::scene::{Block, BlockShape, Located};
-use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6};
+use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::surface::NormalOptions;
 use crate::surface::test_meshes::{cubed_sphere, mesh_of};
 
@@ -81,6 +81,7 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
         SolidShape::Pyramid5 => pyramid5::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet4 => tet4::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Tet10 => tet10::volume(&std::array::from_fn(|k| at(solid, k))),
+        SolidShape::Wedge18 => wedge18::volume(&std::array::from_fn(|k| at(solid, k))),
         SolidShape::Hex27 => hex27::volume(&std::array::from_fn(|k| at(solid, k))),
     };
     mesh.solids.iter().map(volume).collect()

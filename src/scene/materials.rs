@@ -187,6 +187,8 @@ impl Scene {
             (SolidShape::Tet4, _) => Formulation::Tet4,
             (SolidShape::Tet10, _) if keeps_volume => Formulation::Tet10Sri,
             (SolidShape::Tet10, _) => Formulation::Tet10,
+            (SolidShape::Wedge18, _) if keeps_volume => Formulation::Wedge18Sri,
+            (SolidShape::Wedge18, _) => Formulation::Wedge18,
             (SolidShape::Wedge6, _) if keeps_volume => Formulation::Wedge6Sri,
             (SolidShape::Wedge6, _) => Formulation::Wedge6,
             (SolidShape::Pyramid5, _) if keeps_volume => Formulation::Pyramid5Sri,

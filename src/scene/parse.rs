@@ -188,10 +188,12 @@ fn body(name: Located<String>, item: &Item, names: &Names, directory: &Path) -> 
     let body = Body { name, mesh, material, materials, element, shell, reduction, symmetry, refine };
     check_block_use(&body)?;
     if let (Some(asked), Some(reduction)) = (&body.element, &body.reduction)
-        && let Some(kind) =
-            [(Formulation::Hex8Shell, "solid-shell elements"), (Formulation::Hex27, "quadratic hexahedra")]
-                .into_iter()
-                .find_map(|(element, kind)| (asked.value == element).then_some(kind))
+        && let Some(kind) = match asked.value {
+            Formulation::Hex8Shell => Some("solid-shell elements"),
+            Formulation::Hex27 => Some("quadratic hexahedra"),
+            Formulation::Wedge18 | Formulation::Wedge18Sri => Some("quadratic wedges"),
+            _ => None,
+        }
     {
         let is = reduction.value.words();
         let what = format!("body.{} is {is}, which {kind} are not for", body.name.value);

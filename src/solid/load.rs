@@ -29,11 +29,11 @@ pub struct FaceLoad<const D: usize> {
 }
 
 /// An integration point of a face.
-struct FacePoint<const N: usize> {
-    weight: f64,
-    values: [f64; N],
+pub(super) struct FacePoint<const N: usize> {
+    pub weight: f64,
+    pub values: [f64; N],
     /// Derivatives by s and by t.
-    gradients: [[f64; N]; 2],
+    pub gradients: [[f64; N]; 2],
 }
 
 const TRI3: [FacePoint<3>; 1] =
@@ -41,7 +41,7 @@ const TRI3: [FacePoint<3>; 1] =
 
 /// The points 1/6, 1/6, 2/3 are exact for quadratic polynomials; forces of straight faces need no more, those of curved ones four
 /// degrees: six points (Dunavant, IJNME 21, 1985).
-const TRI6: [FacePoint<6>; 6] = {
+pub(super) const TRI6: [FacePoint<6>; 6] = {
     const NEAR: [f64; 2] = [0.108_103_018_168_070_23, 0.091_576_213_509_770_74];
     const WEIGHTS: [f64; 2] = [0.223_381_589_678_011_47, 0.109_951_743_655_321_87];
     let [a, b] = [0.445_948_490_915_965, NEAR[1]];
@@ -56,7 +56,7 @@ const TRI6: [FacePoint<6>; 6] = {
 };
 
 /// At barycentric coordinates, of which s and t are the last two; corners, then the middles of 0-1, 1-2, 2-0.
-const fn tri6([r, s, t]: [f64; 3], weight: f64) -> FacePoint<6> {
+pub(super) const fn tri6([r, s, t]: [f64; 3], weight: f64) -> FacePoint<6> {
     let (dr, ds, dt) = (4.0 * r - 1.0, 4.0 * s - 1.0, 4.0 * t - 1.0);
     FacePoint {
         weight,

@@ -37,7 +37,7 @@ pub use entrance::{Sides, Way};
 pub use face::Face;
 pub use faces::{FaceSet, SewnFace, sew};
 pub use from_mesh::{patches_from_mesh, smooth};
-pub use moving::MovingPatch;
+pub use moving::{MovingPatch, QuadraticFace};
 pub use normals::{NormalOptions, Weight};
 pub use nurbs::{Bezier, Curve, CurveLocal, KnotVector, Nurbs};
 pub use parametric::{Closest, Local, Parametric};

@@ -74,6 +74,7 @@ fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32],
         5 => pattern.add_element(values, nodes, element, &scratch.of_five.tangent),
         6 => pattern.add_element(values, nodes, element, &scratch.of_six.tangent),
         10 => pattern.add_element(values, nodes, element, &scratch.of_ten.tangent),
+        18 => pattern.add_element(values, nodes, element, &scratch.of_18.tangent),
         27 => pattern.add_element(values, nodes, element, &scratch.of_27.tangent),
         _ => pattern.add_element(values, nodes, element, &scratch.of_eight.tangent),
     }
@@ -83,7 +84,7 @@ fn scatter(pattern: &Pattern, values: &mut [f64], element: usize, nodes: &[u32],
 pub fn subtract_pressure(model: &Model, set: &str, pressure: f64, u: &[Vec3], forces: &mut [Vec3]) {
     for facet in &model.set(set).facets {
         let nodes = model.part.face_nodes(facet);
-        facet_pressure(model, &nodes, pressure, u, |row, force, _| {
+        facet_pressure(model, &nodes, nodes.share * pressure, u, |row, force, _| {
             forces[nodes[row / 3] as usize][row % 3] -= force[row % 3];
         });
     }
@@ -99,7 +100,7 @@ pub fn subtract_pressure_tangent(
 ) {
     for facet in &model.set(set).facets {
         let nodes = model.part.face_nodes(facet);
-        facet_pressure(model, &nodes, pressure, u, |row, _, tangent| {
+        facet_pressure(model, &nodes, nodes.share * pressure, u, |row, _, tangent| {
             for (equation, share) in dofs.shares(nodes[row / 3], row % 3) {
                 let Some(local) = dofs.local(equation) else { continue };
                 for (column, value) in tangent.iter().enumerate() {

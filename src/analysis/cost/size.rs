@@ -116,18 +116,19 @@ impl Size {
 /// A slave node from segment to segment over one of its kind that meets the master itself: on a tool, between bodies in a plane and in
 /// space, with the tangents of all points of the overlaps around it. Fitted to meshes of 10 over 7 facets along a side.
 const OF_SEGMENTS: [f64; 3] = [2.5, 40.0, 240.0];
-const SHAPES: [SolidShape; 6] = [
+const SHAPES: [SolidShape; 7] = [
     SolidShape::Hex8,
     SolidShape::Wedge6,
     SolidShape::Pyramid5,
     SolidShape::Tet4,
     SolidShape::Tet10,
     SolidShape::Hex27,
+    SolidShape::Wedge18,
 ];
 /// Elements a node, of each shape, below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three
 /// 3/4, of wedges twice as many, of pyramids three times. Of quadratic tetrahedra there are 0.75 a node in large bodies, of quadratic
-/// hexahedra an eighth as many as of linear ones.
-const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 2.25, 3.5, 0.5, 0.09];
+/// hexahedra an eighth as many as of linear ones, of such wedges twice as many.
+const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 2.25, 3.5, 0.5, 0.09, 0.18];
 
 impl Systems {
     /// Of a step with these equations, not analysed. Collective.

@@ -116,6 +116,7 @@ impl Work {
                     ("pyramid5" | "pyramid5-sri", _) => 2000.0,
                     ("hex8-fbar", false) => 5000.0,
                     ("hex8-eas" | "hex8-shell", false) => 16_000.0,
+                    ("wedge18" | "wedge18-sri", _) => 20_000.0,
                     ("hex27", _) => 60_000.0,
                     (_, false) => 3300.0,
                     ("hex8-eas", true) => 4000.0,

@@ -73,6 +73,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
         let cures = match section.element {
             Formulation::Hex8 => "\"hex8-fbar\", \"hex8-sri\" or \"hex8-eas\"",
             Formulation::Wedge6 => "\"wedge6-sri\"",
+            Formulation::Wedge18 => "\"wedge18-sri\"",
             Formulation::Pyramid5 => "\"pyramid5-sri\"",
             Formulation::Tet10 => "\"tet10-sri\"",
             _ => continue,

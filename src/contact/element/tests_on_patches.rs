@@ -90,14 +90,14 @@ impl Pair {
     /// faces of nine nodes.
     fn quadratic(mut self) -> Self {
         for k in [self.now, self.before] {
-            if self.patches[k].is_quadratic {
+            if self.patches[k].quadratic.is_some() {
                 continue;
             }
             let first = self.points.len();
             let (corners, size) = (self.patches[k].nodes.clone(), self.size());
             if let [a, ab, all, da] = corners[..] {
                 let [b, c, d, bc, cd] = std::array::from_fn(|k| (first + k) as u64);
-                self.patches[k].bend_as_quarter([a, b, c, d, ab, bc, cd, da, all]);
+                self.patches[k].bend_as_quarter(&[a, b, c, d, ab, bc, cd, da, all]);
                 let x = [a, ab, all, da].map(|n| self.points[n as usize]);
                 let (along, across) = (x[1] - x[0], x[3] - x[0]);
                 let rest = [x[1] + along, x[2] * 2.0 - x[0], x[3] + across, x[2] + along, x[2] + across];

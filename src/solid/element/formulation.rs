@@ -22,6 +22,10 @@ pub enum Formulation {
     Wedge6,
     /// 6-node wedge with the mean change of volume.
     Wedge6Sri,
+    /// 18-node wedge, 6x3 points.
+    Wedge18,
+    /// 18-node wedge with the mean change of volume.
+    Wedge18Sri,
     /// 5-node pyramid, 2x2x2 integration.
     Pyramid5,
     /// 5-node pyramid with the mean change of volume.
@@ -39,7 +43,7 @@ impl Formulation {
     pub const LAYERS: RangeInclusive<usize> = 2..=9;
 
     /// All of them.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Hex8,
         Self::Hex8Fbar,
         Self::Hex8Sri,
@@ -48,6 +52,8 @@ impl Formulation {
         Self::Hex27,
         Self::Wedge6,
         Self::Wedge6Sri,
+        Self::Wedge18,
+        Self::Wedge18Sri,
         Self::Pyramid5,
         Self::Pyramid5Sri,
         Self::Tet4,
@@ -61,6 +67,7 @@ impl Formulation {
             Self::Hex8 | Self::Hex8Fbar | Self::Hex8Sri | Self::Hex8Eas | Self::Hex8Shell => SolidShape::Hex8,
             Self::Hex27 => SolidShape::Hex27,
             Self::Wedge6 | Self::Wedge6Sri => SolidShape::Wedge6,
+            Self::Wedge18 | Self::Wedge18Sri => SolidShape::Wedge18,
             Self::Pyramid5 | Self::Pyramid5Sri => SolidShape::Pyramid5,
             Self::Tet4 => SolidShape::Tet4,
             Self::Tet10 | Self::Tet10Sri => SolidShape::Tet10,
@@ -77,6 +84,7 @@ impl Formulation {
             SolidShape::Hex27 => Self::Hex27,
             SolidShape::Wedge6 if locks => Self::Wedge6,
             SolidShape::Wedge6 => Self::Wedge6Sri,
+            SolidShape::Wedge18 => Self::Wedge18Sri,
             SolidShape::Pyramid5 if locks => Self::Pyramid5,
             SolidShape::Pyramid5 => Self::Pyramid5Sri,
             SolidShape::Tet4 => Self::Tet4,
@@ -95,6 +103,8 @@ impl Formulation {
             Self::Hex27 => "hex27",
             Self::Wedge6 => "wedge6",
             Self::Wedge6Sri => "wedge6-sri",
+            Self::Wedge18 => "wedge18",
+            Self::Wedge18Sri => "wedge18-sri",
             Self::Pyramid5 => "pyramid5",
             Self::Pyramid5Sri => "pyramid5-sri",
             Self::Tet4 => "tet4",

@@ -14,7 +14,7 @@
 //! for Plasticity.)
 //!
 //! Forces and tangents are node-major: entry 3 a + i is direction i of node a. Elements have a positive Jacobian in the
-//! reference state; [`hex8::min_jacobian`], [`hex27::min_jacobian`], [`wedge6::min_jacobian`], [`pyramid5::min_jacobian`], [`tet10::min_jacobian`] and
+//! reference state; [`hex8::min_jacobian`], [`hex27::min_jacobian`], [`wedge6::min_jacobian`], [`wedge18::min_jacobian`], [`pyramid5::min_jacobian`], [`tet10::min_jacobian`] and
 //! [`tet4::volume`] tell.
 //!
 //! Nothing here changes a state: elements are evaluated from the states of the last accepted increment, and [`advance`]
@@ -38,6 +38,8 @@ pub mod ring4;
 pub mod tet10;
 pub mod tet10_sri;
 pub mod tet4;
+pub mod wedge18;
+pub mod wedge18_sri;
 pub mod wedge6;
 pub mod wedge6_sri;
 
@@ -396,5 +398,7 @@ mod tests_on_fillers;
 mod tests_on_hex27;
 #[cfg(test)]
 mod tests_on_pyramids;
+#[cfg(test)]
+mod tests_on_wedge18;
 #[cfg(test)]
 mod tests_on_wedges;

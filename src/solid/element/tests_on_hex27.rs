@@ -3,7 +3,7 @@ use super::tests::{Nodes, materials, matrices, moved, tangent_error};
 use super::*;
 use crate::Vec3;
 use crate::mesh::faces::{HEX_EDGES, HEX_FACES};
-use crate::mesh::nines::QUARTERS;
+use crate::mesh::{Quarters, Solid, SolidShape};
 use crate::scene::{Hardening, MaterialModel};
 
 /// The element in the place of `corners`, straight.
@@ -30,8 +30,12 @@ fn shape_functions_are_one_at_their_nodes() {
         (0..27).for_each(|b| assert!((values[b] - f64::from(u8::from(a == b))).abs() < 1e-15));
         (0..3).for_each(|j| assert!(gradients[j].iter().sum::<f64>().abs() < 1e-14));
     }
-    for (quarter, nodes) in QUARTERS.iter().enumerate() {
-        let at = nodes.map(|node| Vec3::from(places[node as usize]));
+    let solid = Solid::new(SolidShape::Hex27, &std::array::from_fn::<u32, 27, _>(|a| a as u32), 1);
+    for quarter in 0..SolidShape::Hex27.face_count() {
+        let facet = solid.face(quarter);
+        let quarters = Quarters::in_solids([solid].iter(), [facet.nodes()].into_iter());
+        let at: Vec<Vec3> =
+            quarters.of(facet.nodes()).unwrap().iter().map(|&node| Vec3::from(places[node as usize])).collect();
         let face = HEX_FACES[quarter / 4].map(|corner| Vec3::from(places[corner as usize]));
         assert_eq!(at[0], face[quarter % 4]);
         assert_eq!(at[8], face.iter().sum::<Vec3>() / 4.0);

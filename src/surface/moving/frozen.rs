@@ -49,7 +49,7 @@ pub fn patches(
             normals: stencil.rules,
             corners,
             bulge: 1.0,
-            is_quadratic: false,
+            quadratic: None,
         }
     };
     Ok((0..facets.nodes.len()).map(patch).collect())

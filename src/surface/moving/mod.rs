@@ -53,9 +53,21 @@ pub struct MovingPatch {
     pub corners: [u32; 4],
     /// Share of the bulge of its edges, and of its inside, that it takes: 1, or less to be nearer to the facet.
     pub bulge: f64,
-    /// It has the quadratic shape of its nodes, those of a triangle or of the face that it is a quarter of: what are no corners come
-    /// behind these.
-    pub is_quadratic: bool,
+    /// What it has the shape of instead of being flat or smooth; nodes of that which are no corners come behind these.
+    pub quadratic: Option<QuadraticFace>,
+}
+
+/// A face of second order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuadraticFace {
+    /// A triangle of six nodes.
+    Triangle,
+    /// A quarter at a corner of a triangle of six nodes.
+    CornerOfSix,
+    /// That between the middles of its edges.
+    MiddleOfSix,
+    /// A quarter of a quadrilateral of nine nodes.
+    QuarterOfNine,
 }
 
 impl MovingPatch {
@@ -83,31 +95,39 @@ impl MovingPatch {
     /// ```
     pub fn bend_through(&mut self, middles: [u64; 3]) {
         self.nodes.extend(middles);
-        self.is_quadratic = true;
+        self.quadratic = Some(QuadraticFace::Triangle);
     }
 
-    /// Gives a facet the shape of the face of nine nodes that it is a quarter of, in the order of
-    /// [`QUARTERS`](crate::mesh::nines::QUARTERS), by their global numbers. The corner of the face becomes its first. With s and t
-    /// from 0 to 1 in the face, N of its nodes
+    /// Gives a flat facet the shape of the face of six or nine nodes that it is a quarter of, in the order of
+    /// [`Quarters::of`](crate::mesh::Quarters::of), by their global numbers. The corner of the face becomes its first, of the
+    /// quarter between the middles that on the first edge. With N of the nodes of the face, and s from 0 to 1 in it where the
+    /// quarter has xi, at a corner xi/2,
     ///
     /// ```text
-    ///     P(xi) = sum N_a(xi/2) x_a
+    ///     P(xi) = sum N_a(s) x_a
     /// ```
-    pub fn bend_as_quarter(&mut self, [a, b, c, d, _, bc, cd, _, _]: [u64; 9]) {
-        let first = self.nodes.iter().position(|&n| n == a).unwrap_or(0);
+    pub fn bend_as_quarter(&mut self, whole: &[u64]) {
+        let (first, others, face) = match *whole {
+            [a, b, c, _, bc, _] if self.nodes.contains(&a) => (a, vec![b, c, bc], QuadraticFace::CornerOfSix),
+            [a, b, c, ab, _, _] => (ab, vec![a, b, c], QuadraticFace::MiddleOfSix),
+            [a, b, c, d, _, bc, cd, _, _] => (a, vec![b, c, d, bc, cd], QuadraticFace::QuarterOfNine),
+            _ => return,
+        };
+        let first = self.nodes.iter().position(|&n| n == first).unwrap_or(0);
+        let count = self.count as usize;
         self.nodes.rotate_left(first);
-        self.edges.rotate_left(first);
-        self.on_boundary.rotate_left(first);
-        self.nodes.extend([b, c, d, bc, cd]);
-        self.is_quadratic = true;
+        self.edges[..count].rotate_left(first);
+        self.on_boundary[..count].rotate_left(first);
+        self.nodes.extend(others);
+        self.quadratic = Some(face);
     }
 
     /// Nodes that are the patch's own; the others are those that its normals depend on.
     pub fn own(&self) -> usize {
-        match (self.is_quadratic, self.count) {
-            (true, 3) => 6,
-            (true, _) => variation::OWN,
-            (false, count) => count as usize,
+        match self.quadratic {
+            None => self.count as usize,
+            Some(QuadraticFace::QuarterOfNine) => variation::OWN,
+            Some(_) => 6,
         }
     }
 
@@ -128,7 +148,7 @@ impl MovingPatch {
     pub fn shape(&self, positions: &[Vec3]) -> Patch {
         let normals = self.nodal_normals(positions);
         let mut patch = self.straight(positions);
-        if self.is_quadratic {
+        if self.quadratic.is_some() {
             let [c0, c1, c2, c3, middle] = self.through_middles(positions);
             (patch.coefficients, patch.middle) = ([c0, c1, c2, c3], middle);
         }

@@ -1,6 +1,6 @@
 //! Moving patches as numbers, to be sent to other ranks.
 
-use super::{MovingPatch, Neighbour, NormalRule};
+use super::{MovingPatch, Neighbour, NormalRule, QuadraticFace};
 use crate::Mat3;
 use crate::surface::numbers::{Numbers, flags, from_flags};
 
@@ -14,7 +14,7 @@ impl MovingPatch {
             flags(&self.edges, &self.on_boundary),
             self.bulge,
         ];
-        to.push(f64::from(u8::from(self.is_quadratic)));
+        to.push(self.quadratic.map_or(0.0, QuadraticFace::number));
         to.extend(self.corners.map(f64::from));
         to.push(self.nodes.len() as f64);
         to.extend(self.nodes.iter().map(|n| *n as f64));
@@ -45,18 +45,31 @@ impl MovingPatch {
     }
 }
 
+impl QuadraticFace {
+    const ALL: [Self; 4] = [Self::Triangle, Self::CornerOfSix, Self::MiddleOfSix, Self::QuarterOfNine];
+
+    /// From 1.
+    fn number(self) -> f64 {
+        f64::from(self as u8 + 1)
+    }
+
+    fn of_number(number: f64) -> Option<Self> {
+        Self::ALL.into_iter().find(|face| face.number() == number)
+    }
+}
+
 impl Numbers<'_> {
     fn patch(&mut self) -> Option<MovingPatch> {
         let (id, count) = (self.number()? as u32, self.number()? as u8);
         let component = self.number()? as u32;
         let (edges, on_boundary) = from_flags(self.number()?);
-        let (bulge, is_quadratic) = (self.number()?, self.number()? != 0.0);
+        let (bulge, quadratic) = (self.number()?, QuadraticFace::of_number(self.number()?));
         let corners = [self.number()?, self.number()?, self.number()?, self.number()?].map(|x| x as u32);
         let nodes = self.count()?;
         let nodes = self.take(nodes)?.iter().map(|n| *n as u64).collect();
         let normals = self.count()?;
         let normals = (0..normals).map(|_| self.rule()).collect::<Option<_>>()?;
-        Some(MovingPatch { id, count, nodes, edges, on_boundary, component, normals, corners, bulge, is_quadratic })
+        Some(MovingPatch { id, count, nodes, edges, on_boundary, component, normals, corners, bulge, quadratic })
     }
 
     fn rule(&mut self) -> Option<NormalRule> {

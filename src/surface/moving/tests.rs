@@ -49,7 +49,12 @@ pub fn samples(smoothing: Smoothing) -> Vec<(MovingPatch, Vec<Vec3>)> {
                 let size = (x[1] - x[0]).norm();
                 perturb(&mut x, 0.03 * size);
                 if smoothing == Smoothing::Facet {
-                    samples.push(if triangles { quadratic(&patch, &x) } else { quarter(&patch, &x) });
+                    if triangles {
+                        samples.push(quadratic(&patch, &x));
+                        samples.extend([0, 3].map(|at| quarter_of_six(&patch, &x, at)));
+                    } else {
+                        samples.push(quarter(&patch, &x));
+                    }
                 }
                 samples.push((patch, x));
             }
@@ -75,10 +80,27 @@ fn quadratic(patch: &MovingPatch, x: &[Vec3]) -> (MovingPatch, Vec<Vec3>) {
 fn quarter(patch: &MovingPatch, x: &[Vec3]) -> (MovingPatch, Vec<Vec3>) {
     let (mut patch, mut x) = (patch.clone(), x.to_vec());
     let [a, ab, all, da] = [0, 1, 2, 3].map(|k| patch.nodes[k]);
-    patch.bend_as_quarter([a, 93, 94, 95, ab, 96, 97, da, all]);
+    patch.bend_as_quarter(&[a, 93, 94, 95, ab, 96, 97, da, all]);
     let size = (x[1] - x[0]).norm();
     let (along, across) = (x[1] - x[0], x[3] - x[0]);
     let rest = [x[1] + along, x[2] * 2.0 - x[0], x[3] + across, x[2] + along, x[2] + across];
+    let off = |(k, x): (usize, Vec3)| x + Vec3::new(0.1, -0.05, 0.2) * (noise(k + 7) * size);
+    x.extend(rest.into_iter().enumerate().map(off));
+    (patch, x)
+}
+
+/// A facet as the quarter at the corner of a triangle of six nodes, or that between its middles.
+fn quarter_of_six(patch: &MovingPatch, x: &[Vec3], at: usize) -> (MovingPatch, Vec<Vec3>) {
+    let (mut patch, mut x) = (patch.clone(), x.to_vec());
+    let [a, b, c] = [0, 1, 2].map(|k| patch.nodes[k]);
+    let size = (x[1] - x[0]).norm();
+    let rest = if at < 3 {
+        patch.bend_as_quarter(&[a, 93, 94, b, 95, c]);
+        [x[1] * 2.0 - x[0], x[2] * 2.0 - x[0], x[1] + x[2] - x[0]]
+    } else {
+        patch.bend_as_quarter(&[93, 94, 95, a, b, c]);
+        [x[0] + x[2] - x[1], x[0] + x[1] - x[2], x[1] + x[2] - x[0]]
+    };
     let off = |(k, x): (usize, Vec3)| x + Vec3::new(0.1, -0.05, 0.2) * (noise(k + 7) * size);
     x.extend(rest.into_iter().enumerate().map(off));
     (patch, x)
@@ -102,7 +124,7 @@ fn quarters_have_the_shape_of_their_face() {
             let mut patch = facet.clone();
             patch.nodes = [nine[0], nine[4], nine[8], nine[7]].to_vec();
             patch.nodes.rotate_left(turned);
-            patch.bend_as_quarter(nine);
+            patch.bend_as_quarter(&nine);
             assert_eq!(patch.nodes.len(), 9);
             let x: Vec<Vec3> = patch.nodes.iter().map(|&n| place(n as usize)).collect();
             for xi in [XI, [0.0, 1.0], [1.0, 1.0], [0.2, 0.9]] {
@@ -112,6 +134,46 @@ fn quarters_have_the_shape_of_their_face() {
                 let exact: Vec3 = (0..9).map(|k| place(k) * (along(s)[at[k][0]] * along(t)[at[k][1]])).sum();
                 assert!((patch.shape(&x).point(xi) - exact).norm() < 1e-14);
                 let shared: Vec3 = patch.shape_functions(xi).iter().zip(&x).map(|(n, x)| x * *n).sum();
+                assert!((shared - exact).norm() < 1e-14);
+            }
+        }
+    }
+}
+
+/// The same of a face of six nodes.
+#[test]
+fn quarters_of_triangles_have_the_shape_of_their_face() {
+    let place = |n: u64| {
+        let at = [[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]][n as usize];
+        Vec3::new(at[0], at[1], 0.0) + Vec3::from_fn(|d, _| 0.3 * noise(3 * n as usize + d))
+    };
+    let facet = &patches(&grid(1, 1, true, dome), Smoothing::Facet)[0];
+    for first in 0..4 {
+        let six: [u64; 6] = std::array::from_fn(|k| (k / 3 * 3 + (k % 3 + first) % 3) as u64);
+        let corners = if first < 3 { [six[0], six[3], six[5]] } else { [six[3], six[4], six[5]] };
+        for turned in 0..3 {
+            let mut patch = facet.clone();
+            patch.nodes = corners.to_vec();
+            patch.nodes.rotate_left(turned);
+            patch.bend_as_quarter(&six);
+            assert_eq!((patch.nodes.len(), patch.own()), (6, 6));
+            let x: Vec<Vec3> = patch.nodes.iter().map(|&n| place(n)).collect();
+            for [e, z] in [XI, [0.0, 0.0], [1.0, 1.0], [0.9, 0.2]] {
+                // Where its corners are in the face.
+                let of = |n: u64| match n {
+                    0..3 => std::array::from_fn(|i| f64::from(u8::from(i == n as usize))),
+                    _ => std::array::from_fn(|i| if i == (n as usize - 1) % 3 { 0.0 } else { 0.5 }),
+                };
+                let [p, q, r]: [[f64; 3]; 3] = [0, 1, 2].map(|k| of(patch.nodes[k]));
+                let b: [f64; 3] = std::array::from_fn(|i| (1.0 - e) * p[i] + (e - z) * q[i] + z * r[i]);
+                let exact: Vec3 = (0..3)
+                    .map(|k| {
+                        let next = (k + 1) % 3;
+                        place(k as u64) * (b[k] * (2.0 * b[k] - 1.0)) + place(3 + k as u64) * (4.0 * b[k] * b[next])
+                    })
+                    .sum();
+                assert!((patch.shape(&x).point([e, z]) - exact).norm() < 1e-14);
+                let shared: Vec3 = patch.shape_functions([e, z]).iter().zip(&x).map(|(n, x)| x * *n).sum();
                 assert!((shared - exact).norm() < 1e-14);
             }
         }
@@ -200,7 +262,7 @@ fn rare_ends_have_their_derivatives() {
             normals: vec![mean(1), mean(2), NormalRule::End { node: 0, neighbours: end.collect(), directions }],
             corners: [2, 0, 1, 0],
             bulge: 0.7,
-            is_quadratic: false,
+            quadratic: None,
         };
         let x: Vec<Vec3> =
             [[0.0, 0.0, 0.0], [1.0, 0.1, 0.1], [0.3, 0.9, 0.2], [1.5, 1.6, -lean], [-0.7, 0.6, 0.1], [0.5, -1.0, 0.0]]

@@ -18,9 +18,9 @@
 //! All that depends on the place in the patch are the phi_h: forces F_q on points of it are f_h = sum_q phi_h(xi_q) F_q.
 
 use super::super::smoothing::Transfer;
-use super::MovingPatch;
 use super::edge;
 use super::normal::State;
+use super::{MovingPatch, QuadraticFace};
 use crate::surface::{Edge, Local, Patch};
 use crate::{Mat3, Vec3};
 
@@ -47,6 +47,27 @@ const OF_TRIANGLE: [[f64; BENDS]; 6] = [
     [-4.0, 0.0, 0.0, 0.0, 0.0],
     [0.0, -4.0, 0.0, 0.0, 0.0],
     [0.0, 0.0, -4.0, 0.0, 0.0],
+];
+
+/// The same of the quarter at corner 0 of such a triangle, a quarter of those of its edges: its corners 0, 01 and 20, then nodes 1,
+/// 2 and 12.
+const OF_CORNER: [[f64; BENDS]; 6] = [
+    [0.5, 0.0, 0.5, 0.0, 0.0],
+    [-1.0, 0.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, -1.0, 0.0, 0.0],
+    [0.5, 0.5, 0.0, 0.0, 0.0],
+    [0.0, 0.5, 0.5, 0.0, 0.0],
+    [0.0, -1.0, 0.0, 0.0, 0.0],
+];
+
+/// The same of the quarter between the middles, 01, 12 and 20, then nodes 0, 1 and 2: its edges are along 20, 01 and 12.
+const OF_MIDDLE: [[f64; BENDS]; 6] = [
+    [0.0, -1.0, 0.0, 0.0, 0.0],
+    [0.0, 0.0, -1.0, 0.0, 0.0],
+    [-1.0, 0.0, 0.0, 0.0, 0.0],
+    [0.5, 0.5, 0.0, 0.0, 0.0],
+    [0.0, 0.5, 0.5, 0.0, 0.0],
+    [0.5, 0.0, 0.5, 0.0, 0.0],
 ];
 
 /// The same of a quarter of a biquadratic face: half the second differences along its edges, and -1/4 of the mixed fourth one, at
@@ -133,7 +154,7 @@ impl MovingPatch {
         for (turns, shares) in to.turns.iter_mut().zip(self.shares()) {
             turns.iter_mut().zip(shares).for_each(|(t, share)| *t += Mat3::from_diagonal_element(share * self.bulge));
         }
-        (to.corners, to.own, to.is_quadratic) = (count, self.own(), self.is_quadratic);
+        (to.corners, to.own, to.is_quadratic) = (count, self.own(), self.quadratic.is_some());
         to.bends = if to.own == OWN { BENDS } else { count };
         to.direct[..to.own].copy_from_slice(&to.turns[..to.own]);
         for (l, link) in to.links.iter().enumerate().rev() {
@@ -207,10 +228,12 @@ impl MovingPatch {
 
     /// What each own node is of the coefficients of a quadratic face; nothing of others.
     fn shares(&self) -> &'static [[f64; BENDS]] {
-        match (self.is_quadratic, self.count) {
-            (false, _) => &[],
-            (true, 3) => &OF_TRIANGLE,
-            (true, _) => &OF_QUARTER,
+        match self.quadratic {
+            None => &[],
+            Some(QuadraticFace::Triangle) => &OF_TRIANGLE,
+            Some(QuadraticFace::CornerOfSix) => &OF_CORNER,
+            Some(QuadraticFace::MiddleOfSix) => &OF_MIDDLE,
+            Some(QuadraticFace::QuarterOfNine) => &OF_QUARTER,
         }
     }
 
