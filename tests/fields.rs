@@ -391,6 +391,7 @@ fn a_probe_outside_is_refused() {
     }
     let ask = |entry: &str| bench.run(1, &["--set", entry]).stderr;
     assert!(ask("output.probe.inside.fields=[\"stress\"]").contains("known: displacement, nodal_stress"));
+    assert!(ask("output.probe.inside.fields=[]").contains("names no fields"));
     assert!(ask("output.fields=[\"mises\"]").contains("von_mises"));
     assert!(ask("output.probe.end.name=inside").contains("has the name of another probe"));
     assert!(ask("output.probe.end.point=[0, 0, 0]").contains("must look at one place"));

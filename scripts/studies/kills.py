@@ -47,8 +47,8 @@ def written(out):
 
 
 def killed(scene, out, ranks, options, spare):
-    """Starts a run or goes on with it, and kills a rank: of four kills one as it starts, the others within so many seconds
-    after it has written something; whether it had not ended by then."""
+    """Starts a run or goes on with it, and kills a rank: of four kills one as it starts, the others within so many
+    seconds after it has written something; whether it had not ended by then."""
     restart = ["--restart"] if (out / "checkpoint.h5").exists() else []
     command = study.on_ranks(ranks, study.NAGATA, "run", scene, "--out", out, "--quiet", *options, *restart)
     before, starts = written(out), random.random() < 0.25

@@ -1,9 +1,9 @@
 #!/usr/bin/python3 -B
-"""Prints, as a Markdown table, what wedges of 15 nodes make of problems without contact, as such and as eight linear ones
-each, beside hexahedra of as many nodes: the deflection of a bar of one layer, its cells twice as long as high, under a
-force at its end, over beam theory with shear, bent in the plane of the triangles and across it; and the force of a cube
-that is pressed by a tenth between plates that hold it, of nearly incompressible rubber and of metal that flows, over that
-of hexahedra with 13 nodes along each edge, by cells along an edge, each of two wedges."""
+"""Prints, as a Markdown table, what wedges of 15 nodes make of problems without contact, as such and as eight linear
+ones each, beside hexahedra of as many nodes: the deflection of a bar of one layer, its cells twice as long as high,
+under a force at its end, over beam theory with shear, bent in the plane of the triangles and across it; and the force
+of a cube that is pressed by a tenth between plates that hold it, of nearly incompressible rubber and of metal that
+flows, over that of hexahedra with 13 nodes along each edge, by cells along an edge, each of two wedges."""
 
 import sys
 import tempfile

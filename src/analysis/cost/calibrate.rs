@@ -28,6 +28,8 @@ const SMALL: [usize; 3] = [18, 18, 1];
 const COARSENED: [usize; 3] = [24, 24, 12];
 /// A wedge over a hexahedron with eight integration points.
 const WEDGE: f64 = 0.55;
+/// A quadratic one over it.
+const QUADRATIC_WEDGE: f64 = 6.0;
 /// A pyramid over it.
 const PYRAMID: f64 = 0.6;
 /// A linear and a quadratic tetrahedron over a hexahedron with eight integration points.
@@ -113,6 +115,10 @@ impl Bench<'_> {
             Shape::Solid("pyramid5") => return Ok(PYRAMID * self.element(Shape::Solid("hex8"), material)?),
             Shape::Solid("pyramid5-sri") => return Ok(PYRAMID * self.element(Shape::Solid("hex8-sri"), material)?),
             Shape::Solid("wedge6") => return Ok(WEDGE * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("wedge18") => return Ok(QUADRATIC_WEDGE * self.element(Shape::Solid("hex8"), material)?),
+            Shape::Solid("wedge18-sri") => {
+                return Ok(QUADRATIC_WEDGE * self.element(Shape::Solid("hex8-sri"), material)?);
+            }
             Shape::Solid("wedge6-sri") => return Ok(WEDGE * self.element(Shape::Solid("hex8-sri"), material)?),
             Shape::Solid(element) => (element, false, [SIDE, SIDE, SIDE * ranks]),
             Shape::Plane(element) => (element, true, [3 * SIDE, 3 * SIDE * ranks, 1]),
