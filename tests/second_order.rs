@@ -455,6 +455,20 @@ fn quadratic_wedges_meet() {
             stress.iter().for_each(|s| assert_close("stress", *s, 5.0, 1e-10));
         }
     }
+    // On a plane the pressure at their ends is what they bear, at corners, too, which have no area.
+    let on_plane = Bench::new(
+        "[body.w]\nmesh = \"w.inp\"\nmaterial = \"m\"\nelement = \"hex27\"\n[material.m]\nmodel = \"hooke\"\nyoung = 100.0\npoisson = 0.3\n\
+         [tool.t]\nplane = { point = [0, 0, 0], normal = [0, 0, 1] }\n[contact.c]\nslave = \"w.zmin\"\nmaster = \"t\"\n\
+         [[step]]\nincrements = 1\npressure = [{ set = \"w.zmax\", value = 5.0 }]\n\
+         fix = [{ set = \"w.xmin\", directions = \"x\" }, { set = \"w.ymin\", directions = \"y\" }]\n",
+    );
+    on_plane.write("w.inp", &wedges([2, 2, 1], [[0.0; 3], [1.0, 1.0, 0.5]], |[i, j, _]| i == j));
+    for ranks in [1, 2] {
+        let run = on_plane.solve(ranks, &[]);
+        let pressure = run.field("increments/000001/contact_c/node/pressure");
+        assert_eq!(pressure.len(), 25);
+        pressure.iter().for_each(|p| assert_close("pressure", *p, 5.0, 1e-10));
+    }
     // The same two on their ends.
     bench.write("b.inp", &wedges([2, 2, 1], [[0.0, 0.0, 1.0], [2.0, 1.0, 1.0]], |_| false));
     let sets = [

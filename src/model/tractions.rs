@@ -3,7 +3,8 @@
 //! On linear faces the traction is the force over the area that belongs to the node. On a quadratic triangle of area A an even
 //! traction t has the forces t A/3 in the middles of the edges and none at the corners. So a corner gives what force it has in
 //! equal parts to the middles of the edges that end there, and is given the mean of their tractions: tractions times areas
-//! add up to the force. An edge in a plane of symmetry counts half, for half of its middle is the mirror image's.
+//! add up to the force. An edge in a plane of symmetry counts half, for half of its middle is the mirror image's. A corner that is
+//! one of a quadrilateral, too, has the area of that.
 
 use super::Model;
 use super::elements::add_nodal_areas;
@@ -29,10 +30,22 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
     let edges = edges(model, pair);
     let mut ending = vec![0.0; part.points.len()];
     edges.iter().for_each(|(ends, _, share)| ends.iter().for_each(|&n| ending[n] += share));
-    let quadratic = pair.side.sections.iter().any(|&s| model.sections[s].element.shape() == SolidShape::Tet10);
+    for facet in facets.iter().filter(|facet| facet.count == 4) {
+        part.face_nodes(facet).iter().for_each(|&n| ending[n as usize] = 0.0);
+    }
+    let has_triangles = |shape: &SolidShape| matches!(shape, SolidShape::Tet10 | SolidShape::Wedge18);
+    let quadratic = pair
+        .side
+        .sections
+        .iter()
+        .map(|&s| &model.sections[s])
+        .any(|section| has_triangles(&section.element.shape()) || section.fillers.iter().any(has_triangles));
     if quadratic {
-        let mut given: Vec<Vec3> =
-            tractions.iter().zip(&ending).map(|(force, all)| if *all > 0.0 { force / *all } else { *force }).collect();
+        let mut given: Vec<Vec3> = tractions
+            .iter()
+            .zip(&ending)
+            .map(|(force, all)| if *all > 0.0 { force / *all } else { Vec3::zeros() })
+            .collect();
         share(comm, model, &mut given);
         edges.iter().for_each(|([a, b], middle, share)| tractions[*middle] += (given[*a] + given[*b]) * *share);
     }
@@ -43,21 +56,29 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
         share(comm, model, &mut tractions);
         let at_middles = tractions.clone();
         for (ends, middle, share) in &edges {
-            ends.iter().for_each(|&n| tractions[n] += at_middles[*middle] * (share / ending[n]));
+            ends.iter()
+                .filter(|&&n| ending[n] > 0.0)
+                .for_each(|&n| tractions[n] += at_middles[*middle] * (share / ending[n]));
         }
     }
     tractions.truncate(part.owned);
     tractions
 }
 
-/// The edges of the quadratic faces of a slave surface that this rank sees, each once.
+/// The edges of the quadratic triangles of a slave surface that this rank sees, whole ones and those whose quarters are facets, each
+/// once.
 fn edges(model: &Model, pair: &Pair) -> Vec<Edge> {
     let part = &model.part;
     let mut edges = Vec::new();
     for facet in &part.sets[pair.side.set].facets {
         let corners = &facet.nodes[..facet.count as usize];
+        let mut add =
+            |a: u32, b: u32, middle: u32| edges.push(([a.min(b) as usize, a.max(b) as usize], middle as usize));
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
-            edges.extend(part.quadratic.middles.at(a, b).map(|m| ([a.min(b) as usize, a.max(b) as usize], m as usize)));
+            part.quadratic.middles.at(a, b).into_iter().for_each(|middle| add(a, b, middle));
+        }
+        if let Some(&[a, b, c, ab, bc, ca]) = part.quadratic.quarters.of(corners) {
+            [(a, b, ab), (b, c, bc), (c, a, ca)].into_iter().for_each(|(a, b, middle)| add(a, b, middle));
         }
     }
     edges.sort_unstable();
