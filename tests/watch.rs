@@ -638,6 +638,48 @@ move = [{{ target = "pad.ymax", by = [2.4, 0.0, 0.0] }}]
     }
 }
 
+/// The band of a hose clamp, half of it, one thin layer: a node of the hose behind its end goes in at the end and out of the outer
+/// face, which no contact names, within few increments.
+#[test]
+fn a_node_goes_through_a_thin_band() {
+    let bench = Bench::new(
+        r#"
+        [body.hose]
+        material = "rubber"
+        plane_strain = true
+        symmetry = ["amin", "amax"]
+        block = { sector = { center = [0, 0, 0], radii = [7.0, 10.0], angles = [0.0, 180.0], length = 1.0 }, elements = [4, 36, 1] }
+        [body.band]
+        material = "steel"
+        plane_strain = true
+        element = "hex8-eas"
+        symmetry = ["amax"]
+        block = { sector = { center = [0, 0, 0], radii = [10.0, 10.4], angles = [12.0, 180.0], length = 1.0 }, elements = [1, 24, 1] }
+        [material.rubber]
+        model = "neo-hookean"
+        young = 8.0
+        poisson = 0.45
+        [material.steel]
+        model = "hooke"
+        young = 20000.0
+        poisson = 0.3
+        [contact.c]
+        slave = "hose.rmax"
+        master = "band.rmin"
+        [[step]]
+        name = "tighten"
+        increments = 10
+        fix = [{ set = "hose.rmin" }]
+        move = [{ target = "band.amin", by = [0, -0.8, 0], directions = "y" }]
+        "#,
+    );
+    for (ranks, increments) in [(1, 10), (2, 10), (1, 5), (1, 7)] {
+        let run = bench.run(ranks, &["--set", &format!("step.tighten.increments={increments}")]);
+        let says = "is inside body `band`, which it entered where no contact names a face";
+        assert!(run.code == 1 && run.stderr.contains(says), "{increments}: {}\n{}", run.code, run.stderr);
+    }
+}
+
 /// A slab under tools, each of them with a contact, that are pressed down onto it and then drawn along.
 fn slab_under(tools: &str, names: &[&str], friction: f64, [down, along]: [f64; 2], increments: usize) -> Bench {
     let each = |of: &dyn Fn(&str) -> String| names.iter().map(|name| of(name)).collect::<Vec<_>>();

@@ -5,7 +5,8 @@
 //! may go into the body through a face that no contact names; no contact holds it there, and its forces are missing. So nodes
 //! that are not near a face of their contacts, or have none, are looked for in the elements of the body. One is inside when all
 //! points around it are, as far away as smooth surfaces differ from faces, along directions in which it is free; one that was
-//! there before anything moved is meant so.
+//! there before anything moved is meant so. A slave node may go through a thin body from one increment to the next: between them it
+//! is looked for at parts of its way. A way around a corner may seem to go through it; shorter increments do not.
 
 use super::conditions::Conditions;
 use crate::Vec3;
@@ -22,32 +23,52 @@ use std::collections::BTreeMap;
 /// An owned node far from the faces of all contacts with the body, with the index of one of these.
 pub(super) type Suspect = (usize, u32);
 
-/// Nodes that are inside the body of their master at displacements `u`, as the watch sighted them. Collective.
-pub(super) fn intruders(comm: &SimpleCommunicator, model: &Model, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
+/// Parts of the way of an increment at which slave nodes are looked for.
+const ON_THE_WAY: [f64; 3] = [0.25, 0.5, 0.75];
+
+/// Nodes that are inside the body of their master at displacements `after`, as the watch sighted them, or on the way there from
+/// those `before`. Collective.
+pub(super) fn intruders(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    way: [&[Vec3]; 2],
+    conditions: &Conditions,
+) -> Vec<Suspect> {
     let of_bodies = || model.pairs.iter().filter(|pair| !pair.is_self());
     let mut bodies: Vec<usize> = of_bodies().filter_map(|pair| pair.master_body()).collect();
     bodies.sort_unstable();
     bodies.dedup();
-    bodies.into_iter().flat_map(|body| in_body(comm, model, body, u, conditions)).collect()
+    bodies.into_iter().flat_map(|body| in_body(comm, model, body, way, conditions)).collect()
 }
 
-fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], conditions: &Conditions) -> Vec<Suspect> {
+fn in_body(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    body: usize,
+    [before, after]: [&[Vec3]; 2],
+    conditions: &Conditions,
+) -> Vec<Suspect> {
     let part = &model.part;
-    let now = |n: u32| part.points[n as usize] + u[part.tie[n as usize] as usize];
+    let at = |share: f64| {
+        move |n: u32| {
+            let tie = part.tie[n as usize] as usize;
+            part.points[n as usize] + before[tie] * (1.0 - share) + after[tie] * share
+        }
+    };
+    let (then, now) = (at(0.0), at(1.0));
     let mut suspects: Vec<Suspect> = unseen(model, body).collect();
     if !any(comm, !suspects.is_empty()) {
         return suspects;
     }
     let own = || elements::of_body(model, body).flat_map(|e| part.solids[e].nodes().iter().copied());
-    let Some(hull) = hull(comm, bounds(own().map(now))) else { return Vec::new() };
-    suspects.retain(|(_, n)| meets(&hull, &(now(*n), now(*n))));
+    let Some(hull) = hull(comm, bounds(own().flat_map(|n| [then(n), now(n)]))) else { return Vec::new() };
+    suspects.retain(|(_, n)| bounds([then(*n), now(*n)].into_iter()).is_some_and(|way| meets(&hull, &way)));
     let keep = |suspects: Vec<Suspect>, points: &dyn Fn(Suspect) -> Vec<Vec3>, place: &dyn Fn(u32) -> Vec3| {
         let points: Vec<Vec<Vec3>> = suspects.iter().map(|suspect| points(*suspect)).collect();
         let mut held = held(comm, model, body, &points.concat(), place).into_iter();
         let mut all = |points: &Vec<Vec3>| held.by_ref().take(points.len()).filter(|held| !held).count() == 0;
         suspects.into_iter().zip(&points).filter_map(|(suspect, points)| all(points).then_some(suspect)).collect()
     };
-    let inside: Vec<Suspect> = keep(suspects, &|(_, n)| vec![now(n)], &now);
     let most = bulge(comm, model, body);
     let around = |(p, n): Suspect, place: &dyn Fn(u32) -> Vec3| {
         let pair = &model.pairs[p];
@@ -57,7 +78,19 @@ fn in_body(comm: &SimpleCommunicator, model: &Model, body: usize, u: &[Vec3], co
         let margin = beside.map_or(most, of_patch) + pair.controls.watch_deep * pair.facet_size;
         around(&place(n), &free_axes(pair, n, conditions), margin)
     };
-    let inside = keep(inside, &|suspect| around(suspect, &now), &now);
+    let is_slave = |&(p, n): &Suspect| model.pairs[p].index_of(n).is_some();
+    let slaves: Vec<Suspect> = suspects.iter().copied().filter(is_slave).collect();
+    let found = |suspects: Vec<Suspect>, share: f64| {
+        let place = at(share);
+        let inside: Vec<Suspect> = keep(suspects, &|(_, n)| vec![place(n)], &place);
+        keep(inside, &|suspect| around(suspect, &place), &place)
+    };
+    let mut inside: Vec<Suspect> = found(suspects, 1.0);
+    for share in ON_THE_WAY {
+        inside.extend(found(slaves.clone(), share));
+    }
+    inside.sort_unstable();
+    inside.dedup();
     let initial = |n: u32| part.points[n as usize];
     let began: Vec<Suspect> = keep(inside.clone(), &|suspect| around(suspect, &initial), &initial);
     inside.into_iter().filter(|suspect| !began.contains(suspect)).collect()

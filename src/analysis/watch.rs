@@ -193,7 +193,7 @@ impl Simulation<'_> {
                 told = finding.filter(|finding| finding.size() > worst).map(|finding| (p, s, finding)).or(told);
             }
         }
-        let within = intruders(self.comm, &self.model, &converged.u, conditions);
+        let within = intruders(self.comm, &self.model, [&self.state.u, &converged.u], conditions);
         converged.between = between(self.comm, &self.model, (&travels, idle), &converged.u);
         if ends_step {
             self.recall_unfelt(idle, &mut converged.between);

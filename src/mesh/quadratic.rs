@@ -92,7 +92,10 @@ fn of_file(mesh: &Mesh, shapes: &[SolidShape], at: &Location) -> Result<Vec<[usi
                 true => {
                     ("hexahedron or wedge", "hexahedra of 20 or 27 nodes, and wedges of 15 or 18 among them, alone")
                 }
-                false => ("wedge", "wedges of 15 or 18 nodes alone"),
+                false => (
+                    "wedge",
+                    "wedges of 15 or 18 nodes alone, take \"hex27\" where hexahedra of second order are among them",
+                ),
             };
             let what = format!("element {} of '{}' is no {name} of second order", parts[0].id, mesh.source);
             return Err(Error::input(at, what, format!("mesh the body with {help}, or leave `element` out")));

@@ -166,6 +166,9 @@ fn element_kinds(
                 Formulation::Hex8Shell if shapes.starts_with(&[SolidShape::Hex8]) => {
                     "solid-shell elements are hexahedra alone: mesh the sheet with these, or take \"hex8-eas\""
                 }
+                Formulation::Hex27 if shapes == [SolidShape::Wedge18] => {
+                    "take \"wedge18\", or \"wedge18-sri\", for a mesh of wedges alone"
+                }
                 _ => "leave `element` out to take each element by its shape",
             };
             return Err(Error::input(&asked.at, what, help));
