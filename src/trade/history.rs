@@ -30,7 +30,8 @@ impl History {
     }
 
     /// How far the vectors of all sources are from those of a reference, over the longest vector of the reference: at all times
-    /// of the reference, with this run linear between its own increments. `None` when all vectors of the reference are 0.
+    /// of the reference, with this run linear between its own increments, and steps that last as long or not. `None` when all
+    /// vectors of the reference are 0.
     pub fn apart(&self, reference: &Self, of: &Components) -> Option<Apart> {
         self.apart_at(reference, of, reference.times())
     }
@@ -55,14 +56,33 @@ impl History {
         if bears { met } else { sources }
     }
 
+    /// The times at which it is as far in its steps as a reference is at its own.
+    fn as_far(&self, reference: &Self, times: &[f64]) -> Vec<f64> {
+        let bounds = |history: &Self| -> Vec<f64> {
+            let ends = history.ends().into_iter().map(|(_, row)| history.times()[row]);
+            std::iter::once(0.0).chain(ends).collect()
+        };
+        let (own, known) = (bounds(self), bounds(reference));
+        if own == known || own.len() != known.len() {
+            return times.to_vec();
+        }
+        let of = |&time: &f64| {
+            let step = known.partition_point(|&end| end < time).clamp(1, known.len() - 1);
+            let share = (time - known[step - 1]) / (known[step] - known[step - 1]);
+            own[step - 1] + share * (own[step] - own[step - 1])
+        };
+        times.iter().map(of).collect()
+    }
+
     fn apart_at(&self, reference: &Self, of: &Components, times: &[f64]) -> Option<Apart> {
+        let own_times = self.as_far(reference, times);
         let (mut all, mut rms, mut scale) = (Vec::new(), Vec::new(), 0.0f64);
         for source in reference.counted(of) {
             let exact = reference.vectors(source, of)?;
             scale = exact.iter().map(norm).fold(scale, f64::max);
             let Some(own) = self.vectors(source, of) else { continue };
-            let off = times.iter().map(|&t| {
-                let (a, b) = (at(self.times(), &own, t), at(reference.times(), &exact, t));
+            let off = times.iter().zip(&own_times).map(|(&t, &own_time)| {
+                let (a, b) = (at(self.times(), &own, own_time), at(reference.times(), &exact, t));
                 norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
             });
             let apart = Apart::of(times, &off.collect::<Vec<_>>());
@@ -145,6 +165,26 @@ mod tests {
         assert!((apart.largest - 0.25 / 4.0).abs() < 1e-15, "{apart:?}");
         // At one of four times.
         assert!((apart.rms - 0.25 / 4.0 * 0.5).abs() < 1e-15, "{apart:?}");
+    }
+
+    /// A step that lasts twice as long, or half as long, is the same step.
+    #[test]
+    fn steps_are_compared_with_themselves() {
+        let stretched = |by: f64| {
+            let mut text = "step,increment,time,iterations,punch.fx,punch.fy,punch.fz\n".to_string();
+            for (step, force) in [("a", 1.0), ("a", 4.0), ("b", 2.0), ("b", 7.0)] {
+                let rows = text.lines().count() as f64;
+                let time = if step == "a" { 0.5 * rows } else { 1.0 + by * 0.5 * (rows - 2.0) };
+                text += &format!("{step},1,{time},3,0,{force},0\n");
+            }
+            History::parse(&text).unwrap()
+        };
+        for by in [0.5, 2.0] {
+            let (history, reference) = (stretched(by), stretched(1.0));
+            for apart in [history.apart(&reference, &FORCE), history.apart_at_ends(&reference, &FORCE)] {
+                assert!(apart.unwrap().largest < 1e-15);
+            }
+        }
     }
 
     #[test]
