@@ -378,8 +378,8 @@ pub struct ToolReading {
     pub displacement: Vec3,
     /// Force that it exerts on the bodies, N.
     pub force: Vec3,
-    /// By how much torques have turned it about the axis of its torque, or of the last one, since there was one along it, degrees, and its moment on the bodies about the axis of its
-    /// torque, or of the last one; 0 without one.
+    /// By how much torques have turned it about the axis of its torque, or of the last one, since there was one along it, degrees,
+    /// and its moment on the bodies about that axis; 0 without one.
     pub turned: f64,
     pub moment: f64,
 }

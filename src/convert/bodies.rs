@@ -375,7 +375,10 @@ impl Body {
             notes.whole(format!(
                 "body `{name}`: each element {types} becomes eight linear ones between its nodes, which bend as it does where the \
                  material lets enhanced strain be (see `nagata check`){}",
-                if shape == SolidShape::Hex8 { "; `element = \"hex27\"` takes it as such" } else { "; `element = \"wedge18\"` takes it as such" }
+                match shape {
+                    SolidShape::Hex8 => "; `element = \"hex27\"` takes it as such",
+                    _ => "; `element = \"wedge18\"` takes it as such",
+                }
             ));
             return "";
         }

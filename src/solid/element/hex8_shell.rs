@@ -20,8 +20,8 @@
 //! J is the derivative of the reference position by the parameters, j = det J, 0 marks the centre. The first are the
 //! transposed modes of [`super::hex8_eas`], which do not buckle; of the second b are as many as a distorted sheet needs to bend
 //! exactly (Vu-Quoc and Tan, CMAME 192, 2003), and c lets it keep its volume where it bends to few thicknesses: then
-//! 1 + 2 E_33 = (1 + z/R)^-2 over the thickness. Two points through it do not see c. As all is strain, the material sees a deformation gradient F that has it,
-//! the upper triangular root:
+//! 1 + 2 E_33 = (1 + z/R)^-2 over the thickness. Two points through it do not see c. As all is strain, the material sees a deformation
+//! gradient F that has it, the upper triangular root:
 //!
 //! ```text
 //! F^T F = 1 + 2 J^-T E J^-1,     S = B tau B^T,     C = dS/dE = B B c B^T B^T,     B = J^-1 F^-1
