@@ -49,6 +49,26 @@ fn torque(total: f64, table: &str) -> String {
     )
 }
 
+/// Pulled along its axis by more than friction bears, a roller slides, and with a torque beside it spins before that bears all alone.
+#[test]
+fn a_roller_slides_beyond_the_force_of_full_slip() {
+    let pulled = |force: f64, torque: &str| {
+        let force = format!("force = [{{ target = \"roller\", total = [0, {force:?}, 0], directions = \"y\" }}]");
+        let step = format!("[[step]]\nname = \"pull\"\nincrements = 4\nkeep = true\n{force}\n{torque}\n");
+        Bench::new(&roller(&step)).run(1, &[])
+    };
+    for (run, says) in [
+        (pulled(40.0, ""), "the tool `roller` slides: its force comes to 2.7"),
+        (
+            pulled(22.0, "torque = [{ tool = \"roller\", total = 130, point = [0, 0, 4.5], axis = [0, 1, 0] }]"),
+            "does not hold that beside its force, though without one it held 1.",
+        ),
+    ] {
+        assert_eq!(run.code, 1, "{}", run.stdout);
+        assert!(run.stderr.contains(says), "{says}: {}", run.stderr);
+    }
+}
+
 /// Below full slip the friction of a cylinder, whose normal forces pass through the axis, bears the torque: the history and the
 /// fields say the same, on two ranks, with other methods and solvers, and in a run that goes on with a further step.
 #[test]

@@ -9,8 +9,9 @@
 //!
 //! and against a torque in the sense of w = ± a x (x - p), the velocity of the tool at the node, with w for f. Where this holds
 //! for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought. With the normal forces P
-//! that there are, the moment is at most the sum of P (n·w + μ |w - (n·w) n|): where nothing but a torque changes in a step,
-//! and goes beyond that, the tool spins; elsewhere it is so where no shorter increment is left.
+//! that there are, the moment, or the force, is at most the sum of P (n·w + μ |w - (n·w) n|): where nothing but a torque changes in
+//! a step, and goes beyond that, the tool spins. Elsewhere it is so, or the tool slides, where no shorter increment is left; friction
+//! that force and torque share is one size, so that the squares of what each takes of its most add up.
 
 use super::Simulation;
 use super::conditions::Conditions;
@@ -23,7 +24,7 @@ use std::fmt::Write;
 
 /// Rounding of the work of a unit force.
 const ROUNDING: f64 = 1e-12;
-/// Share of the most moment at which a tool spins if no increment is found: some friction goes along the axis.
+/// Share of what can be held at which a tool spins or slides if no increment is found: some friction goes another way.
 const NEARLY: f64 = 0.98;
 
 /// What drives a tool.
@@ -39,14 +40,14 @@ struct Hold {
     /// Nodes in reach, and those that can do something.
     in_reach: usize,
     can_hold: usize,
-    /// The most moment with the normal forces that there are, where these do not grow with it.
-    moment: f64,
+    /// The most moment or force with the normal forces that there are, where these do not grow with it.
+    most: f64,
 }
 
 impl Simulation<'_> {
     /// What is wrong with a tool that nothing in reach can hold against its force or torque at fraction `end` of the step, with
     /// its slave nodes as they were at the last converged increment; `None` when all can be held, as far as is known. At the
-    /// `last` attempt a torque need not be all that changes. Collective.
+    /// `last` attempt a torque need not be all that changes, and may stand beside a force. Collective.
     pub(super) fn runaway(&self, frame: &Frame, end: f64, last: bool) -> Option<Failure> {
         let conditions = frame.conditions();
         let tools = &self.model.masters.tools;
@@ -56,18 +57,26 @@ impl Simulation<'_> {
             let force = Vec3::from_fn(|d, _| if free[d] { total[d] } else { 0.0 });
             let torque =
                 |axle: Axle| Drive::Torque(axle, conditions.tool_forces[tools.len() + t].at(end).x * axle.lever);
-            for drive in [Some(Drive::Force(force)), axle.map(torque)].into_iter().flatten().filter(Drive::acts) {
+            let drives = [axle.map(torque), Some(Drive::Force(force))].into_iter().flatten().filter(Drive::acts);
+            let held = |drive: Drive| {
                 let hold = self.against(t, &drive);
+                (drive, hold)
+            };
+            let drives: Vec<(Drive, Hold)> = drives.map(held).collect();
+            let taken: f64 = drives.iter().map(|(drive, hold)| (drive.size() / hold.most).powi(2)).sum();
+            let is_loose = |(drive, hold): &&(Drive, Hold)| {
                 let spins = match drive {
-                    Drive::Torque(_, torque) if last => torque.abs() > NEARLY * hold.moment,
-                    Drive::Torque(_, torque) => torque.abs() > hold.moment && only_torques_change(self, conditions),
+                    _ if last => taken > NEARLY.powi(2) && hold.most.is_finite(),
+                    Drive::Torque(..) => drive.size() > hold.most && only_torques_change(self, conditions),
                     Drive::Force(_) => false,
                 };
-                if hold.can_hold == 0 || spins {
-                    let what = tell(frame, self.state.time, &tool.name, (&drive, &hold));
-                    let (step, time) = (frame.name().to_string(), self.state.time);
-                    return Some(Failure { cause: Cause::Runaway, step, time, what, ..Failure::default() });
-                }
+                hold.can_hold == 0 || spins
+            };
+            if let Some((drive, hold)) = drives.iter().find(is_loose) {
+                let is_shared = drives.len() > 1 && drive.size() < hold.most;
+                let what = tell(frame, self.state.time, &tool.name, (drive, hold, is_shared));
+                let (step, time) = (frame.name().to_string(), self.state.time);
+                return Some(Failure { cause: Cause::Runaway, step, time, what, ..Failure::default() });
             }
         }
         None
@@ -83,23 +92,28 @@ impl Simulation<'_> {
                 let against = along + pair.rules.friction * (by - at.normal * along).norm();
                 sums[0] += 1.0;
                 sums[1] += f64::from(against > ROUNDING * by.norm());
-                // What turns into the slave bears the more, the more it is turned.
-                let presses = along > ROUNDING * by.norm() && slave.accepted.force != Vec3::zeros();
+                // What goes into the slave bears the more, the farther it goes; a turn does not bring what is apart.
+                let meets = matches!(drive, Drive::Force(_)) || slave.accepted.force != Vec3::zeros();
+                let presses = along > ROUNDING * by.norm() && meets;
                 sums[3] += f64::from(presses);
                 sums[2] += (against * at.normal.dot(&slave.accepted.on_node())).max(0.0);
             }
         }
         sum(self.comm, &mut sums);
-        let moment = if sums[3] > 0.0 { f64::INFINITY } else { sums[2] };
-        Hold { in_reach: sums[0] as usize, can_hold: sums[1] as usize, moment }
+        let most = if sums[3] > 0.0 { f64::INFINITY } else { sums[2] };
+        Hold { in_reach: sums[0] as usize, can_hold: sums[1] as usize, most }
     }
 }
 
 impl Drive {
     fn acts(&self) -> bool {
+        self.size() != 0.0
+    }
+
+    fn size(&self) -> f64 {
         match self {
-            Self::Force(force) => *force != Vec3::zeros(),
-            Self::Torque(_, torque) => *torque != 0.0,
+            Self::Force(force) => force.norm(),
+            Self::Torque(_, torque) => torque.abs(),
         }
     }
 
@@ -130,10 +144,22 @@ fn only_torques_change(simulation: &Simulation, conditions: &Conditions) -> bool
     )
 }
 
-fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) -> String {
-    let step = frame.name();
+/// What is said of a tool that a drive makes loose, or one that shares what holds it with another.
+fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold, is_shared): (&Drive, &Hold, bool)) -> String {
+    let (step, most) = (frame.name(), hold.most);
     let mut text = format!("step `{step}`, after time {time:.6}: ");
     let help = match drive {
+        Drive::Force(force) if hold.can_hold > 0 => {
+            let _ = write!(text, "the tool `{tool}` slides: its force comes to {:.3e}, and ", force.norm());
+            let _ = match most > force.norm() {
+                true => write!(
+                    text,
+                    "contact as it presses now does not hold that, though all its friction comes to {most:.3e}"
+                ),
+                false => write!(text, "contact as it presses now holds no more than {most:.3e}"),
+            };
+            "press it on harder first, give its contact more friction, or `move` it"
+        }
         Drive::Force(force) => {
             let _ = write!(text, "nothing can hold the tool `{tool}` against its force ");
             let _ = write!(text, "({:.3e}, {:.3e}, {:.3e}): ", force.x, force.y, force.z);
@@ -148,11 +174,15 @@ fn tell(frame: &Frame, time: f64, tool: &str, (drive, hold): (&Drive, &Hold)) ->
             let _ = write!(text, "the tool `{tool}` spins: its torque comes to {:.3e}, and ", torque.abs());
             text += &match hold.in_reach {
                 0 => "no slave node is in reach of it".to_string(),
-                _ if hold.moment > torque.abs() => {
-                    let all = hold.moment;
-                    format!("contact as it presses now does not hold that, though all its friction comes to {all:.3e}")
+                _ if is_shared => {
+                    format!(
+                        "contact as it presses now does not hold that beside its force, though without one it held {most:.3e}"
+                    )
                 }
-                _ => format!("contact as it presses now holds no more than {:.3e}", hold.moment),
+                _ if most > torque.abs() => {
+                    format!("contact as it presses now does not hold that, though all its friction comes to {most:.3e}")
+                }
+                _ => format!("contact as it presses now holds no more than {most:.3e}"),
             };
             "press it on harder first, give its contact more friction, or turn it by `rotate` of `move`"
         }
