@@ -33,9 +33,9 @@ def rows(out):
 
 
 def apart(run, whole):
-    """The largest difference of histories; residuals are of rounding."""
+    """The largest difference of histories; residuals are of rounding, and tries that failed depend on it."""
     def rest(history):
-        return [{c: row[c] for c in row if c not in ("residual", "limit")} for row in history]
+        return [{c: row[c] for c in row if c not in ("residual", "limit", "failures")} for row in history]
 
     return study.difference(rest(run.history), rest(whole.history))
 
