@@ -35,32 +35,27 @@ pub const WEDGE_EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5]
 pub const PYRAMID_EDGES: [[usize; 2]; 8] = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 4], [2, 4], [3, 4]];
 
 /// The corners that each node of a hexahedron of 27 stands half way between: itself, the ends of an edge, or across a face or all.
-pub const HEX_BETWEEN: [[usize; 2]; 27] = {
-    let (mut between, mut a) = ([[0, 6]; 27], 0);
-    while a < 26 {
-        between[a] = match a {
-            0..8 => [a, a],
-            8..20 => HEX_EDGES[a - 8],
-            _ => [HEX_FACES[a - 20][0] as usize, HEX_FACES[a - 20][2] as usize],
-        };
-        a += 1;
-    }
-    between
-};
+pub const HEX_BETWEEN: [[usize; 2]; 27] = between(8, &HEX_EDGES, &HEX_FACES);
 
 /// The same of a wedge of 18.
-pub const WEDGE_BETWEEN: [[usize; 2]; 18] = {
-    let (mut between, mut a) = ([[0; 2]; 18], 0);
-    while a < 18 {
-        between[a] = match a {
-            0..6 => [a, a],
-            6..15 => WEDGE_EDGES[a - 6],
-            _ => [WEDGE_SIDES[a - 15][0] as usize, WEDGE_SIDES[a - 15][2] as usize],
+pub const WEDGE_BETWEEN: [[usize; 2]; 18] = between(6, &WEDGE_EDGES, &WEDGE_SIDES);
+
+/// Those of an element with so many corners, then nodes on edges and quadrilaterals, and of a hexahedron one in the middle.
+const fn between<const N: usize>(corners: usize, edges: &[[usize; 2]], faces: &[[u8; 4]]) -> [[usize; 2]; N] {
+    let (mut between, mut a) = ([[0, 6]; N], 0);
+    while a < corners + edges.len() + faces.len() {
+        between[a] = if a < corners {
+            [a, a]
+        } else if a < corners + edges.len() {
+            edges[a - corners]
+        } else {
+            let face = faces[a - corners - edges.len()];
+            [face[0] as usize, face[2] as usize]
         };
         a += 1;
     }
     between
-};
+}
 
 /// The corners of a face, sorted; a triangle ends with `u32::MAX`. Equal for the two sides of a face.
 pub type FaceKey = [u32; 4];

@@ -5,16 +5,45 @@ use crate::Vec3;
 use crate::mesh::faces::{HEX_EDGES, HEX_FACES};
 use crate::mesh::{Quarters, Solid, SolidShape};
 use crate::scene::{Hardening, MaterialModel};
+use std::collections::BTreeMap;
 
 /// The element in the place of `corners`, straight.
-fn straight(corners: &Nodes<8>) -> Nodes<27> {
-    let mean = |of: &[usize]| std::array::from_fn(|i| of.iter().map(|&a| corners[a][i]).sum::<f64>() / of.len() as f64);
+pub(super) fn straight(corners: &Nodes<8>) -> Nodes<27> {
     std::array::from_fn(|a| match a {
         0..8 => corners[a],
-        8..20 => mean(&HEX_EDGES[a - 8]),
-        20..26 => mean(&HEX_FACES[a - 20].map(usize::from)),
-        _ => mean(&[0, 1, 2, 3, 4, 5, 6, 7]),
+        8..20 => mean(corners, &HEX_EDGES[a - 8]),
+        20..26 => mean(corners, &HEX_FACES[a - 20].map(usize::from)),
+        _ => mean(corners, &[0, 1, 2, 3, 4, 5, 6, 7]),
     })
+}
+
+/// The mean of some corners.
+pub(super) fn mean(corners: &[[f64; 3]], of: &[usize]) -> [f64; 3] {
+    std::array::from_fn(|i| of.iter().map(|&a| corners[a][i]).sum::<f64>() / of.len() as f64)
+}
+
+/// Forces on the nodes of elements that fill a cube of side 1, by their places.
+#[derive(Default)]
+pub(super) struct OnNodes {
+    forces: BTreeMap<[i64; 3], Vec3>,
+    size: f64,
+}
+
+impl OnNodes {
+    pub fn add(&mut self, places: &[[f64; 3]], residual: &[f64]) {
+        for (f, x) in residual.as_chunks::<3>().0.iter().zip(places) {
+            *self.forces.entry(x.map(|x| (1e9 * x).round() as i64)).or_default() += Vec3::from(*f);
+            self.size = self.size.max(Vec3::from(*f).norm());
+        }
+    }
+
+    /// That there is none on the 27 nodes inside.
+    pub fn assert_none_inside(&self, material: &Material) {
+        let is_inside = |x: &[i64; 3]| x.iter().all(|&x| x > 0 && x < 1_000_000_000);
+        let inside: Vec<&Vec3> = self.forces.iter().filter(|(x, _)| is_inside(x)).map(|(_, f)| f).collect();
+        assert_eq!(inside.len(), 27);
+        assert!(inside.iter().all(|f| f.norm() < 1e-12 * self.size), "{material:?}");
+    }
 }
 
 /// One with curved edges, and random displacements.
@@ -123,22 +152,14 @@ fn patch_test() {
     let f = Mat3::identity() + random.matrix(0.2);
     let shift = random.vector(1.0);
     for material in &materials() {
-        let mut forces: std::collections::BTreeMap<[i64; 3], Vec3> = Default::default();
-        let mut size = 0.0f64;
+        let mut forces = OnNodes::default();
         for e in 0..8usize {
             let low = [e % 2, e / 2 % 2, e / 4];
             let corners = CUBE.map(|c| grid[number([0, 1, 2].map(|i| low[i] + c[i] as usize))]);
             let x0 = straight(&corners);
-            let residual = matrices(hex27::evaluate, &x0, &affine(&x0, &f, shift), material).residual;
-            for (f, x) in residual.as_chunks::<3>().0.iter().zip(x0) {
-                *forces.entry(x.map(|x| (1e9 * x).round() as i64)).or_default() += Vec3::from(*f);
-                size = size.max(Vec3::from(*f).norm());
-            }
+            forces.add(&x0, &matrices(hex27::evaluate, &x0, &affine(&x0, &f, shift), material).residual);
         }
-        let is_inside = |x: &[i64; 3]| x.iter().all(|&x| x > 0 && x < 1_000_000_000);
-        let inside: Vec<&Vec3> = forces.iter().filter(|(x, _)| is_inside(x)).map(|(_, f)| f).collect();
-        assert_eq!(inside.len(), 27);
-        assert!(inside.iter().all(|f| f.norm() < 1e-12 * size), "{material:?}");
+        forces.assert_none_inside(material);
     }
 }
 

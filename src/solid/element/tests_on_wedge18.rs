@@ -2,9 +2,10 @@ use super::super::testing::{CUBE, Random, add, affine};
 use super::super::voigt::to_matrix;
 use super::tests::{Nodes, materials, matrices};
 use super::tests_on_fillers::{Element, Samples};
+use super::tests_on_hex27::{self as hexahedra, OnNodes};
 use super::*;
 use crate::Vec3;
-use crate::mesh::faces::{HEX_EDGES, HEX_FACES, WEDGE_EDGES, WEDGE_ENDS, WEDGE_SIDES};
+use crate::mesh::faces::{WEDGE_EDGES, WEDGE_ENDS, WEDGE_SIDES};
 use crate::mesh::{Quarters, Solid, SolidShape};
 use crate::scene::MaterialModel;
 
@@ -19,24 +20,9 @@ pub(super) const WEDGES: [(Wedge, Samples<18, 18>); 2] =
 fn straight(corners: &Nodes<6>) -> Nodes<18> {
     std::array::from_fn(|a| match a {
         0..6 => corners[a],
-        6..15 => mean(WEDGE_EDGES[a - 6].iter().map(|&k| corners[k])),
-        _ => mean(WEDGE_SIDES[a - 15].iter().map(|&k| corners[k as usize])),
+        6..15 => hexahedra::mean(corners, &WEDGE_EDGES[a - 6]),
+        _ => hexahedra::mean(corners, &WEDGE_SIDES[a - 15].map(usize::from)),
     })
-}
-
-/// The same of a hexahedron.
-fn straight_hexahedron(corners: &Nodes<8>) -> Nodes<27> {
-    std::array::from_fn(|a| match a {
-        0..8 => corners[a],
-        8..20 => mean(HEX_EDGES[a - 8].iter().map(|&k| corners[k])),
-        20..26 => mean(HEX_FACES[a - 20].iter().map(|&k| corners[k as usize])),
-        _ => mean(corners.iter().copied()),
-    })
-}
-
-fn mean(places: impl ExactSizeIterator<Item = [f64; 3]>) -> [f64; 3] {
-    let count = places.len() as f64;
-    (places.map(Vec3::from).sum::<Vec3>() / count).into()
 }
 
 fn half() -> Nodes<18> {
@@ -98,34 +84,24 @@ fn they_pass_the_patch_test_with_hexahedra() {
     let shift = random.vector(1.0);
     for (material, (wedge, samples)) in materials().iter().flat_map(|m| WEDGES.map(move |wedge| (m, wedge))) {
         let exact = to_matrix(&material.kirchhoff(&f, &State::VIRGIN).unwrap()) / f.determinant();
-        let mut forces: std::collections::BTreeMap<[i64; 3], Vec3> = Default::default();
-        let mut size = 0.0f64;
-        let mut add_forces = |x0: &[[f64; 3]], residual: &[f64]| {
-            for (f, x) in residual.as_chunks::<3>().0.iter().zip(x0) {
-                *forces.entry(x.map(|x| (1e9 * x).round() as i64)).or_default() += Vec3::from(*f);
-                size = size.max(Vec3::from(*f).norm());
-            }
-        };
+        let mut forces = OnNodes::default();
         for e in 0..8 {
             let (i, j, k) = (e % 2, e / 2 % 2, e / 4);
             let corners = CUBE.map(|c| grid[number(i + c[0] as usize, j + c[1] as usize, k + c[2] as usize)]);
-            let all = straight_hexahedron(&corners);
+            let all = hexahedra::straight(&corners);
             if e % 4 == 0 || e % 4 == 3 {
-                add_forces(&all, &matrices(hex27::evaluate, &all, &affine(&all, &f, shift), material).residual);
+                forces.add(&all, &matrices(hex27::evaluate, &all, &affine(&all, &f, shift), material).residual);
                 continue;
             }
             for half in HALVES {
                 let x0 = straight(&half.map(|k| corners[k]));
                 let u = affine(&x0, &f, shift);
-                add_forces(&x0, &matrices(wedge, &x0, &u, material).residual);
+                forces.add(&x0, &matrices(wedge, &x0, &u, material).residual);
                 let stress = average_stress(&samples(&x0, &u).unwrap(), Medium::virgin(material)).unwrap();
                 assert!((to_matrix(&stress) - exact).norm() < 1e-12 * material.initial_moduli().0);
             }
         }
-        let is_inside = |x: &[i64; 3]| x.iter().all(|&x| x > 0 && x < 1_000_000_000);
-        let inside: Vec<&Vec3> = forces.iter().filter(|(x, _)| is_inside(x)).map(|(_, f)| f).collect();
-        assert_eq!(inside.len(), 27);
-        assert!(inside.iter().all(|f| f.norm() < 1e-12 * size), "{material:?}");
+        forces.assert_none_inside(material);
     }
 }
 
