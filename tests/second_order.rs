@@ -524,7 +524,6 @@ fn what_quadratic_hexahedra_are_not_for_is_refused() {
             "contact.c.discretization=\"segment\"",
             "has quadratic faces, which are not for contact from segment to segment",
         ),
-        ("tie.t={ slave = \"b.xmax\", master = \"a.xmax\" }", "has quadratic faces, which ties do not take"),
         (
             "body.d={ mesh = \"linear.inp\", material = \"m\", element = \"hex27\" }",
             "is no hexahedron or wedge of second order",

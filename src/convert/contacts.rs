@@ -200,12 +200,6 @@ impl Pairs<'_, '_> {
         let mut sides = Vec::new();
         for name in names {
             match &self.parts(row, name)?[..] {
-                [Part::Body(_, faces)] if faces.iter().any(|&face| self.groups.face_nodes(face).len() == 6) => {
-                    let what = format!("the tied surface '{name}' is on elements C3D10, which ties do not take");
-                    return Err(
-                        row.error(what, "mesh its part with C3D4, C3D8 or C3D20, or both parts with common nodes")
-                    );
-                }
                 [Part::Body(body, faces)] => sides.push(self.face_name(*body, faces, name)?),
                 [Part::Tool(_)] => {
                     let what = format!("the tied surface '{name}' is on a rigid body");

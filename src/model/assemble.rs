@@ -127,12 +127,6 @@ fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
         let error = || Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help);
         if is_quadratic { Err(error()) } else { Ok(()) }
     };
-    for tie in &scene.ties {
-        for side in [&tie.slave, &tie.master] {
-            let help = "take linear hexahedra for such bodies, or tetrahedra of first order";
-            wrong(&of_any, side, "ties do not take", help)?;
-        }
-    }
     for contact in scene.contacts.iter().filter(|c| c.discretization == Discretization::Segment) {
         for side in std::iter::once(&contact.slave).chain(contact.surface.map(|_| &contact.master)) {
             let kind = "are not for contact from segment to segment";

@@ -132,10 +132,7 @@ pub fn find(scene: &Scene, names: &[Located<String>], global: &GlobalMesh) -> Re
                     "name these faces in the contact or tie, too, or take what belongs together as one body, with `materials` for \
                      its parts"
                 }
-                false => {
-                    "mesh both with elements of one order, in space or both as layers, or add a `tie`, which `hex27` \
-                     has not"
-                }
+                false => "mesh both with elements of one order, in space or both as layers, or add a `tie`",
             };
             return Err(Error::input(&other.name.at, what, help));
         }

@@ -11,14 +11,17 @@
 //! In a layer both nodes of an upright edge are one, with the sum of what the interpolation has for both; so are those that bodies
 //! share.
 
+use super::assemble::set_of;
 use super::layers::alike;
 use crate::Vec3;
 use crate::error::{Error, Result};
+use crate::mesh::Quarters;
 use crate::mesh::check::spoiled;
 use crate::mesh::message;
-use crate::mortar::{Corners, Interpolation, interpolate};
+use crate::mesh::middles::four;
+use crate::mortar::{Corners, Face, Interpolation, Row, interpolate};
 use crate::parallel::serve;
-use crate::partition::{Gather, GlobalMesh, Part, owner};
+use crate::partition::{Gather, GlobalFacet, GlobalMesh, Part, owner};
 use crate::scene::{Located, Reduction, Scene, Tie, body_of};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -66,14 +69,34 @@ pub fn tie(scene: &Scene, names: &[Located<String>], global: &mut GlobalMesh) ->
     Ok(tied)
 }
 
-/// The corners of the faces of a set.
-fn faces(names: &[Located<String>], global: &GlobalMesh, set: &str) -> Vec<Corners<u32>> {
-    let set = names.iter().position(|name| name.value == set).map(|k| &global.sets[k]);
-    set.into_iter().flat_map(|set| &set.facets).map(|facet| Corners::new(facet.nodes())).collect()
+/// The faces of a set, quadratic ones whole.
+fn faces(names: &[Located<String>], global: &GlobalMesh, set: &str) -> Vec<Face> {
+    let Some(set) = set_of(names, global, set) else { return Vec::new() };
+    let quarters = Quarters::in_solids(global.solids.iter(), set.facets.iter().map(GlobalFacet::nodes));
+    let (mut faces, mut wholes): (Vec<Face>, BTreeMap<Vec<u32>, usize>) = Default::default();
+    for corners in set.facets.iter().map(GlobalFacet::nodes) {
+        if let (Some(middles), &[a, b, c]) = (global.middles.of(corners), corners) {
+            let pieces = four([0, 1, 2], [3, 4, 5]).map(|piece| Corners::new(&piece.map(|k| k as usize))).to_vec();
+            faces.push(Face { nodes: [[a, b, c], middles].concat(), pieces });
+        } else if let Some(whole) = quarters.of(corners) {
+            let mut key = whole.to_vec();
+            key.sort_unstable();
+            let index = *wholes.entry(key).or_insert_with(|| {
+                faces.push(Face { nodes: whole.to_vec(), pieces: Vec::new() });
+                faces.len() - 1
+            });
+            let face = &mut faces[index];
+            let places: Vec<usize> = corners.iter().filter_map(|n| face.nodes.iter().position(|m| m == n)).collect();
+            face.pieces.push(Corners::new(&places));
+        } else {
+            faces.push(Face::linear(corners));
+        }
+    }
+    faces
 }
 
-fn nodes(faces: &[Corners<u32>]) -> BTreeSet<u32> {
-    faces.iter().flat_map(|face| face.all()).copied().collect()
+fn nodes(faces: &[Face]) -> BTreeSet<u32> {
+    faces.iter().flat_map(|face| &face.nodes).copied().collect()
 }
 
 /// "7 of body `a` at (x, y, z)".
@@ -156,8 +179,8 @@ fn one(
     tied: &mut Tied,
 ) -> Result<Vec<Mean>> {
     let [slaves, masters] = [&tie.slave, &tie.master].map(|set| faces(names, global, &set.value));
-    let longest = |faces: &[Corners<u32>]| {
-        faces.iter().map(|face| face.map(|n| global.points[n as usize]).longest()).fold(0.0, f64::max)
+    let longest = |faces: &[Face]| {
+        faces.iter().map(|face| face.corners().map(|n| global.points[n as usize]).longest()).fold(0.0, f64::max)
     };
     let size = longest(&slaves).max(longest(&masters));
     let tolerance = tie.tolerance.unwrap_or(GAP * size);
@@ -165,7 +188,10 @@ fn one(
     // All bodies are axisymmetric, or none.
     let is_ring = scene.is_axisymmetric();
     let measure = |x: &Vec3| if is_ring { x.x } else { 1.0 };
-    let look = |global: &GlobalMesh| interpolate(&slaves, &masters, |n| global.points[n as usize], reach, measure);
+    let look = |global: &GlobalMesh| {
+        let (place, one) = (|n: u32| global.points[n as usize], |n: u32| global.tie[n as usize]);
+        interpolate(&slaves, &masters, place, one, reach, measure)
+    };
     let mut found = look(global);
     check(tie, &found, tolerance)?;
     let apart = found.apart.0;
@@ -180,14 +206,14 @@ fn one(
     let own: BTreeSet<u32> = nodes(&slaves).into_iter().map(|n| global.tie[n as usize]).collect();
     let all = (0..).zip(&global.points).filter(|(n, _)| own.contains(&global.tie[*n as usize]));
     let before: BTreeMap<u32, Vec3> = all.map(|(n, x)| (n, *x)).collect();
-    let mut means = folded(&found, global);
+    let mut means = means_of(&found);
     let far = before.values().map(|x| x.amax()).fold(0.0, f64::max);
     for _ in 0..MOVES {
         if go(&means, (&before, &kept), scene, global) <= STILL * size + ROUNDING * far {
             break;
         }
         found = look(global);
-        means = folded(&found, global);
+        means = means_of(&found);
     }
     go(&means, (&before, &kept), scene, global);
     let touched = global.solids.iter().filter(|solid| solid.nodes().iter().any(|n| before.contains_key(n)));
@@ -238,22 +264,13 @@ fn check(tie: &Tie, found: &Interpolation, tolerance: f64) -> Result<()> {
     Ok(())
 }
 
-/// The means of all slave nodes, those of layers drawn together.
-fn folded(found: &Interpolation, global: &GlobalMesh) -> Vec<Mean> {
-    let own = |n: &u32| global.tie[*n as usize];
-    let mut sums: BTreeMap<u32, (f64, BTreeMap<u32, f64>)> = BTreeMap::new();
-    for (node, row) in &found.rows {
-        let (covered, weights) = sums.entry(own(node)).or_default();
-        *covered += row.covered;
-        for (master, weight) in &row.weights {
-            *weights.entry(own(master)).or_default() += weight * row.covered;
-        }
-    }
-    let mean = |(node, (covered, weights)): (u32, (f64, BTreeMap<u32, f64>))| {
-        let weights: Vec<(u32, f64)> = weights.into_iter().map(|(n, weight)| (n, weight / covered)).collect();
-        (node, weights.into_iter().filter(|(_, weight)| weight.abs() > NO_WEIGHT).collect())
+/// The means of all slave nodes.
+fn means_of(found: &Interpolation) -> Vec<Mean> {
+    let mean = |(node, row): (&u32, &Row)| {
+        let weights = row.weights.iter().filter(|(_, weight)| weight.abs() > NO_WEIGHT);
+        (*node, weights.map(|(n, weight)| (*n, *weight)).collect())
     };
-    sums.into_iter().map(mean).collect()
+    found.rows.iter().map(mean).collect()
 }
 
 /// The axes along which nodes must stay: those of planes of symmetry that they lie in, x on the axis of revolution, and those

@@ -23,11 +23,23 @@
 //! positions. On flat faces P is exact for linear fields; and an even traction, which the slave's nodes have as ∫ N_i dA, comes
 //! to the master's as ∫ Φ_k dA, as far as the rule is exact.
 //!
+//! A quadratic face is four linear pieces on its nodes where surfaces are looked at and cut; in all integrals
+//! it has its own shape functions, areas and normals (Puso, Laursen and Solberg, Comput. Methods Appl. Mech. Engrg. 197, 2008). As ∫ N dA is nothing at the
+//! corners of six nodes, D would be, too: the slave's functions are shifted to
+//!
+//! ```text
+//!     Ñ_c = N_c + α Σ N_m,   Ñ_m = (1 - 2 α) N_m          at corners c and middles m of edges,
+//!     x_c = x̃_c,             x_m = (1 - 2 α) x̃_m + α Σ x̃_c                                              (3)
+//! ```
+//!
+//! which span the same, with the duals of these in (1) and (2), x̃ for x and Σ over the edges that end in c, and the ends of the
+//! edge (Popp, Wohlmuth, Gee and Wall, SIAM J. Sci. Comput. 34, 2012). As the duals span what N does, 1 too, an even traction passes.
+//!
 //! - `polygon`: convex polygons in a plane: what two have in common
 //! - [`rule`]: Gauss points of a triangle
-//! - [`face`]: shape functions of a face, and where a point is in it
+//! - [`face`]: shape functions of a face, and where a point is in it; pieces of quadratic ones
 //! - [`mod@overlap`]: the points of a slave face that a master face covers
-//! - [`interpolation`]: (1) and (2) for two whole surfaces
+//! - [`interpolation`]: (1) to (3) for two whole surfaces
 
 pub mod face;
 pub mod interpolation;
@@ -35,6 +47,6 @@ pub mod overlap;
 mod polygon;
 pub mod rule;
 
-pub use face::Corners;
+pub use face::{Corners, Face};
 pub use interpolation::{Interpolation, Row, interpolate};
 pub use overlap::{MeanPlane, Point, overlap};

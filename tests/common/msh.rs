@@ -311,6 +311,20 @@ pub fn second_order(mesh: &str) -> String {
     format!("{head}$Nodes\n{}\n{}$EndNodes\n$Elements\n{text}", points.len(), nodes.collect::<String>())
 }
 
+/// The same mesh with its nodes elsewhere.
+pub fn moved(mesh: &str, place: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    let (head, rest) = mesh.split_once("$Nodes\n").unwrap();
+    let (nodes, elements) = rest.split_once("$EndNodes\n").unwrap();
+    let (count, nodes) = nodes.split_once('\n').unwrap();
+    let mut text = format!("{head}$Nodes\n{count}\n");
+    for line in nodes.lines() {
+        let words: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        let [x, y, z] = place([words[1], words[2], words[3]]);
+        let _ = writeln!(text, "{} {x:?} {y:?} {z:?}", words[0]);
+    }
+    text + "$EndNodes\n" + elements
+}
+
 /// Elements are (Gmsh type, number of the group, nodes from 1).
 fn render(names: &[(usize, &str)], points: &[[f64; 3]], elements: &[(usize, usize, Vec<usize>)]) -> String {
     let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());
