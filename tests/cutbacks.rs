@@ -433,3 +433,42 @@ fn a_block_at_rest_is_stable() {
     let run = bench.solve(1, &[]);
     assert!(!run.log().contains("not stable"), "{}", run.log());
 }
+
+/// What a step turns at one end goes along as one, without a strain: the tangent would make it yield.
+#[test]
+fn a_metal_bar_is_turned_by_its_end() {
+    let bench = Bench::new(
+        r#"
+        [body.bar]
+        material = "steel"
+        block = { box = { size = [20, 2, 2] }, elements = [10, 2, 2] }
+        [material.steel]
+        model = "j2"
+        young = 70000.0
+        poisson = 0.33
+        yield_stress = 100.0
+        hardening = { linear = 200.0 }
+        [[step]]
+        increments = 6
+        move = [{ target = "bar.xmin", rotate = { point = [1, 0, 0], axis = [0, 1, 1], angle = 150 } }]
+        "#,
+    );
+    for ranks in [1, 2] {
+        let run = bench.solve(ranks, &[]);
+        let counts = &run.summary()["counts"];
+        assert_eq!(run.history().len(), 6, "{counts}");
+        assert!(run.log().contains("again with what is turned going along at first"), "{}", run.log());
+        assert!(run.history().column("iterations")[1..].iter().all(|&iterations| iterations <= 1.0), "{}", run.log());
+        let moved = run.vectors(run.written(), "body.bar", "displacement");
+        // About the axis w by Rodrigues' formula.
+        let (sine, cosine, w) = ((5.0 * PI / 6.0).sin(), (5.0 * PI / 6.0).cos(), [0.0, 0.5f64.sqrt(), 0.5f64.sqrt()]);
+        for (x, u) in run.points("body.bar").iter().zip(&moved) {
+            let a = [x[0] - 1.0, x[1], x[2]];
+            let cross = [w[1] * a[2] - w[2] * a[1], w[2] * a[0] - w[0] * a[2], w[0] * a[1] - w[1] * a[0]];
+            let along: f64 = (0..3).map(|d| w[d] * a[d]).sum();
+            let turned = [0, 1, 2].map(|d| a[d] * cosine + cross[d] * sine + w[d] * along * (1.0 - cosine));
+            let off = (0..3).map(|d| (a[d] + u[d] - turned[d]).abs()).fold(0.0, f64::max);
+            assert_small("off its place", off, 1e-9);
+        }
+    }
+}

@@ -331,6 +331,7 @@ pub fn retried(Retried { step, size, reason, remedy }: &Retried) -> String {
     let next = match remedy {
         Remedy::Cut => "in a shorter one",
         Remedy::Follow => "with what touches going along at first",
+        Remedy::Carry => "with what is turned going along at first",
         Remedy::Creep => "with friction that grows a little with slip",
         Remedy::Linger => "with what comes loose staying in place",
         Remedy::Yield => "with constraints that give way before they are tightened",

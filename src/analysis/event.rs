@@ -40,6 +40,8 @@ pub enum Remedy {
     Cut,
     /// What touches goes along with its master in the first iteration.
     Follow,
+    /// What is turned goes along in the first iteration, all of it.
+    Carry,
     /// Friction grows a little with slip.
     Creep,
     /// What comes loose stays in place.

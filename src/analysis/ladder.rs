@@ -1,6 +1,8 @@
 //! What is tried, in which order, when an increment does not converge.
 //!
 //! 1. Newton's method from the extrapolation of the last increments, where there is one, then from the converged state.
+//!    Where prescribed nodes turn a part of a body, and that fails, all of it is carried along in the first iteration, in the rest of
+//!    the step, too, if that helps.
 //! 2. Where the matrix is singular, a tool may have gone away from a body that only loads press on it, and all nodes have let
 //!    go: then what touches goes along with its master in the first iteration, in the rest of the step, too, if that helps.
 //!
@@ -101,6 +103,8 @@ pub struct Tries {
     follows: Option<bool>,
     /// Friction grows a little with slip; `None` when it did not help in this increment.
     creeps: Option<bool>,
+    /// What prescribed nodes turn goes along in the first iteration; `None` when it did not help in this increment.
+    carries: Option<bool>,
     /// Friction comes when all is in balance without it; `None` when it did not help in this increment.
     glides: Option<bool>,
     /// Weak springs keep in place what comes loose; `None` when it did not help in this increment.
@@ -162,6 +166,7 @@ crate::words!(Tries {
     yields,
     follows,
     creeps,
+    carries,
     glides,
     lingers,
     way,
@@ -205,6 +210,8 @@ pub struct Ladder {
     pub hangs: bool,
     /// A contact that touched did not where the last attempt ended.
     pub lets_go: bool,
+    /// Prescribed nodes turn a part of a body as one in the last attempt.
+    pub turns: bool,
     /// Jumps that the watch has refused.
     refused: usize,
     controls: Controls,
@@ -218,6 +225,7 @@ impl Ladder {
             yields: Some(false),
             follows: Some(false),
             creeps: Some(false),
+            carries: Some(false),
             glides: Some(false),
             lingers: Some(false),
             way: Way::Newton { settle: false },
@@ -230,7 +238,16 @@ impl Ladder {
             failures: 0,
             jumps: Jumps::default(),
         };
-        Self { means, tries, settles: false, hangs: false, lets_go: false, refused: 0, controls: *controls }
+        Self {
+            means,
+            tries,
+            settles: false,
+            hangs: false,
+            lets_go: false,
+            turns: false,
+            refused: 0,
+            controls: *controls,
+        }
     }
 
     /// How far it is.
@@ -304,6 +321,11 @@ impl Ladder {
         self.tries.glides == Some(true) && self.tries.way != Way::Jump
     }
 
+    /// Whether what is turned goes along in the first iteration.
+    pub fn carries(&self) -> bool {
+        self.tries.carries == Some(true) && self.tries.way != Way::Jump
+    }
+
     /// Whether weak springs keep in place what comes loose.
     pub fn lingers(&self) -> bool {
         self.tries.lingers == Some(true) && self.tries.way != Way::Jump
@@ -333,6 +355,7 @@ impl Ladder {
         self.tries.yields = Some(self.yields() && self.tries.can_yield == Yields::OnceSingular);
         self.tries.follows = Some(self.tries.follows == Some(true));
         self.tries.creeps = Some(self.tries.creeps == Some(true));
+        self.tries.carries = Some(self.carries());
         self.tries.glides = Some(false);
         self.tries.lingers = Some(self.lingers() && is_loose);
         self.means.ramp = false;
@@ -363,6 +386,10 @@ impl Ladder {
             self.tries.failures += 1;
             increments.cut(end, false);
             return Some(Remedy::Cut);
+        }
+        // From the tangent of what would yield on it there may be no way back.
+        if is_new(&mut self.tries.carries, self.turns && cause.is_of_iteration() && self.tries.way != Way::Jump) {
+            return Some(Remedy::Carry);
         }
         // Friction alone holds something, and does not say where.
         let is_open = self.settles && (cause == Cause::Loose || cause.is_linear());

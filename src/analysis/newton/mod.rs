@@ -4,11 +4,12 @@
 //! by torques times a length; all are lengths, and all residuals are forces. The contact status is part of the residual. Nothing here touches the state of
 //! the last converged increment. [`contact`] has the part of the contact elements, [`growth`] gives equations to slave nodes that
 //! come to touch, [`rounds`] what Uzawa's method and active sets do around it, [`backtrack`] what keeps plastic flow
-//! from overshooting, [`central`] what keeps contacts of sheets from going to and fro, [`drag`] what helps a jump along,
+//! from overshooting, [`carry`] begins with what is turned, [`central`] what keeps contacts of sheets from going to and fro, [`drag`] what helps a jump along,
 //! [`share`] how long an increment may be, [`unknowns`] what the unknowns stand for.
 
 mod backtrack;
 pub(super) mod balance;
+mod carry;
 mod central;
 mod contact;
 pub(super) mod drag;

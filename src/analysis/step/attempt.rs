@@ -73,7 +73,7 @@ impl Converged {
     pub fn refused(self, model: &Model, cause: Cause, reason: String) -> Failed {
         let Self { end, u, effort: Effort { changes, .. }, .. } = self;
         let last = Some(Box::new(LastIterate::refused(model, u)));
-        Failed { end, cause, reason, extrapolated: false, worst: None, changes, last, lost: None }
+        Failed { end, cause, reason, extrapolated: false, turns: false, worst: None, changes, last, lost: None }
     }
 }
 
@@ -91,6 +91,8 @@ pub struct Failed {
     pub reason: String,
     /// The iteration began from an extrapolation; the same increment may do from the converged state.
     pub extrapolated: bool,
+    /// Prescribed nodes turn a part of a body as one.
+    pub turns: bool,
     /// The worst equation of this rank, with its residual, where balance was not found.
     pub worst: Option<(usize, f64)>,
     pub changes: Vec<usize>,
@@ -152,10 +154,11 @@ impl<'a> Simulation<'a> {
             observer(&Event::Iteration(Iteration { step: &name, increment, number, residual, changes, touching }))
         };
         let controls = self.model.controls;
+        let carries = frame.progress.ladder.carries();
         let smooth = self.model.can_flow() || self.model.masters.tools.iter().all(|t| !t.surface.faceted);
         let lingers = frame.progress.ladder.lingers() && drag == 0.0;
         // What is loose would go on.
-        let may_extrapolate = controls.extrapolate > usize::from(!smooth) && !lingers;
+        let may_extrapolate = controls.extrapolate > usize::from(!smooth) && !lingers && !carries;
         let trial = frame.progress.extrapolated(end, controls.extrapolate_farthest).filter(|_| may_extrapolate);
         let extrapolated = trial.is_some();
         let Progress { conditions, poses, offsets, ladder, past, .. } = &mut frame.progress;
@@ -193,6 +196,7 @@ impl<'a> Simulation<'a> {
         }
         match trial {
             Some(trial) => newton.start_ahead(&trial, &mut x.array_mut()?),
+            None if carries => newton.start_carried(&mut x.array_mut()?),
             None => newton.start_behind(&mut x.array_mut()?),
         }
         // It may converge without any system.
@@ -380,9 +384,9 @@ fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
 /// What is told of an iterate that is no solution.
 fn failed(newton: Newton, why: Why, extrapolated: bool) -> Failed {
     let (cause, lost, reason) = newton.unresolved(false).map_or(why, of_rounding);
-    let last = Some(Box::new(LastIterate::of(&newton)));
+    let (last, turns) = (Some(Box::new(LastIterate::of(&newton))), newton.turns());
     let Newton { s: end, found, course, .. } = newton;
-    Failed { end, cause, reason, extrapolated, worst: Some(found.worst), changes: course.changes, last, lost }
+    Failed { end, cause, reason, extrapolated, turns, worst: Some(found.worst), changes: course.changes, last, lost }
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what

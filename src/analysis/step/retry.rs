@@ -48,6 +48,7 @@ impl Simulation<'_> {
         }
         let (can_yield, can_hold) = (self.yields(), self.shares_nodes(frame.conditions()));
         frame.progress.ladder.lets_go = frame.hangs && lets_go(self.comm, &self.model.pairs);
+        frame.progress.ladder.turns = failed.turns;
         let Progress { increments, ladder, past, .. } = &mut frame.progress;
         let was = (ladder.is_soft(), ladder.is_by_sets());
         let is_other =
@@ -55,7 +56,10 @@ impl Simulation<'_> {
         let is_remedy = ladder.is_remedy() || is_other;
         ladder.note(can_yield, can_hold);
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
-            if let Some(told) = self.runaway(frame, end, true) {
+            // What the watch has refused was in equilibrium.
+            if failed.cause != Cause::Watch
+                && let Some(told) = self.runaway(frame, end, true)
+            {
                 return Err(Error::Diverged(Box::new(told)));
             }
             let of_remedy = is_remedy && failed.cause.is_of_remedy();
