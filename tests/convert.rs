@@ -654,6 +654,19 @@ fn quadratic_tetrahedra_are_tied() {
     let steps =
         [[Some(0.06214903), Some(-0.01341501), Some(2.155958)], [Some(-7.165439), Some(-0.02998491), Some(1.325415)]];
     as_calculix(&tied, "Plate.Internal_Selection-1_Fixed", &steps, 4e-4);
+    // A surface of all nodes of these faces is that of them, and one of fewer none: those of the block begin at 316, on the plate at 6.
+    let (_, lines) = TETS.split_once("*Node\n").unwrap();
+    let node = |line: &str| -> Vec<f64> { line.split(", ").map(|word| word.parse().unwrap()).collect() };
+    let nodes = lines.lines().take_while(|line| !line.starts_with('*')).map(node);
+    let feet: Vec<String> =
+        nodes.filter(|node| node[0] >= 316.0 && node[3] == 6.0).map(|node| node[0].to_string()).collect();
+    let of_nodes = |feet: &[String]| {
+        let surface = format!("*Nset, Nset=Feet\n{}\n*Surface, Name=Slave, Type=Node\nFeet", feet.join(",\n"));
+        tied.replace("*Surface, Name=Slave, Type=Element\nInternal_Selection-1_Slave_S1, S1", &surface)
+    };
+    as_calculix(&of_nodes(&feet), "Plate.Internal_Selection-1_Fixed", &steps, 4e-4);
+    let what = refused(&of_nodes(&feet[1..])).1;
+    assert!(what.contains("is of no face of a body with all its nodes in it"), "{what}");
 }
 
 /// A moment turns a rigid wheel on a pad that it is pressed on; the reference node may have it, too. A wheel that nothing turns

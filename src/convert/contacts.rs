@@ -7,7 +7,7 @@ use super::names::Namer;
 use super::scene::quoted;
 use crate::error::{Error, Location, Result};
 use crate::mesh::abaqus::{Card, Row, no_set};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A tool: the surface of a rigid body that something meets.
 pub(super) struct Tool {
@@ -108,6 +108,41 @@ pub(super) fn faces_by_body(
     found.values_mut().for_each(|faces| faces.sort_unstable());
     if found.is_empty() {
         return Err(row.error(format!("surface '{name}' has no faces"), ""));
+    }
+    Ok(found)
+}
+
+/// The nodes of a surface of nodes.
+fn nodes_of_surface<'a>(groups: &Groups<'a>, name: &str) -> Option<&'a [u32]> {
+    let whole = groups.whole;
+    let is_of_elements = whole.surface(name).is_some() || whole.mesh.is_section;
+    let mut named = whole.mesh.groups.iter().filter(|_| !is_of_elements);
+    named.find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, group)| &group.nodes[..])
+}
+
+/// The faces of bodies whose nodes are all in a surface of nodes, each of which is to be of one.
+fn faces_between(
+    groups: &Groups,
+    bodies: &Bodies,
+    row: &Row,
+    (name, nodes): (&str, &[u32]),
+) -> Result<BTreeMap<Option<usize>, Vec<Face>>> {
+    let mut found: BTreeMap<Option<usize>, Vec<Face>> = BTreeMap::new();
+    let mut bare: BTreeSet<u32> = nodes.iter().copied().collect();
+    for face in 0..groups.boundary.len() as u32 {
+        let own = groups.face_nodes(face);
+        if !own.iter().all(|node| nodes.binary_search(node).is_ok()) {
+            continue;
+        }
+        if let Owner::Body(body) = bodies.owners[own[0] as usize] {
+            own.iter().for_each(|node| _ = bare.remove(node));
+            found.entry(Some(body)).or_default().push(face);
+        }
+    }
+    if let Some(&node) = bare.first() {
+        let id = groups.whole.mesh.point_ids[node as usize];
+        let what = format!("node {id} of the surface '{name}' is of no face of a body with all its nodes in it");
+        return Err(row.error(what, "name the faces, by a *SURFACE with TYPE=ELEMENT"));
     }
     Ok(found)
 }
@@ -229,7 +264,11 @@ impl Pairs<'_, '_> {
 
     fn parts(&mut self, row: &Row, name: &str) -> Result<Vec<Part>> {
         let mut parts = Vec::new();
-        for (body, faces) in faces_by_body(self.groups, self.bodies, row, name)? {
+        let by_body = match nodes_of_surface(self.groups, name) {
+            Some(nodes) => faces_between(self.groups, self.bodies, row, (name, nodes))?,
+            None => faces_by_body(self.groups, self.bodies, row, name)?,
+        };
+        for (body, faces) in by_body {
             parts.push(match body {
                 Some(body) => Part::Body(body, faces),
                 None => Part::Tool(self.tool(row, name, &faces)?),
