@@ -447,3 +447,48 @@ fn what_would_not_be_tied_is_refused() {
     let run = bench.solve(1, &["--set", &origin(0.1, 2.0), "--set", contact]);
     assert!(run.log().contains("2.50 % of the area of `b.zmin` lies beyond `a.zmax`"), "{}", run.log());
 }
+
+/// Of two tied blocks under a plane, by penalties: the seam ends in the contact, of like meshes and of others.
+#[test]
+fn penalties_at_the_end_of_a_seam_are_warned_of() {
+    let bench = Bench::new(
+        r#"
+        [body.a]
+        block = { box = { size = [2, 2, 2] }, elements = [3, 3, 3] }
+        material = "m"
+        [body.b]
+        block = { box = { origin = [2, 0, 0], size = [2, 2, 2] }, elements = [4, 4, 4] }
+        material = "m"
+        [material.m]
+        model = "neo-hookean"
+        young = 1000.0
+        poisson = 0.3
+        [tool.plate]
+        plane = { point = [0, 0, 2], normal = [0, 0, -1] }
+        [tie.seam]
+        slave = "b.xmin"
+        master = "a.xmax"
+        [contact.first]
+        slave = "a.zmax"
+        master = "plate"
+        method = "penalty"
+        [contact.second]
+        slave = "b.zmax"
+        master = "plate"
+        method = "penalty"
+        [[step]]
+        increments = 1
+        fix = [
+            { set = "a.xmin", directions = "x" },
+            { set = "a.zmin", directions = "z" }, { set = "b.zmin", directions = "z" },
+            { set = "a.ymin", directions = "y" }, { set = "b.ymin", directions = "y" },
+        ]
+        move = [{ target = "plate", by = [0, 0, -0.01] }]
+        "#,
+    );
+    for (elements, told) in [("[4, 4, 4]", 1), ("[3, 3, 3]", 0)] {
+        let run = bench.solve(2, &["--set", &format!("body.b.block.elements={elements}")]);
+        let found = run.log().matches("presses node").count();
+        assert!(found == told, "{elements}: {}", run.log());
+    }
+}

@@ -112,11 +112,13 @@ pub(super) fn faces_by_body(
     Ok(found)
 }
 
-/// The nodes of a surface of nodes.
+/// The nodes of a surface of nodes, or of a set of them; sections know too few of their faces.
 fn nodes_of_surface<'a>(groups: &Groups<'a>, name: &str) -> Option<&'a [u32]> {
     let whole = groups.whole;
-    let is_of_elements = whole.surface(name).is_some() || whole.mesh.is_section;
-    let mut named = whole.mesh.groups.iter().filter(|_| !is_of_elements);
+    if whole.mesh.is_section || whole.surface(name).is_some() || whole.elements(None, name).is_some() {
+        return None;
+    }
+    let mut named = whole.mesh.groups.iter();
     named.find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, group)| &group.nodes[..])
 }
 

@@ -152,6 +152,7 @@ impl Face {
         self.nodes.iter().map(|&n| place(n)).sum::<Vec3>() / self.nodes.len() as f64
     }
 
+    /// It has nodes in the middles of its edges.
     pub fn is_quadratic(&self) -> bool {
         self.nodes.len() > 4
     }

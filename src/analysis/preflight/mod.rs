@@ -7,7 +7,7 @@
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
 //! - `repeated`: contacts that are another one by other names or the other way round, also in part, and contacts side by side
-//! - `tied`: slave nodes of ties that a step moves otherwise than their masters
+//! - `tied`: slave nodes of ties that a step moves otherwise than their masters, or that are pressed by penalties
 //! - `support`: what holds every body, or part of one that shares no nodes with the rest, and every force-driven tool, in each
 //!   step
 //! - `pressed`: bodies that nothing presses against what touches them
@@ -90,6 +90,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     stuck::check(comm, scene, model, &steps)?;
     stuck::rigid(comm, scene, model, &steps);
     tied::check(comm, scene, model, &steps)?;
+    tied::pressed(comm, model);
     support::check(comm, scene, model, (&steps, &sights))?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     idle::check(comm, scene, model, &steps);
