@@ -21,7 +21,7 @@ use crate::mesh::message;
 use crate::mesh::middles::four;
 use crate::mortar::{Corners, Face, Interpolation, Row, interpolate};
 use crate::parallel::serve;
-use crate::partition::{Gather, GlobalFacet, GlobalMesh, Part, owner};
+use crate::partition::{FaceNodes, Gather, GlobalFacet, GlobalMesh, Part, owner};
 use crate::scene::{Located, Reduction, Scene, Tie, body_of};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
@@ -75,21 +75,21 @@ fn faces(names: &[Located<String>], global: &GlobalMesh, set: &str) -> Vec<Face>
     let quarters = Quarters::in_solids(global.solids.iter(), set.facets.iter().map(GlobalFacet::nodes));
     let (mut faces, mut wholes): (Vec<Face>, BTreeMap<Vec<u32>, usize>) = Default::default();
     for corners in set.facets.iter().map(GlobalFacet::nodes) {
-        if let (Some(middles), &[a, b, c]) = (global.middles.of(corners), corners) {
-            let pieces = four([0, 1, 2], [3, 4, 5]).map(|piece| Corners::new(&piece.map(|k| k as usize))).to_vec();
-            faces.push(Face { nodes: [[a, b, c], middles].concat(), pieces });
-        } else if let Some(whole) = quarters.of(corners) {
-            let mut key = whole.to_vec();
-            key.sort_unstable();
-            let index = *wholes.entry(key).or_insert_with(|| {
-                faces.push(Face { nodes: whole.to_vec(), pieces: Vec::new() });
-                faces.len() - 1
-            });
-            let face = &mut faces[index];
-            let places: Vec<usize> = corners.iter().filter_map(|n| face.nodes.iter().position(|m| m == n)).collect();
+        let whole = FaceNodes::of(corners, &global.middles, &quarters);
+        let mut key = whole.to_vec();
+        key.sort_unstable();
+        let index = *wholes.entry(key).or_insert_with(|| {
+            faces.push(Face { nodes: whole.to_vec(), pieces: Vec::new() });
+            faces.len() - 1
+        });
+        let face = &mut faces[index];
+        let mut add = |piece: &[u32]| {
+            let places: Vec<usize> = piece.iter().filter_map(|n| face.nodes.iter().position(|m| m == n)).collect();
             face.pieces.push(Corners::new(&places));
-        } else {
-            faces.push(Face::linear(corners));
+        };
+        match (global.middles.of(corners), corners) {
+            (Some(middles), &[a, b, c]) => four([a, b, c], middles).iter().for_each(|piece| add(piece)),
+            _ => add(corners),
         }
     }
     faces

@@ -1,6 +1,7 @@
 //! Faces, counter-clockwise seen from outside: linear ones of 3 or 4 corners, and quadratic ones of 6 or 9 nodes, whose surface is
 //! taken to be that of four linear pieces on their nodes.
 
+use crate::solid::element::{hex27, tet10};
 use crate::{Mat2, Vec2, Vec3};
 
 /// Corners, of which the first 3 or 4 count.
@@ -127,6 +128,7 @@ pub struct Face {
 
 impl Face {
     /// Of the nodes of a linear face.
+    #[cfg(test)]
     pub fn linear(corners: &[u32]) -> Self {
         let places: Vec<usize> = (0..corners.len()).collect();
         Self { nodes: corners.to_vec(), pieces: vec![Corners::new(&places)] }
@@ -189,33 +191,22 @@ const OF_SIX: [[f64; 2]; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [
 const OF_NINE: [[f64; 2]; 9] =
     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5], [0.5, 0.5]];
 
-/// Those of the quadratic triangle, and their derivatives.
+/// Those of the quadratic triangle, the first face of a quadratic tetrahedron, and their derivatives.
 fn triangle(at: &Vec2) -> [[f64; MOST]; 3] {
-    const SLOPES: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
-    let b = [1.0 - at.x - at.y, at.x, at.y];
-    let mut all = [[0.0; MOST]; 3];
-    for k in 0..3 {
-        let next = (k + 1) % 3;
-        (all[0][k], all[0][3 + k]) = (b[k] * (2.0 * b[k] - 1.0), 4.0 * b[k] * b[next]);
-        for d in 0..2 {
-            all[1 + d][k] = (4.0 * b[k] - 1.0) * SLOPES[k][d];
-            all[1 + d][3 + k] = 4.0 * (b[k] * SLOPES[next][d] + SLOPES[k][d] * b[next]);
-        }
-    }
-    all
+    const NODES: [usize; 6] = [0, 1, 2, 4, 5, 6];
+    let b = [1.0 - at.x - at.y, at.x, at.y, 0.0];
+    let [by_s, by_t, _] = tet10::gradients(&b);
+    padded([tet10::shape(&b), by_s, by_t].map(|of| NODES.map(|a| of[a])))
 }
 
 /// Those of nine nodes, products of the parabolas along both axes, and their derivatives.
 fn biquadratic(at: &Vec2) -> [[f64; MOST]; 3] {
-    let along = |x: f64, node: f64| match node {
-        0.0 => [(1.0 - x) * (1.0 - 2.0 * x), 4.0 * x - 3.0],
-        1.0 => [x * (2.0 * x - 1.0), 4.0 * x - 1.0],
-        _ => [4.0 * x * (1.0 - x), 4.0 - 8.0 * x],
-    };
+    // From -1 to 1 there.
+    let along = |x: f64, node: f64| hex27::along(2.0 * node - 1.0, 2.0 * x - 1.0);
     let mut all = [[0.0; MOST]; 3];
     for (k, [s, t]) in OF_NINE.into_iter().enumerate() {
         let ([s, by_s], [t, by_t]) = (along(at.x, s), along(at.y, t));
-        (all[0][k], all[1][k], all[2][k]) = (s * t, by_s * t, s * by_t);
+        (all[0][k], all[1][k], all[2][k]) = (s * t, 2.0 * by_s * t, 2.0 * s * by_t);
     }
     all
 }

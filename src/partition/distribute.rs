@@ -5,7 +5,7 @@ use super::components::{Component, lowest_joined};
 use super::graph::{element_parts, node_owners};
 use super::halo::Halo;
 use super::lists::Lists;
-use super::{Part, PartFacet, PartSet, PartSolid, Quadratic};
+use super::{FaceNodes, Part, PartFacet, PartSet, PartSolid, Quadratic};
 use crate::Vec3;
 use crate::error::Result;
 use crate::mesh::{MOST_NODES, Middles, Quarters, Solid, SolidShape};
@@ -195,12 +195,7 @@ impl<'a> Cut<'a> {
         let of_set = |set: &GlobalSet| {
             let nodes = Lists::new(size, set.nodes.len(), |k, each| each(owner[set.nodes[k] as usize] as usize));
             let facets = Lists::new(size, set.facets.len(), |k, each| {
-                let corners = set.facets[k].nodes();
-                match (mesh.middles.of(corners), quarters.of(corners)) {
-                    (Some(middles), _) => owners(&owner, &[corners, &middles].concat(), each),
-                    (None, Some(whole)) => owners(&owner, whole, each),
-                    (None, None) => owners(&owner, corners, each),
-                }
+                owners(&owner, &FaceNodes::of(set.facets[k].nodes(), &mesh.middles, &quarters), each)
             });
             [nodes, facets]
         };

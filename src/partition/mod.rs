@@ -69,6 +69,27 @@ pub struct FaceNodes {
     pub share: f64,
 }
 
+impl FaceNodes {
+    /// Of the facet with these corners.
+    pub fn of(corners: &[u32], middles: &Middles, quarters: &Quarters) -> Self {
+        let with = |more: &[u32], share: f64| {
+            let (mut nodes, count) = ([0; 9], corners.len() + more.len());
+            nodes[..corners.len()].copy_from_slice(corners);
+            nodes[corners.len()..count].copy_from_slice(more);
+            Self { nodes, count, share }
+        };
+        match (middles.of(corners), quarters.of(corners)) {
+            (Some(middles), _) => with(&middles, 1.0),
+            (None, Some(whole)) => {
+                let mut nodes = [0; 9];
+                nodes[..whole.len()].copy_from_slice(whole);
+                Self { nodes, count: whole.len(), share: if whole.len() == 6 { 0.25 } else { 1.0 } }
+            }
+            (None, None) => with(&[], 1.0),
+        }
+    }
+}
+
 impl Deref for FaceNodes {
     type Target = [u32];
 
@@ -129,16 +150,7 @@ impl Part {
 
     /// The nodes that carry a facet: 3 or 4, 6 of a quadratic triangle, or the 6 or 9 of the face that it is a quarter of.
     pub fn face_nodes(&self, facet: &PartFacet) -> FaceNodes {
-        let ([a, b, c, d], corners) = (facet.nodes, &facet.nodes[..facet.count as usize]);
-        match (self.quadratic.middles.of(corners), self.quadratic.quarters.of(corners)) {
-            (Some([e, f, g]), _) => FaceNodes { nodes: [a, b, c, e, f, g, 0, 0, 0], count: 6, share: 1.0 },
-            (None, Some(whole)) => {
-                let mut nodes = [0; 9];
-                nodes[..whole.len()].copy_from_slice(whole);
-                FaceNodes { nodes, count: whole.len(), share: if whole.len() == 6 { 0.25 } else { 1.0 } }
-            }
-            (None, None) => FaceNodes { nodes: [a, b, c, d, 0, 0, 0, 0, 0], count: corners.len(), share: 1.0 },
-        }
+        FaceNodes::of(&facet.nodes[..facet.count as usize], &self.quadratic.middles, &self.quadratic.quarters)
     }
 
     /// The least and the largest distance of two nodes of an element, on the initial mesh.

@@ -104,7 +104,7 @@ const fn gradients(at: &[[f64; 3]; N]) -> [Gradients<N>; N] {
 }
 
 /// The quadratic along one parameter that is 1 at `node`, one of -1, 0 and 1, and 0 at the others, and its derivative.
-pub(super) const fn along(node: f64, t: f64) -> [f64; 2] {
+pub const fn along(node: f64, t: f64) -> [f64; 2] {
     if node == 0.0 { [1.0 - t * t, -2.0 * t] } else { [0.5 * t * (t + node), t + 0.5 * node] }
 }
 

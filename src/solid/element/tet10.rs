@@ -77,7 +77,7 @@ pub const fn shape(b: &[f64; 4]) -> [f64; 10] {
 }
 
 /// Their derivatives by the parameters.
-const fn gradients(b: &[f64; 4]) -> Gradients<10> {
+pub const fn gradients(b: &[f64; 4]) -> Gradients<10> {
     let (mut gradients, mut m) = ([[0.0; 10]; 3], 0);
     while m < 3 {
         let by = BARYCENTRIC[m];
