@@ -4,6 +4,7 @@ mod common;
 
 use common::{Bench, assert_close, assert_small, msh, nagata};
 use nalgebra::Vector3;
+use std::f64::consts::PI;
 use std::path::Path;
 
 /// Cauchy stress of W = mu/2 (I1 - 3) - mu ln J + lambda/2 ln^2 J in uniaxial strain: both cubes go from 10 to 9.5.
@@ -49,6 +50,159 @@ fn unlike_meshes_pass_the_patch_test_in_one_pass() {
         assert_small(&format!("stress {elements:?} {settings:?}"), stress, 1e-10);
         assert_small(&format!("pressure {elements:?} {settings:?}"), pressure, 1e-10);
     }
+}
+
+/// A block on another one: `(element, elements along x and y)` of both, meshes of tetrahedra askew within the faces.
+fn stack(kinds: [(&str, usize); 2], rest: &str) -> Bench {
+    let body = |name: &str, (element, n): (&str, usize), z: f64| {
+        let mesh = match element {
+            "hex8" | "hex27" => {
+                format!(
+                    "block = {{ box = {{ origin = [0.0, 0.0, {z:?}], size = [10.0, 8.0, 4.0] }}, elements = [{n}, {n}, 2] }}"
+                )
+            }
+            _ => format!("mesh = \"{name}.msh\""),
+        };
+        format!("[body.{name}]\n{mesh}\nmaterial = \"soft\"\nelement = \"{element}\"\n")
+    };
+    let bench = Bench::new(&format!(
+        r#"
+        {}{}
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        [contact.joint]
+        slave = "upper.zmin"
+        master = "lower.zmax"
+        discretization = "segment"
+        {rest}
+        "#,
+        body("lower", kinds[0], 0.0),
+        body("upper", kinds[1], 4.0),
+    ));
+    for (name, (element, n), z) in [("lower", kinds[0], 0.0), ("upper", kinds[1], 4.0)] {
+        let askew = |s: f64, t: f64| s + 0.05 * (PI * s).sin() * (2.0 * PI * t).sin();
+        let block = msh::block([n, n, 1], true, |[s, t, r]| [10.0 * askew(s, t), 8.0 * askew(t, s), z + 4.0 * r]);
+        bench.write(&format!("{name}.msh"), &if element == "tet4" { block } else { msh::second_order(&block) });
+    }
+    bench
+}
+
+/// Faces of six and of nine nodes, on each other and on linear ones, pass an even stress on, and all nodes have its pressure.
+#[test]
+fn quadratic_faces_pass_the_patch_test() {
+    let press = r#"
+        friction = 0.3
+        [[step]]
+        increments = 2
+        fix = [
+            { set = "lower.zmin", directions = "z" },
+            { set = "lower.xmin", directions = "x" }, { set = "upper.xmin", directions = "x" },
+            { set = "lower.xmax", directions = "x" }, { set = "upper.xmax", directions = "x" },
+            { set = "lower.ymin", directions = "y" }, { set = "upper.ymin", directions = "y" },
+            { set = "lower.ymax", directions = "y" }, { set = "upper.ymax", directions = "y" },
+        ]
+        move = [{ target = "upper.zmax", by = [0.0, 0.0, -0.4], directions = "z" }]
+        [output]
+        every = 2
+    "#;
+    for (kinds, ranks) in [
+        ([("tet10", 2), ("tet10", 3)], 2),
+        ([("tet10", 3), ("tet10", 2)], 1),
+        ([("hex27", 4), ("hex27", 6)], 2),
+        ([("hex27", 6), ("tet10", 2)], 1),
+        ([("tet10", 3), ("hex27", 4)], 3),
+        ([("hex8", 3), ("tet10-sri", 2)], 1),
+        ([("tet10", 2), ("hex8", 3)], 2),
+        ([("hex8", 3), ("hex27", 4)], 1),
+        ([("hex27", 4), ("tet4", 3)], 1),
+    ] {
+        let run = stack(kinds, press).solve(ranks, &[]);
+        let exact = exact_stress();
+        for body in ["lower", "upper"] {
+            let stress = run.field(&format!("increments/{:06}/body_{body}/cell/stress", run.written()));
+            let errors = stress.as_chunks::<6>().0.iter().map(|s| (s[2] / exact - 1.0).abs());
+            assert_small(&format!("stress {kinds:?}"), errors.fold(0.0, f64::max), 1e-10);
+        }
+        let errors =
+            run.scalars(run.written(), "contact.joint", "pressure").into_iter().map(|p| (p / -exact - 1.0).abs());
+        assert_small(&format!("pressure {kinds:?}"), errors.fold(0.0, f64::max), 1e-10);
+        assert_eq!(run.summary()["warnings"].as_array().map(Vec::len), Some(0), "{}", run.summary()["warnings"]);
+    }
+}
+
+/// Drawn over each other with friction, their forces balance, on any number of ranks and after a restart.
+#[test]
+fn quadratic_faces_slide() {
+    let drag = r#"
+        friction = 0.3
+        [[step]]
+        name = "press"
+        increments = 2
+        fix = [{ set = "lower.zmin" }]
+        move = [{ target = "upper.zmax", by = [0.0, 0.0, -0.1] }]
+        [[step]]
+        name = "drag"
+        increments = 3
+        fix = [{ set = "lower.zmin" }]
+        move = [{ target = "upper.zmax", by = [0.6, 0.2, 0.0] }]
+        [output]
+        every = 100
+        checkpoint = { increments = 3 }
+        history = ["upper.zmax", "lower.zmin"]
+    "#;
+    for kinds in [[("tet10", 3), ("hex27", 4)], [("hex27", 4), ("tet10", 3)]] {
+        let bench = stack(kinds, drag);
+        let run = |ranks: usize, more: &[&str]| {
+            let run = nagata(
+                &bench.path(""),
+                ranks,
+                &[&["run", "scene.toml", "--out", "out"], more].concat(),
+                bench.path("out"),
+            );
+            assert_eq!(run.code, 0, "{}", run.stderr);
+            run.history()
+        };
+        let whole = run(1, &[]);
+        let force = whole.largest_force("upper.zmax");
+        for d in ["fx", "fy", "fz"] {
+            let [above, below, between] =
+                ["upper.zmax", "lower.zmin", "joint"].map(|n| whole.last(&format!("{n}.{d}")));
+            assert_small("balance", (above + below) / force, 1e-9);
+            assert_small("contact force", (between + above) / force, 1e-9);
+        }
+        assert!(whole.last("joint.slip") > 0.0);
+        assert_small("ranks", run(2, &[]).difference(&whole), 1e-9);
+        run(3, &["--steps", "1"]);
+        assert_small("restart", run(2, &["--restart"]).difference(&whole), 1e-9);
+    }
+}
+
+/// The pressure of a ball on a block against Hertz, up to its end: nodes show what they bear, and not the coefficients of its
+/// functions, which are off by 8 %.
+#[test]
+fn pressures_are_those_of_hertz() {
+    let read = |name: &str| std::fs::read_to_string(format!("{}/inputs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let bench = Bench::new(&read("hertz-sphere.toml"));
+    bench.write("hertz-sphere.msh", &read("hertz-sphere.msh"));
+    let run = bench.solve(2, &["--set", "contact.spot.discretization=segment"]);
+    let force = -4.0 * run.history().last("ball.back.fz");
+    let a = (0.75 * force * 50.0 / (1000.0 / 0.91 / 2.0)).cbrt();
+    let highest = 1.5 * force / (PI * a * a);
+    let (points, pressures) = (run.points("contact.spot"), run.scalars(run.written(), "contact.spot", "pressure"));
+    let squares: Vec<f64> = points
+        .iter()
+        .zip(&pressures)
+        .map(|(x, p)| (x[0].hypot(x[1]) / a, p / highest))
+        .filter(|(r, _)| *r < 1.0)
+        .map(|(r, p)| (p - (1.0 - r * r).sqrt()).powi(2))
+        .collect();
+    assert_small("rms", (squares.iter().sum::<f64>() / squares.len() as f64).sqrt(), 0.04);
+    assert_close("highest", run.history().last("spot.max_pressure"), highest, 0.02);
+    // Nodes beside those that touch bear some of it.
+    let status = run.scalars(run.written(), "contact.spot", "status");
+    assert!(status.iter().zip(&pressures).any(|(s, p)| *s == 0.0 && *p > 0.0));
 }
 
 /// A block is pressed into a table and drawn over it, of another mesh, askew.
@@ -324,6 +478,65 @@ fn round_fits_bear_what_they_bear() {
             println!("{slave}, {outer}, {pressure}: {force:.5}, {exact:.5}");
             assert_small("pressure", (force - exact).abs() / exact.max(1.0), 3e-3);
         }
+    }
+}
+
+/// So do rings of quadratic faces, with an interference, and their error falls with more than the cube of the size of the elements.
+#[test]
+fn quadratic_fits_bear_what_they_bear() {
+    let wall = 0.2;
+    let ring = |name: &str, element: &str, [inner, outer]: [f64; 2], n: usize| match element {
+        "tet10" => format!("[body.{name}]\nmesh = \"{name}.msh\"\nmaterial = \"m\"\n"),
+        _ => format!(
+            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nblock = {{ sector = {{ radii = [{inner:?}, {outer:?}], \
+             angles = [0.0, 90.0], length = {wall:?} }}, elements = [4, {}, 2] }}\n",
+            2 * n
+        ),
+    };
+    let sides = |name: &str, element: &str| -> [String; 6] {
+        let names = if element == "tet10" {
+            ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"]
+        } else {
+            ["rmin", "rmax", "amin", "amax", "zmin", "zmax"]
+        };
+        names.map(|side| format!("{name}.{side}"))
+    };
+    for (elements, swapped) in
+        [(["tet10"; 2], false), (["tet10"; 2], true), (["hex27"; 2], false), (["hex27", "tet10"], true)]
+    {
+        let error = |n: usize| {
+            let radii = [[1.0, 2.001], [2.0, 3.0]];
+            let counts = [2 * n, 3 * n];
+            let [i, o] = [sides("i", elements[0]), sides("o", elements[1])];
+            let [slave, master] = if swapped { [&o[0], &i[1]] } else { [&i[1], &o[0]] };
+            let fix: Vec<String> = [&i, &o]
+                .iter()
+                .flat_map(|s| [(&s[2], "y"), (&s[3], "x"), (&s[4], "z"), (&s[5], "z")])
+                .map(|(set, directions)| format!("{{ set = \"{set}\", directions = \"{directions}\" }}"))
+                .collect();
+            let bench = Bench::new(&format!(
+                "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"{slave}\"\nmaster = \"{master}\"\n\
+                 discretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{}]\n",
+                ring("i", elements[0], radii[0], counts[0]),
+                ring("o", elements[1], radii[1], counts[1]),
+                fix.join(", ")
+            ));
+            for ((name, [inner, outer]), n) in ["i", "o"].into_iter().zip(radii).zip(counts) {
+                let place = |[r, a, z]: [f64; 3]| {
+                    let (r, a) = (inner + r * (outer - inner), a * PI / 2.0);
+                    [r * a.cos(), r * a.sin(), z * wall]
+                };
+                let straight = msh::second_order(&msh::block([2, n, 1], true, |x| x));
+                bench.write(&format!("{name}.msh"), &msh::moved(&straight, place));
+            }
+            let force = bench.solve(1 + n / 6, &[]).history().last("c.fx").abs() / (2.0 * wall);
+            let exact = 1e5 / (1.0 - 0.09) * 0.001 * 15.0 / (16.0 * 8.0);
+            println!("{elements:?}, {swapped}, {n}: {force:.6}, {exact:.6}");
+            (force / exact - 1.0).abs()
+        };
+        let [coarse, fine] = [error(3), error(6)];
+        assert_small(&format!("{elements:?}"), coarse, 1e-2);
+        assert_small(&format!("{elements:?}"), fine, 1e-3);
     }
 }
 

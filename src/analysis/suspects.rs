@@ -7,7 +7,7 @@ use crate::Vec3;
 use crate::contact::{Discretization, Interference, Pair, Status, Tangent, guidance};
 use crate::failure::Cause;
 use crate::model::Model;
-use crate::parallel::{any, sum, word_of_largest};
+use crate::parallel::{sum, word_of_largest};
 use crate::scene::{Contact, Enforcement, Scene, Smoothing};
 use crate::system::dofs::node_name;
 use mpi::topology::SimpleCommunicator;
@@ -236,24 +236,18 @@ pub fn remedies(
     }
     // A slave that is far too coarse was refused.
     let wrong = model.guidance(comm, scene).unwrap_or_default().wrong;
-    let quadratic = any(comm, !model.part.quadratic.is_empty());
     let concerns = |set: &str| body.is_none_or(|body| set.split('.').next() == Some(body));
     let concerned = scene.contacts.iter().filter(|c| concerns(&c.slave.value) || concerns(&c.master.value));
     concerned
         .flat_map(|contact| {
             let reason = wrong.iter().find(|w| w.contact == contact.name.value).map(|w| w.reason.as_str());
-            of_contact(scene, contact, (reason, quadratic), cause)
+            of_contact(scene, contact, reason, cause)
         })
         .collect()
 }
 
-/// What to change in a contact, with the reason why it is the wrong way round, if it is, in a scene that has quadratic faces or not.
-fn of_contact(
-    scene: &Scene,
-    contact: &Contact,
-    (reason, quadratic): (Option<&str>, bool),
-    cause: Cause,
-) -> Vec<String> {
+/// What to change in a contact, with the reason why it is the wrong way round, if it is.
+fn of_contact(scene: &Scene, contact: &Contact, reason: Option<&str>, cause: Cause) -> Vec<String> {
     let name = &contact.name.value;
     let mut remedies = Vec::new();
     if contact.discretization == Discretization::NodeToNode {
@@ -279,10 +273,9 @@ fn of_contact(
     }
     let slides_freely = contact.friction == 0.0 && contact.surface.is_some() && !contact.is_self();
     if contact.discretization == Discretization::OnePass && slides_freely {
-        let what = if quadratic { "a finer slave" } else { "`discretization = \"segment\"`, which feels the mean" };
         remedies.push(format!(
             "contact `{name}` has one pass, and what slides without friction may go to and fro over edges of its master's facets: \
-             take {what}"
+             take `discretization = \"segment\"`, which feels the mean"
         ));
     }
     if matches!(contact.method, Enforcement::Lagrange | Enforcement::Uzawa) && cause != Cause::Rounds {

@@ -206,11 +206,12 @@ pub fn guidance(
         let quadratic = |k: usize| {
             any(comm, facets[k].iter().any(|f| part.quadratic.quarters.of(&f.nodes[..f.count as usize]).is_some()))
         };
-        if let [true, false] | [false, true] = [quadratic(0), quadratic(1)] {
+        let of_both = [quadratic(0), quadratic(1)];
+        if !by_segments && of_both[0] != of_both[1] {
             found.uneven.push(format!(
                 "contact `{name}`: quadratic faces meet others between `{}` and `{}`: an even pressure comes out as uneven ones at \
-                 the nodes, half as high to half as high again where nodes meet nodes; forces and moments balance: use one kind of \
-                 element on both sides, or a slave of `hex27` twice as fine",
+                 the nodes, half as high to half as high again where nodes meet nodes; forces and moments balance: use \
+                 discretization = \"segment\", one kind of element on both sides, or a slave of `hex27` twice as fine",
                 slave.name, master.name
             ));
         }

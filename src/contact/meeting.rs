@@ -4,7 +4,7 @@ use super::element::{Contact, Element, Method, Opposite, Origin, Portion, Site, 
 use super::master::{Ground, SlipOrigin};
 use super::moves::{Movement, alike};
 use super::segment::points::mean_of;
-use super::segment::{Point, Segments, Share};
+use super::segment::{Moved, Point, Segments, Share, Spot};
 use super::slave::number_of;
 use super::{Beside, Guide, Mover, Multiplier, Pair, Response, Slave, Status, Tangent, touching};
 use crate::surface::Projection;
@@ -316,12 +316,13 @@ fn between(
         _ => even,
     };
     let mean = mean_of_pieces(even, at)?;
-    let (nodes, shapes) = ([slave.node; 4], [1.0, 0.0, 0.0, 0.0]);
+    let moved = Moved::with(slave.node);
     let with_origins = |(at, share): &(Projection, f64)| {
         let (at, share) = (*at, *share);
         let of_origin = move |(origin, part): &(SlipOrigin, f64)| {
             let start = ground.place_of(origin).unwrap_or(at.point);
-            Point { nodes, shapes, weight: share * part, at, origin: *origin, start }
+            let spot = Spot { shapes: [1.0, 0.0, 0.0, 0.0], weight: share * part };
+            Point { spot, moved, at, origin: *origin, start }
         };
         origins.iter().map(of_origin).collect::<Vec<_>>()
     };
@@ -379,7 +380,7 @@ impl Workspace {
                 Some(shares.iter().map(|share| segments.portion(share)).collect())
             }
             (_, Some((_, Touch::Pieces(points)))) => {
-                Some(points.iter().map(|point| point.portion(point.weight)).collect())
+                Some(points.iter().map(|point| point.portion(point.spot.weight)).collect())
             }
             (segments, _) => segments.map(|_| Vec::new()),
         };

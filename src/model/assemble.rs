@@ -118,31 +118,20 @@ pub(super) fn with_shapes<'a>(scene: &'a Scene, global: &GlobalMesh, shapes: &[S
         .collect()
 }
 
-/// Refuses what does not know of the nodes in the middles of the edges of quadratic faces.
+/// Refuses what does not know of the nodes in the middles of the edges of quadratic tetrahedra.
 fn refuse_quadratic_sides(scene: &Scene, global: &GlobalMesh) -> Result<()> {
-    let of_tetrahedra = with_shapes(scene, global, &[SolidShape::Tet10]);
-    let of_any = with_shapes(scene, global, &[SolidShape::Tet10, SolidShape::Hex27, SolidShape::Wedge18]);
-    let wrong = |quadratic: &BTreeSet<&str>, set: &Located<String>, kind: &str, help: &str| {
-        let is_quadratic = quadratic.contains(body_of(&set.value));
-        let error = || Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help);
-        if is_quadratic { Err(error()) } else { Ok(()) }
-    };
-    for contact in scene.contacts.iter().filter(|c| c.discretization == Discretization::Segment) {
-        for side in std::iter::once(&contact.slave).chain(contact.surface.map(|_| &contact.master)) {
-            let kind = "are not for contact from segment to segment";
-            wrong(&of_any, side, kind, "use \"one-pass\", or take linear hexahedra or tetrahedra for the body")?;
-        }
-    }
+    let quadratic = with_shapes(scene, global, &[SolidShape::Tet10]);
     for contact in scene.contacts.iter().filter(|c| c.surface.is_some()) {
         let kind = match contact.discretization {
             _ if contact.is_self() => "do not meet themselves",
-            Discretization::OnePass => continue,
+            Discretization::OnePass | Discretization::Segment => continue,
             Discretization::TwoPass => "are not for two passes",
             Discretization::NodeToNode => "are not for contact from node to node",
-            Discretization::Segment => continue,
         };
-        for side in [&contact.slave, &contact.master] {
-            wrong(&of_tetrahedra, side, kind, "let two surfaces meet in one pass, or mesh the body with hexahedra")?;
+        if let Some(set) = [&contact.slave, &contact.master].into_iter().find(|s| quadratic.contains(body_of(&s.value)))
+        {
+            let help = "let two surfaces meet in one pass or from segment to segment, or mesh the body with hexahedra";
+            return Err(Error::input(&set.at, format!("`{}` has quadratic faces, which {kind}", set.value), help));
         }
     }
     Ok(())

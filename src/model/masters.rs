@@ -161,7 +161,12 @@ fn bulges_of(
     let (Some(mesh), Some(set)) = (mesh, mesh.and_then(|mesh| set_of(names, mesh, &slave.value))) else {
         return Ok(Vec::new());
     };
-    if faceted || contact.discretization != Discretization::Segment || is_quadratic(mesh, &set.facets) {
+    if faceted || contact.discretization != Discretization::Segment {
+        return Ok(Vec::new());
+    }
+    // Quadratic faces have their own shape.
+    let quarters = Quarters::in_solids(mesh.solids.iter(), set.facets.iter().map(GlobalFacet::nodes));
+    if is_quadratic(mesh, &set.facets) || !quarters.is_empty() {
         return Ok(Vec::new());
     }
     let (surface, _) = surface(mesh, &set.facets, &slave.value);

@@ -5,12 +5,22 @@
 //! equal parts to the middles of the edges that end there, and is given the mean of their tractions: tractions times areas
 //! add up to the force. An edge in a plane of symmetry counts half, for half of its middle is the mirror image's. A corner that is
 //! one of a quadrilateral, too, has the area of that.
+//!
+//! From segment to segment the force F_j of a node is spread over its faces with its function N_j. Its traction F_j / ∫ N_j dA
+//! would be what such functions have at the node, which the stiffness of the mesh around it makes scatter; the one here is their mean
+//! with N_i, as the force that a node of linear faces really bears, over its area:
+//!
+//! ```text
+//!     t_i = Σ_j F_j ∫ N_i N_j dA / ∫ N_j dA / ∫ N_i dA
+//! ```
+//!
+//! Tractions times areas add up to the force, and a node next to one that touches has some, too.
 
 use super::Model;
 use super::elements::add_nodal_areas;
 use super::symmetry::SymmetryPlane;
 use crate::Vec3;
-use crate::contact::Pair;
+use crate::contact::{Faces, Pair};
 use crate::mesh::SolidShape;
 use crate::scene::body_of;
 use mpi::topology::SimpleCommunicator;
@@ -21,6 +31,39 @@ type Edge = ([usize; 2], usize, f64);
 /// The tractions on the owned nodes of a slave surface, with displacements `u`; zero where there is no area. Tied nodes count for
 /// the node that they follow. Collective.
 pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
+    match &pair.faces {
+        Some(faces) => of_segments(comm, model, (pair, faces), u),
+        None => of_nodes(comm, model, pair, u),
+    }
+}
+
+/// From segment to segment.
+fn of_segments(comm: &SimpleCommunicator, model: &Model, (pair, faces): (&Pair, &Faces), u: &[Vec3]) -> Vec<Vec3> {
+    let part = &model.part;
+    let mut areas = vec![0.0; part.points.len()];
+    if part.quadratic.is_empty() {
+        let facets = &part.sets[pair.side.set].facets;
+        add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
+    } else {
+        let place = |n: u32| part.points[n as usize] + u[n as usize];
+        faces.add_areas(place, |n, area| areas[n as usize] += area);
+    }
+    let mut forces = vec![0.0; 3 * part.points.len()];
+    for (s, slave) in pair.slaves.iter().enumerate() {
+        faces.spread(s, &slave.accepted.on_node(), |n, force| {
+            (0..3).for_each(|d| forces[3 * n as usize + d] += force[d]);
+        });
+    }
+    let mut tractions: Vec<Vec3> = forces.as_chunks::<3>().0[..part.owned].iter().map(|f| Vec3::from(*f)).collect();
+    part.halo.add_to_owners(comm, 3, &forces, |n, force| tractions[n as usize] += Vec3::from_column_slice(force));
+    for (traction, area) in tractions.iter_mut().zip(&areas) {
+        *traction = if *area > 0.0 { *traction / *area } else { Vec3::zeros() };
+    }
+    tractions
+}
+
+/// From node to surface.
+fn of_nodes(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
     let part = &model.part;
     let mut areas = vec![0.0; part.points.len()];
     let facets = &part.sets[pair.side.set].facets;
@@ -34,12 +77,9 @@ pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec
         part.face_nodes(facet).iter().for_each(|&n| ending[n as usize] = 0.0);
     }
     let has_triangles = |shape: &SolidShape| matches!(shape, SolidShape::Tet10 | SolidShape::Wedge18);
-    let quadratic = pair
-        .side
-        .sections
-        .iter()
-        .map(|&s| &model.sections[s])
-        .any(|section| has_triangles(&section.element.shape()) || section.fillers.iter().any(has_triangles));
+    let mut sections = pair.side.sections.iter().map(|&s| &model.sections[s]);
+    let quadratic =
+        sections.any(|section| has_triangles(&section.element.shape()) || section.fillers.iter().any(has_triangles));
     if quadratic {
         let mut given: Vec<Vec3> = tractions
             .iter()

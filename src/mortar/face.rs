@@ -162,8 +162,12 @@ impl Face {
     /// Where a point is in the triangle of the first two axes, or in the unit square, if the shape functions of the corners of a piece
     /// are these there.
     pub fn local(&self, piece: &Corners<usize>, shapes: &[f64; 4]) -> Vec2 {
-        let places = if matches!(self.nodes.len(), 3 | 6) { &OF_SIX[..] } else { &OF_NINE[..] };
-        piece.all().iter().zip(shapes).map(|(&k, shape)| Vec2::from(places[k]) * *shape).sum()
+        piece.all().iter().zip(shapes).map(|(&k, shape)| self.parameters(k) * *shape).sum()
+    }
+
+    /// Where a node is there.
+    pub fn parameters(&self, node: usize) -> Vec2 {
+        Vec2::from(if matches!(self.nodes.len(), 3 | 6) { OF_SIX[node] } else { OF_NINE[node] })
     }
 
     /// The shape functions of all its nodes, and their derivatives.

@@ -15,12 +15,13 @@
 use super::motion::{Motion, Part};
 use super::spread::{Portion, Spread};
 use crate::contact::law::Response;
+use crate::mortar::face::MOST;
 use crate::surface::Transfer;
 use crate::surface::moving::variation::{EDGES, Functions, HANDLES, Variation};
 use crate::{Mat3, Vec3};
 
 /// Those of the handles, of which a tool that only moves has one, and of the nodes of the face.
-const FUNCTIONS: usize = HANDLES + 4;
+const FUNCTIONS: usize = HANDLES + MOST;
 
 /// The points of a face on a patch.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +37,8 @@ pub(super) struct Run {
     own: [[Mat3; FUNCTIONS]; FUNCTIONS],
     /// On the handles.
     pub forces: [Vec3; HANDLES],
+    /// Nodes of the face.
+    face: usize,
 }
 
 /// All points of a slave node, by node, the slave's before the master's.
@@ -98,6 +101,7 @@ impl Run {
         parts: &[Part; 4],
         functions: &[[f64; 3]; HANDLES],
     ) {
+        self.face = point.nodes.len();
         let w = point.weight;
         let normal_force = spread.normal.dot(&response.force) * w + spread.wedged(point);
         let force = spread.bears(point, &response.force);
@@ -157,7 +161,7 @@ impl Sums {
     pub fn take(&mut self, run: &Run, of_patch: Option<(&Variation, Transfer)>) {
         let Self { places, rows, .. } = self;
         let (width, count) = (places.len(), self.gap.len());
-        let masters = width - 4;
+        let masters = width - run.face;
         let corners = of_patch.map_or(1, |(v, _)| v.corners());
         // A node of the patch moves the coefficients of its edges, and is a handle if it is a corner; one of the face is a function.
         let own = |j: usize| if j < masters { (j < corners).then_some(j) } else { Some(HANDLES + j - masters) };
@@ -178,7 +182,7 @@ impl Sums {
             self.share[k] += bearing(j).fold(share, |sum, (turn, f)| sum + turn.transpose() * run.share[f]);
         }
         rows.clear();
-        run.own.iter().for_each(|of| rows.extend((0..width).map(|j| at(of, j))));
+        run.own[..HANDLES + run.face].iter().for_each(|of| rows.extend((0..width).map(|j| at(of, j))));
         for (i, r) in places.iter().enumerate() {
             for (j, c) in places.iter().enumerate() {
                 let by = |f: usize| rows[f * width + j];

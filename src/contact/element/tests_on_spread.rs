@@ -12,25 +12,36 @@ use nalgebra::{DMatrix, DVector};
 
 /// Nodes, shape functions and weights of the points of two faces around node 0, and where each is on the master: patch,
 /// parameters and gap.
-type Spot = ([u32; 4], [f64; 4], f64, (usize, [f64; 2], f64));
+type Spot = (&'static [u32], &'static [f64], f64, (usize, [f64; 2], f64));
 static SPOTS: [Spot; 4] = [
-    ([0, 1, 2, 3], [0.56, 0.24, 0.06, 0.14], 0.5, (4, [0.6, 0.3], -0.06)),
-    ([0, 1, 2, 3], [0.2, 0.3, 0.3, 0.2], 0.2, (4, [0.8, 0.5], 0.03)),
-    ([0, 3, 4, 5], [0.4, 0.3, 0.1, 0.2], 0.2, (5, [0.3, 0.5], 0.02)),
-    ([0, 3, 4, 5], [0.1, 0.2, 0.3, 0.4], 0.1, (5, [0.4, 0.3], -0.05)),
+    (&[0, 1, 2, 3], &[0.56, 0.24, 0.06, 0.14], 0.5, (4, [0.6, 0.3], -0.06)),
+    (&[0, 1, 2, 3], &[0.2, 0.3, 0.3, 0.2], 0.2, (4, [0.8, 0.5], 0.03)),
+    (&[0, 3, 4, 5], &[0.4, 0.3, 0.1, 0.2], 0.2, (5, [0.3, 0.5], 0.02)),
+    (&[0, 3, 4, 5], &[0.1, 0.2, 0.3, 0.4], 0.1, (5, [0.4, 0.3], -0.05)),
+];
+/// Faces of nine and of six nodes.
+static QUADRATIC: [Spot; 3] = [
+    (
+        &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+        &[0.06, -0.02, 0.01, -0.03, 0.12, -0.04, -0.06, 0.24, 0.72],
+        0.5,
+        (4, [0.6, 0.3], -0.06),
+    ),
+    (&[0, 3, 4, 7, 6, 5], &[-0.12, -0.08, -0.12, 0.32, 0.48, 0.52], 0.3, (4, [0.8, 0.5], 0.03)),
+    (&[0, 3, 4, 7, 6, 5], &[0.28, -0.08, -0.12, 0.42, 0.18, 0.32], 0.2, (5, [0.3, 0.5], 0.02)),
 ];
 /// A node that is exactly between patches.
 static PIECES: [Spot; 3] = [
-    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.5, (4, [0.6, 0.3], -0.06)),
-    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.3, (5, [0.0, 0.5], 0.03)),
-    ([0; 4], [1.0, 0.0, 0.0, 0.0], 0.2, (1, [0.5, 1.0], 0.02)),
+    (&[0], &[1.0], 0.5, (4, [0.6, 0.3], -0.06)),
+    (&[0], &[1.0], 0.3, (5, [0.0, 0.5], 0.03)),
+    (&[0], &[1.0], 0.2, (1, [0.5, 1.0], 0.02)),
 ];
 /// Patch and parameters of the slip origins.
 const ORIGIN: (usize, [f64; 2]) = (1, [0.55, 0.31]);
 const CENTER: [f64; 3] = [1.5, 1.6, -3.0];
 const RADIUS: f64 = 4.0;
 
-/// A master, a surface or a ball, under six slave nodes.
+/// A master, a surface or a ball, under nine slave nodes.
 #[derive(Clone)]
 struct Scene {
     patches: Vec<MovingPatch>,
@@ -74,15 +85,16 @@ impl Scene {
     /// Puts the slave nodes where the points are about where they are said to be.
     fn placed(mut self) -> Self {
         let z = if self.patches.is_empty() { 0.95 } else { 0.2 };
-        let at =
+        let first =
             [[1.45, 1.2, 0.0], [1.9, 1.1, 0.1], [2.0, 1.7, -0.05], [1.5, 1.75, 0.08], [1.5, 2.0, 0.0], [1.0, 1.8, 0.1]];
-        self.slaves = at.map(|x| Vec3::new(x[0], x[1], z + 0.4 * x[2])).to_vec();
+        let at = first.into_iter().chain([[1.75, 1.7, 0.0], [1.5, 1.5, 0.05], [1.7, 1.4, 0.02]]);
+        self.slaves = at.map(|x| Vec3::new(x[0], x[1], z + 0.4 * x[2])).collect();
         self
     }
 
     fn projections(&self) -> Vec<Projection> {
         let of = |(nodes, shapes, _, (patch, xi, _)): &Spot| {
-            let x: Vec3 = nodes.iter().zip(shapes).map(|(n, w)| self.slaves[*n as usize] * *w).sum();
+            let x: Vec3 = nodes.iter().zip(*shapes).map(|(n, w)| self.slaves[*n as usize] * *w).sum();
             if self.patches.is_empty() {
                 let (center, away) = (self.points[0], x - self.points[0]);
                 let n = away.normalize();
@@ -188,6 +200,8 @@ fn the_tangent_of_points_is_the_derivative_of_the_residual() {
         Scene::ball(),
         between(Smoothing::Nagata),
         between(Smoothing::Facet),
+        Scene { spots: &QUADRATIC, ..Scene::new(Smoothing::Nagata) },
+        Scene { spots: &QUADRATIC, ..Scene::ball() },
     ];
     for scene in scenes {
         for transfer in [Transfer::Variational, Transfer::Patch, Transfer::Bilinear] {

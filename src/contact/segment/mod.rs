@@ -64,9 +64,9 @@ pub mod points;
 pub use points::{Point, Segments, Share};
 
 use super::Slave;
-use crate::mortar::Corners;
-use crate::mortar::face::bilinear;
+use crate::mortar::face::{MOST, bilinear};
 use crate::mortar::rule::{on_line, on_triangle};
+use crate::mortar::{self, Corners};
 use crate::partition::{Part, PartFacet};
 use crate::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -74,56 +74,178 @@ use std::collections::BTreeSet;
 /// Gauss points along a side of a face, on a tool.
 const POINTS: usize = 3;
 
-/// Where a rule has a point in a face, and its part of the initial area.
+/// Where a rule has a point in a face, by the functions of its corners, and its part of the initial area.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot {
     pub shapes: [f64; 4],
     pub weight: f64,
 }
 
-/// A slave face.
+/// The nodes that move a point of a face, with their shape functions there.
+#[derive(Clone, Copy, Debug)]
+pub struct Moved {
+    count: usize,
+    nodes: [u32; MOST],
+    shapes: [f64; MOST],
+}
+
+impl Moved {
+    /// The place of a node.
+    pub fn with(node: u32) -> Self {
+        let (mut nodes, mut shapes) = ([0; MOST], [0.0; MOST]);
+        (nodes[0], shapes[0]) = (node, 1.0);
+        Self { count: 1, nodes, shapes }
+    }
+
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes[..self.count]
+    }
+
+    pub fn shapes(&self) -> &[f64] {
+        &self.shapes[..self.count]
+    }
+
+    /// Where the point is with the nodes at these places.
+    fn of(&self, places: &[Vec3; MOST]) -> Vec3 {
+        places.iter().zip(self.shapes()).map(|(x, shape)| x * *shape).sum()
+    }
+}
+
+/// A slave face, or one of the four pieces of a quadratic one, on corners and middles of its edges.
 #[derive(Clone, Debug)]
 pub struct Face {
+    /// All of it, with local nodes.
+    all: mortar::Face,
+    /// Which of these are the corners.
+    piece: Corners<usize>,
     /// Local nodes at its corners.
     pub corners: Corners<u32>,
     /// Those whose displacements they have.
     pub nodes: [u32; 4],
+    /// Those that all nodes have.
+    movers: [u32; MOST],
     /// In its mean plane, of the initial mesh.
     area: f64,
     /// Its unit normal there.
     outward: Vec3,
-    /// Its corners there.
-    places: Corners<Vec3>,
+    /// Where all nodes are there.
+    places: [Vec3; MOST],
     /// What parts of the area count by at the corners: 1, or the radius.
     measure: [f64; 4],
     spots: Vec<Spot>,
-    /// The integrals of the shape functions.
+    /// The integrals of the functions of the corners.
     whole: [f64; 4],
     /// How far it bulges in the initial mesh, a length: what its edges' coefficients in (3) are along its normal.
     bulge: [f64; 4],
+    /// How far it is from being flat, with functions that are polynomials there: a length.
+    bent: f64,
 }
 
 /// The faces around the owned nodes of a slave surface.
 #[derive(Clone, Debug)]
 pub struct Faces {
     faces: Vec<Face>,
-    /// By slave node of the pair those around it, between the sharp edges of the initial mesh.
+    /// The slave nodes of the pair.
+    nodes: Vec<u32>,
+    /// By these those around it, between the sharp edges of the initial mesh.
     fans: Vec<Vec<Vec<u32>>>,
 }
 
 impl Face {
-    fn new(part: &Part, facet: &PartFacet, is_ring: bool, bulge: [f64; 4]) -> Self {
-        let corners = Corners::new(&facet.nodes[..facet.count as usize]);
-        let places = corners.map(|n| part.points[n as usize]);
-        let measure = places.x.map(|x| if is_ring { x.x } else { 1.0 });
-        let spots = spots(&places, &measure);
-        let mut whole = [0.0; 4];
-        for spot in &spots {
-            whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
-        }
-        let (area, outward) = (places.area_vector().norm(), places.area_vector().normalize());
+    /// The piece of a face with these corners, whose initial area counts by the `measure` at them.
+    fn new(part: &Part, all: mortar::Face, piece: Corners<usize>, is_ring: bool, bulge: [f64; 4]) -> Self {
+        let corners = piece.map(|k| all.nodes[k]);
         let nodes = corners.x.map(|n| part.tie[n as usize]);
-        Self { corners, nodes, area, outward, places, measure, spots, whole, bulge }
+        let at = |k: usize| all.nodes.get(k).map(|&n| n as usize);
+        let places: [Vec3; MOST] = std::array::from_fn(|k| at(k).map_or(Vec3::zeros(), |n| part.points[n]));
+        let movers = std::array::from_fn(|k| at(k).map_or(0, |n| part.tie[n]));
+        let measure = piece.x.map(|k| if is_ring { places[k].x } else { 1.0 });
+        let flat = piece.map(|k| places[k]).area_vector();
+        let mut face = Self {
+            bent: if all.is_quadratic() {
+                bent(&all, &places)
+            } else {
+                bulge.iter().fold(0.0, |most, h| h.abs().max(most))
+            },
+            all,
+            piece,
+            corners,
+            nodes,
+            movers,
+            area: flat.norm(),
+            outward: flat.normalize(),
+            places,
+            measure,
+            spots: Vec::new(),
+            whole: [0.0; 4],
+            bulge,
+        };
+        face.spots = face.rule(&places);
+        for spot in &face.spots {
+            face.whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
+        }
+        face
+    }
+
+    /// What moves the point with these functions of its corners.
+    fn moved(&self, shapes: &[f64; 4]) -> Moved {
+        let count = self.all.nodes.len();
+        let shapes = match self.all.is_quadratic() {
+            true => self.all.shapes(&self.all.local(&self.piece, shapes))[0],
+            false => std::array::from_fn(|k| shapes.get(k).copied().unwrap_or(0.0)),
+        };
+        Moved { count, nodes: self.movers, shapes }
+    }
+
+    /// All of its nodes.
+    fn at(&self, place: impl Fn(u32) -> Vec3) -> [Vec3; MOST] {
+        std::array::from_fn(|k| self.all.nodes.get(k).map_or(Vec3::zeros(), |&n| place(n)))
+    }
+
+    /// A point at parameters, on quadrilaterals from 0 to 1 along two edges, on triangles the functions of the second and third
+    /// corner, with what a `weight` in these is of the face with its nodes at these places.
+    fn spot(&self, places: &[Vec3; MOST], xi: &Vec2, weight: f64) -> Spot {
+        let shapes = match self.piece.count {
+            3 => [1.0 - xi.x - xi.y, xi.x, xi.y, 0.0],
+            _ => bilinear(xi)[0],
+        };
+        let density = self.area_at(places, &shapes).norm();
+        Spot { shapes, weight: weight * density * mean(&shapes, &self.measure) }
+    }
+
+    /// The cross product of the derivatives of the place along the parameters.
+    fn area_at(&self, places: &[Vec3; MOST], shapes: &[f64; 4]) -> Vec3 {
+        if !self.all.is_quadratic() {
+            return self.piece.map(|k| places[k]).area_at(shapes);
+        }
+        let [_, by_s, by_t] = self.all.shapes(&self.all.local(&self.piece, shapes));
+        let sum = |by: &[f64; MOST]| places.iter().zip(by).map(|(x, by)| x * *by).sum::<Vec3>();
+        // A piece has a quarter of the parameters.
+        0.25 * sum(&by_s).cross(&sum(&by_t))
+    }
+
+    /// What the initial face has of area where its chord has one, as seen along its normal.
+    fn over_chord(&self, shapes: &[f64; 4]) -> f64 {
+        match self.all.is_quadratic() {
+            true => {
+                let chord = self.piece.map(|k| self.places[k]).area_at(shapes).dot(&self.outward);
+                self.area_at(&self.places, shapes).norm() / chord
+            }
+            false => 1.0,
+        }
+    }
+
+    /// Gauss points.
+    fn rule(&self, places: &[Vec3; MOST]) -> Vec<Spot> {
+        let line = on_line(POINTS);
+        let mut spots = Vec::new();
+        let mut add = |xi: Vec2, weight: f64| spots.push(self.spot(places, &xi, weight));
+        if self.piece.count == 3 {
+            on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], add);
+        } else {
+            line.iter().for_each(|[s, a]| line.iter().for_each(|[t, b]| add(Vec2::new(*s, *t), a * b)));
+        }
+        spots
     }
 
     /// Whether it shares an edge at a node with another one, over which both go on as one surface within an angle whose cosine is
@@ -154,7 +276,7 @@ impl Face {
     fn part(&self, corners: &[bool], line: &[[f64; 2]], sees: impl Fn(&[f64; 4]) -> bool) -> Vec<Spot> {
         /// Halvings of an edge that passes the end, to rounding of places.
         const HALVINGS: usize = 32;
-        let sees = |xi: &Vec2| sees(&spot(&self.places, &self.measure, xi, 0.0).shapes);
+        let sees = |xi: &Vec2| sees(&self.spot(&self.places, xi, 0.0).shapes);
         let places = match self.corners.count {
             3 => &[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]][..],
             _ => &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
@@ -187,7 +309,7 @@ impl Face {
             }
             for [b, c] in part.array_windows().skip(1) {
                 on_triangle(line, &[part[0], *b, *c], |xi, weight| {
-                    spots.push(spot(&self.places, &self.measure, &xi, weight));
+                    spots.push(self.spot(&self.places, &xi, weight));
                 });
             }
         }
@@ -218,16 +340,22 @@ impl Faces {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
             let bulge = bulges.as_chunks::<4>().0.get(facet.number as usize).copied().unwrap_or_default();
-            let face = Face::new(part, facet, is_ring, bulge);
-            let mut touched: Vec<usize> = face.nodes[..face.corners.count]
-                .iter()
-                .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
-                .collect();
-            touched.sort_unstable();
-            touched.dedup();
-            touched.iter().for_each(|&s| around[s].push(faces.len() as u32));
-            if !touched.is_empty() {
-                faces.push(face);
+            let all = part.face_nodes(facet);
+            for piece in part.pieces(std::slice::from_ref(facet)).iter() {
+                let corners = piece.nodes[..piece.count as usize].iter();
+                let places: Vec<usize> = corners.filter_map(|n| all.iter().position(|m| m == n)).collect();
+                let all = mortar::Face { nodes: all.to_vec(), pieces: Vec::new() };
+                let face = Face::new(part, all, Corners::new(&places), is_ring, bulge);
+                let mut touched: Vec<usize> = face.nodes[..face.corners.count]
+                    .iter()
+                    .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
+                    .collect();
+                touched.sort_unstable();
+                touched.dedup();
+                touched.iter().for_each(|&s| around[s].push(faces.len() as u32));
+                if !touched.is_empty() {
+                    faces.push(face);
+                }
             }
         }
         let flat = feature_angle.to_radians().cos();
@@ -235,7 +363,7 @@ impl Faces {
             fans(all, |a, b| faces[a as usize].goes_on(&faces[b as usize], slave.node, flat))
         };
         let fans = slaves.iter().zip(around).map(fans).collect();
-        Self { faces, fans }
+        Self { faces, nodes: slaves.iter().map(|slave| slave.node).collect(), fans }
     }
 
     /// The faces around a slave node.
@@ -243,9 +371,39 @@ impl Faces {
         self.fans[slave].iter().flatten().map(|&f| &self.faces[f as usize])
     }
 
+    /// Adds what of the area of all faces, with their nodes at `place`, belongs to the nodes that their corners move with.
+    pub fn add_areas(&self, place: impl Fn(u32) -> Vec3, mut add: impl FnMut(u32, f64)) {
+        for face in &self.faces {
+            for spot in face.rule(&face.at(&place)) {
+                let of_corners = face.nodes.iter().zip(spot.shapes).take(face.piece.count);
+                of_corners.for_each(|(&node, shape)| add(node, spot.weight * shape));
+            }
+        }
+    }
+
+    /// Adds what of the force on a slave node the nodes around it have, each as the integrals with its function. At a sharp edge
+    /// the fan that looks at the force has it.
+    pub fn spread(&self, slave: usize, force: &Vec3, mut add: impl FnMut(u32, Vec3)) {
+        let facing = |fan: &&Vec<u32>| {
+            let outward: Vec3 = fan.iter().map(|&f| &self.faces[f as usize]).map(|face| face.outward * face.area).sum();
+            -outward.dot(force) / outward.norm()
+        };
+        let Some(fan) = self.fans[slave].iter().max_by(|a, b| facing(a).total_cmp(&facing(b))) else { return };
+        let faces = || fan.iter().map(|&f| &self.faces[f as usize]);
+        let node = self.nodes[slave];
+        let whole: f64 = faces().map(|face| face.of_node(node, &face.whole)).sum();
+        for face in faces().filter(|_| *force != Vec3::zeros()) {
+            for spot in &face.spots {
+                let share = force * (spot.weight * face.of_node(node, &spot.shapes) / whole);
+                let corners = face.nodes.iter().zip(spot.shapes).take(face.piece.count);
+                corners.for_each(|(&node, shape)| add(node, share * shape));
+            }
+        }
+    }
+
     /// The nodes that move a slave node's faces; some more than once.
     pub fn beside(&self, slave: usize) -> impl Iterator<Item = u32> + '_ {
-        self.around(slave).flat_map(|face| face.nodes[..face.corners.count].iter().copied())
+        self.around(slave).flat_map(|face| face.movers[..face.all.nodes.len()].iter().copied())
     }
 }
 
@@ -272,35 +430,22 @@ fn mean(shapes: &[f64; 4], values: &[f64; 4]) -> f64 {
     shapes.iter().zip(values).map(|(shape, value)| shape * value).sum()
 }
 
-/// A point of a face at parameters, on quadrilaterals from 0 to 1 along two edges, on triangles the shape functions of the second
-/// and third corner, with what a `weight` in these is of the face.
-fn spot(x: &Corners<Vec3>, measure: &[f64; 4], xi: &Vec2, weight: f64) -> Spot {
-    let (shapes, density) = if x.count == 3 {
-        ([1.0 - xi.x - xi.y, xi.x, xi.y, 0.0], 2.0 * x.area_vector().norm())
-    } else {
-        let [shapes, by_s, by_t] = bilinear(xi);
-        let sum = |w: &[f64; 4]| x.x.iter().zip(w).map(|(x, w)| x * *w).sum::<Vec3>();
-        (shapes, sum(&by_s).cross(&sum(&by_t)).norm())
+/// How far the nodes of a quadratic face are from where its first three corners put them as those of a flat one, whose functions are
+/// polynomials in its plane.
+fn bent(all: &mortar::Face, places: &[Vec3; MOST]) -> f64 {
+    let corners = all.corners().count;
+    let [a, b, last] = [places[0], places[1], places[corners - 1]];
+    let off = |k: usize| {
+        let at = all.parameters(k);
+        (places[k] - (a + (b - a) * at.x + (last - a) * at.y)).norm()
     };
-    Spot { shapes, weight: weight * density * mean(&shapes, measure) }
-}
-
-/// Gauss points of a face.
-fn spots(x: &Corners<Vec3>, measure: &[f64; 4]) -> Vec<Spot> {
-    let line = on_line(POINTS);
-    let mut spots = Vec::new();
-    let mut add = |xi: Vec2, weight: f64| spots.push(spot(x, measure, &xi, weight));
-    if x.count == 3 {
-        on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], add);
-    } else {
-        line.iter().for_each(|[s, a]| line.iter().for_each(|[t, b]| add(Vec2::new(*s, *t), a * b)));
-    }
-    spots
+    (0..all.nodes.len()).map(off).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mortar::{MeanPlane, overlap};
     use crate::surface::{Edge, Patch};
 
     /// The height over the flat face is that of the patch, along its normal.
@@ -322,8 +467,9 @@ mod tests {
             let mut patch = flat;
             patch.coefficients[..count].copy_from_slice(&coefficients[..count]);
             let part = Part { points: nodes.to_vec(), tie: vec![0, 1, 2, 3], ..Part::default() };
-            let facet = PartFacet { count: count as u8, nodes: [0, 1, 2, 3], number: 0, mine: true };
-            let face = Face::new(&part, &facet, false, coefficients.map(|c| -c.z));
+            let all = mortar::Face { nodes: (0..count as u32).collect(), pieces: Vec::new() };
+            let piece = Corners::new(&[0, 1, 2, 3][..count]);
+            let face = Face::new(&part, all, piece, false, coefficients.map(|c| -c.z));
             for [e, z] in [[0.3, 0.2], [0.7, 0.4], [0.9, 0.9], [0.0, 0.0], [1.0, 0.5]] {
                 let shapes = match count {
                     3 => [1.0 - e, e - z, z, 0.0],
@@ -332,6 +478,62 @@ mod tests {
                 let height = (patch.point([e, z]) - flat.point([e, z])).z;
                 assert!((face.height(&shapes) - height).abs() < 1e-14, "{count} {e} {z}");
             }
+        }
+    }
+
+    /// Pieces of quadratic faces have the area of the whole; over their chords, cut as what the master covers, too.
+    #[test]
+    fn pieces_have_the_area_of_their_face() {
+        let bent =
+            |s: f64, t: f64| Vec3::new(s + 0.1 * s * t, t - 0.08 * s * s, 0.2 * s * s - 0.15 * s * t + 0.1 * t * t);
+        let whole = [
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+            [0.5, 0.0],
+            [1.0, 0.5],
+            [0.5, 1.0],
+            [0.0, 0.5],
+            [0.5, 0.5],
+        ];
+        let of_six = [whole[0], whole[1], whole[3], whole[4], whole[8], whole[7]];
+        let quarters = vec![vec![0, 4, 8, 7], vec![1, 5, 8, 4], vec![2, 6, 8, 5], vec![3, 7, 8, 6]];
+        let fourths = vec![vec![0, 3, 5], vec![1, 4, 3], vec![2, 5, 4], vec![3, 4, 5]];
+        for (places, pieces) in [(&whole[..], quarters), (&of_six[..], fourths)] {
+            let points: Vec<Vec3> = places.iter().map(|[s, t]| bent(*s, *t)).collect();
+            let count = points.len() as u32;
+            let part = Part { points: points.clone(), tie: (0..count).collect(), ..Part::default() };
+            let all = mortar::Face { nodes: (0..count).collect(), pieces: Vec::new() };
+            let (mut by_rule, mut by_chords) = (0.0, 0.0);
+            for piece in pieces {
+                let face = Face::new(&part, all.clone(), Corners::new(&piece), false, [0.0; 4]);
+                by_rule += face.whole.iter().sum::<f64>();
+                let corners = face.corners.map(|n| points[n as usize]);
+                let plane = MeanPlane::of(&corners).unwrap();
+                let fine = on_line(6);
+                let cut = overlap(&plane, &corners, [&fine, &fine]);
+                by_chords += cut.iter().map(|p| p.weight * face.over_chord(&p.slave)).sum::<f64>();
+                // At its corners the functions are those of the nodes there.
+                for (k, &node) in piece.iter().enumerate() {
+                    let moved = face.moved(&std::array::from_fn(|l| f64::from(l == k)));
+                    let own = moved.nodes().iter().zip(moved.shapes());
+                    own.for_each(|(n, shape)| assert!((shape - f64::from(*n == node as u32)).abs() < 1e-15));
+                }
+                assert!(face.bent > 0.05);
+            }
+            let line = on_line(12);
+            let mut area = 0.0;
+            let mut add = |xi: Vec2, weight: f64| {
+                let [_, s, t] = all.at(&xi, |n| points[n as usize]);
+                area += weight * s.cross(&t).norm();
+            };
+            match count {
+                6 => on_triangle(&line, &[Vec2::zeros(), Vec2::x(), Vec2::y()], add),
+                _ => line.iter().for_each(|[s, a]| line.iter().for_each(|[t, b]| add(Vec2::new(*s, *t), a * b))),
+            }
+            assert!((by_rule / area - 1.0).abs() < 1e-6, "{by_rule} {area}");
+            assert!((by_chords / area - 1.0).abs() < 1e-6, "{by_chords} {area}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Integration points of slave faces on the master, and what a slave node meets through them.
 
-use super::{Face, Spot, ends, mean};
+use super::{Face, Moved, Spot, ends, mean};
 use crate::Vec3;
 use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
@@ -11,9 +11,9 @@ use crate::surface::{Patch, Projection};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
-/// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and where
-/// nothing is, or where these are multiplied by a radius.
-const POINTS: [usize; 2] = [2, 3];
+/// Points along a line of a triangle of an overlap: where they are exact for the products of two linear functions, and for the shape
+/// functions of nine nodes, which make forces of an even pressure; and where nothing is, or where these are multiplied by a radius.
+const POINTS: [[usize; 2]; 2] = [[2, 3], [3, 4]];
 
 /// Over the size of a facet, what it may bulge by as a flat one: rules differ by as little there, and which is taken does not decide.
 const FLAT: f64 = 1e-9;
@@ -21,10 +21,9 @@ const FLAT: f64 = 1e-9;
 /// An integration point on the master.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// The nodes that move its face, the shape functions there, and its part of the area.
-    pub nodes: [u32; 4],
-    pub shapes: [f64; 4],
-    pub weight: f64,
+    /// Where it is in its face; of a node alone at its first corner.
+    pub spot: Spot,
+    pub moved: Moved,
     pub at: Projection,
     /// Where its slip counts from, and where that is now; with friction.
     pub origin: SlipOrigin,
@@ -34,13 +33,13 @@ pub struct Point {
 impl Point {
     /// Its spot, with where it was on the master.
     fn again(&self) -> Start {
-        (Spot { shapes: self.shapes, weight: self.weight }, Some((self.at.patch, self.at.xi)))
+        (self.spot, Some((self.at.patch, self.at.xi)))
     }
 
     /// What it is to the element, with such a share.
     pub fn portion(&self, weight: f64) -> Portion<'_> {
-        let Self { nodes, shapes, at, origin, start, .. } = self;
-        Portion { weight, nodes, shapes, at, origin: *origin, start: *start }
+        let Self { moved, at, origin, start, .. } = self;
+        Portion { weight, nodes: moved.nodes(), shapes: moved.shapes(), at, origin: *origin, start: *start }
     }
 
     /// The patches of a body that it is on, with friction that of its slip origin, too.
@@ -78,28 +77,30 @@ impl Segments {
         then: Option<&dyn Fn(u32) -> Vec3>,
         still: Option<&Self>,
     ) -> Self {
-        let lines = POINTS.map(on_line);
+        let lines = POINTS.map(|points| points.map(on_line));
         let then = then.filter(|_| pair.rules.friction > 0.0);
         // Where corners of faces on a tool are, and what is closest to them, by the nodes that move them.
         let corners = RefCell::new(BTreeMap::new());
         let of_face = |(f, face): (usize, &Face)| {
-            let (x, before) = (face.corners.map(&now), then.map(|then| face.corners.map(then)));
+            let (places, before) = (face.at(&now), then.map(|then| face.at(then)));
+            let x = face.piece.map(|k| places[k]);
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
             let point = |(spot, start): Start| {
-                let flat = ground.project_point(pair, &x.at(&spot.shapes), &outward, start)?;
+                let moved = face.moved(&spot.shapes);
+                let flat = ground.project_point(pair, &moved.of(&places), &outward, start)?;
                 let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
                 let origin = match &before {
-                    Some(before) => ground.origin_of(pair, &before.at(&spot.shapes), &at),
+                    Some(before) => ground.origin_of(pair, &moved.of(before), &at),
                     None => SlipOrigin::Fixed(at.point),
                 };
                 let start = ground.place_of(&origin).unwrap_or(at.point);
-                Some(Point { nodes: face.nodes, shapes: spot.shapes, weight: spot.weight, at, origin, start })
+                Some(Point { spot, moved, at, origin, start })
             };
             let at = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
             match (ground, still) {
                 (_, Some(still)) => still.0[f].iter().map(Point::again).filter_map(point).collect(),
                 (Ground::Surface(surface, _), None) => {
-                    let starts = covered(pair, face, &x, surface, [&lines[0], &lines[1]]);
+                    let starts = covered(pair, face, &x, surface, &lines);
                     starts.into_iter().filter_map(point).collect()
                 }
                 (Ground::Tool(tool), None) => {
@@ -119,8 +120,10 @@ impl Segments {
                     if [0, x.count + face.spots.len()].contains(&seen) {
                         return points;
                     }
-                    let sees = |shapes: &[f64; 4]| ground.project_point(pair, &x.at(shapes), &outward, None).is_some();
-                    at(&face.part(&corners, &lines[1], sees))
+                    let sees = |shapes: &[f64; 4]| {
+                        ground.project_point(pair, &face.moved(shapes).of(&places), &outward, None).is_some()
+                    };
+                    at(&face.part(&corners, &lines[0][1], sees))
                 }
             }
         };
@@ -144,7 +147,7 @@ impl Segments {
         let of_face = |&f: &u32| {
             let face = &faces.faces[f as usize];
             let share = move |(k, point): (usize, &Point)| {
-                let weight = point.weight * face.of_node(node, &point.shapes);
+                let weight = point.spot.weight * face.of_node(node, &point.spot.shapes);
                 Share { face: f, point: k as u32, weight }
             };
             self.0[f as usize].iter().enumerate().map(share)
@@ -200,11 +203,18 @@ pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: 
 }
 
 /// Where the overlap of a face of `pair`, at `x`, with the faces of a surface within reach has points.
-fn covered(pair: &Pair, face: &Face, x: &Corners<Vec3>, surface: &BodySurface, lines: [&[[f64; 2]]; 2]) -> Vec<Start> {
+fn covered(
+    pair: &Pair,
+    face: &Face,
+    x: &Corners<Vec3>,
+    surface: &BodySurface,
+    lines: &[[Vec<[f64; 2]>; 2]; 2],
+) -> Vec<Start> {
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
     // Where one side bulges, gaps are no linear functions.
     let flat = FLAT * pair.facet_size;
-    let is_plain = face.measure == [1.0; 4] && face.bulge.iter().all(|h| h.abs() <= flat);
+    let is_plain = face.measure == [1.0; 4] && face.bent <= flat;
+    let [coarse, fine] = &lines[usize::from(face.all.is_quadratic() || surface.is_quadratic)];
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
     let (low, high) = x.around(pair.reach);
@@ -214,11 +224,12 @@ fn covered(pair: &Pair, face: &Face, x: &Corners<Vec3>, surface: &BodySurface, l
         if master.area_vector().normalize().dot(&plane.normal) > pair.controls.segment_facing {
             continue;
         }
-        let lines = if is_plain && patch.bulge() <= flat { lines } else { [lines[1]; 2] };
-        for point in overlap(&plane, &master, lines) {
+        let lines = [if is_plain && patch.bulge() <= flat { coarse } else { fine }, fine];
+        for point in overlap(&plane, &master, lines.map(Vec::as_slice)) {
             let [_, b, c, d] = point.master;
             let xi = if patch.count == 3 { [b + c, c] } else { [b + c, c + d] };
-            let spot = Spot { shapes: point.slave, weight: scale * point.weight * mean(&point.slave, &face.measure) };
+            let weight = scale * point.weight * face.over_chord(&point.slave) * mean(&point.slave, &face.measure);
+            let spot = Spot { shapes: point.slave, weight };
             starts.push((spot, Some((patch.id, xi))));
         }
     }
