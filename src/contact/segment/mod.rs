@@ -50,6 +50,11 @@
 //!
 //! as it is in the initial mesh, so that it stands still in the tangent. Under a master of facets it is left out.
 //!
+//! A face of six or nine nodes is four pieces, each a face here: on these the N_i of the multipliers are linear, with a positive
+//! integral at each node; the point itself is x_q = Σ_a N_a(ξ_q) x_a with the functions of all nodes, which also share f_iq and
+//! make areas, over the chord of the piece in which the overlap is cut (Puso, Laursen and Solberg, Comput. Methods Appl. Mech.
+//! Engrg. 197, 2008). It has the shape of its nodes, and no height (3).
+//!
 //! The functions of the multipliers are the N_i themselves, which are positive, as is each w_iq. Dual functions, which are
 //! not, leave the chatter of the ironing with a rigid indenter as it is, and with an elastic one the iteration goes to and fro.
 //! So do more Gauss points than 3 by 3 on a tool leave it.
