@@ -19,7 +19,7 @@ use crate::mesh::Quarters;
 use crate::mesh::check::spoiled;
 use crate::mesh::message;
 use crate::mesh::middles::four;
-use crate::mortar::{Corners, Face, Interpolation, Row, interpolate};
+use crate::mortar::{Face, Interpolation, Row, interpolate};
 use crate::parallel::serve;
 use crate::partition::{FaceNodes, Gather, GlobalFacet, GlobalMesh, Part, owner};
 use crate::scene::{Located, Reduction, Scene, Tie, body_of};
@@ -83,10 +83,7 @@ fn faces(names: &[Located<String>], global: &GlobalMesh, set: &str) -> Vec<Face>
             faces.len() - 1
         });
         let face = &mut faces[index];
-        let mut add = |piece: &[u32]| {
-            let places: Vec<usize> = piece.iter().filter_map(|n| face.nodes.iter().position(|m| m == n)).collect();
-            face.pieces.push(Corners::new(&places));
-        };
+        let mut add = |corners: &[u32]| face.pieces.push(face.piece(corners));
         match (global.middles.of(corners), corners) {
             (Some(middles), &[a, b, c]) => four([a, b, c], middles).iter().for_each(|piece| add(piece)),
             _ => add(corners),

@@ -134,6 +134,12 @@ impl Face {
         Self { nodes: corners.to_vec(), pieces: vec![Corners::new(&places)] }
     }
 
+    /// The piece of it with these nodes at its corners.
+    pub fn piece(&self, corners: &[u32]) -> Corners<usize> {
+        let places: Vec<usize> = corners.iter().filter_map(|n| self.nodes.iter().position(|m| m == n)).collect();
+        Corners::new(&places)
+    }
+
     /// Its corners.
     pub fn corners(&self) -> Corners<u32> {
         Corners::new(&self.nodes[..if matches!(self.nodes.len(), 3 | 6) { 3 } else { 4 }])

@@ -186,9 +186,7 @@ impl Face {
             bulge,
         };
         face.spots = face.rule(&places);
-        for spot in &face.spots {
-            face.whole.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
-        }
+        face.whole = integrals(&face.spots);
         face
     }
 
@@ -347,10 +345,9 @@ impl Faces {
             let bulge = bulges.as_chunks::<4>().0.get(facet.number as usize).copied().unwrap_or_default();
             let all = part.face_nodes(facet);
             for piece in part.pieces(std::slice::from_ref(facet)).iter() {
-                let corners = piece.nodes[..piece.count as usize].iter();
-                let places: Vec<usize> = corners.filter_map(|n| all.iter().position(|m| m == n)).collect();
                 let all = mortar::Face { nodes: all.to_vec(), pieces: Vec::new() };
-                let face = Face::new(part, all, Corners::new(&places), is_ring, bulge);
+                let piece = all.piece(&piece.nodes[..piece.count as usize]);
+                let face = Face::new(part, all, piece, is_ring, bulge);
                 let mut touched: Vec<usize> = face.nodes[..face.corners.count]
                     .iter()
                     .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
@@ -379,10 +376,8 @@ impl Faces {
     /// Adds what of the area of all faces, with their nodes at `place`, belongs to the nodes that their corners move with.
     pub fn add_areas(&self, place: impl Fn(u32) -> Vec3, mut add: impl FnMut(u32, f64)) {
         for face in &self.faces {
-            for spot in face.rule(&face.at(&place)) {
-                let of_corners = face.nodes.iter().zip(spot.shapes).take(face.piece.count);
-                of_corners.for_each(|(&node, shape)| add(node, spot.weight * shape));
-            }
+            let of_corners = face.nodes.iter().zip(integrals(&face.rule(&face.at(&place)))).take(face.piece.count);
+            of_corners.for_each(|(&node, area)| add(node, area));
         }
     }
 
@@ -393,11 +388,12 @@ impl Faces {
             let outward: Vec3 = fan.iter().map(|&f| &self.faces[f as usize]).map(|face| face.outward * face.area).sum();
             -outward.dot(force) / outward.norm()
         };
-        let Some(fan) = self.fans[slave].iter().max_by(|a, b| facing(a).total_cmp(&facing(b))) else { return };
+        let fans = self.fans[slave].iter().filter(|_| *force != Vec3::zeros());
+        let Some(fan) = fans.max_by(|a, b| facing(a).total_cmp(&facing(b))) else { return };
         let faces = || fan.iter().map(|&f| &self.faces[f as usize]);
         let node = self.nodes[slave];
         let whole: f64 = faces().map(|face| face.of_node(node, &face.whole)).sum();
-        for face in faces().filter(|_| *force != Vec3::zeros()) {
+        for face in faces() {
             for spot in &face.spots {
                 let share = force * (spot.weight * face.of_node(node, &spot.shapes) / whole);
                 let corners = face.nodes.iter().zip(spot.shapes).take(face.piece.count);
@@ -433,6 +429,15 @@ fn fans(mut faces: Vec<u32>, connected: impl Fn(u32, u32) -> bool) -> Vec<Vec<u3
 /// What shape functions make of values at corners; none counts of corners that do not.
 fn mean(shapes: &[f64; 4], values: &[f64; 4]) -> f64 {
     shapes.iter().zip(values).map(|(shape, value)| shape * value).sum()
+}
+
+/// The integrals of the functions of corners.
+fn integrals(spots: &[Spot]) -> [f64; 4] {
+    let mut sums = [0.0; 4];
+    for spot in spots {
+        sums.iter_mut().zip(spot.shapes).for_each(|(sum, shape)| *sum += spot.weight * shape);
+    }
+    sums
 }
 
 /// How far the nodes of a quadratic face are from where its first three corners put them as those of a flat one, whose functions are
