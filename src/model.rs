@@ -179,11 +179,26 @@ impl Model {
         patches: &[MasterPatches],
     ) -> Vec<BTreeMap<u32, Avoided>> {
         let passes = scene.passes();
+        let numbers = self.part.global_numbers(comm);
         let masters = passes.iter().filter_map(|contact| Some((contact, contact.surface?)));
         let mut avoided = Vec::new();
         for ((contact, given), (patches, found)) in masters.zip(patches) {
-            avoided.push(self_contact::deal(comm, found, &self.part.starts));
             let name = contact.master.value.as_str();
+            let set = self.set(name);
+            let corners = set.facets.iter().flat_map(|facet| &facet.nodes[..facet.count as usize]);
+            let mut nodes: Vec<u32> = set
+                .nodes
+                .iter()
+                .chain(corners)
+                .map(|&n| self.part.tie[n as usize])
+                .filter(|_| contact.is_self())
+                .collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            let wanted = nodes.iter().map(|&n| numbers[n as usize]).collect();
+            let dealt = self_contact::deal(comm, found, wanted);
+            let of_node = |n: u32| Some((n, dealt.get(&numbers[n as usize])?.clone()));
+            avoided.push(nodes.into_iter().filter_map(of_node).collect());
             let size = self.longest_edge(comm, name);
             let mut surface = BodySurface::new(comm, name, given, patches, &self.part.starts, size);
             surface.keeps_past = contact.discretization == Discretization::Segment && contact.friction > 0.0;
@@ -271,11 +286,12 @@ impl Model {
     /// Takes the thickness of sheets that meet themselves as they are with nodes displaced by `u`. Collective.
     pub fn follow_sheets(&mut self, comm: &SimpleCommunicator, u: &[Vec3]) {
         let part = &self.part;
-        for Within { sheet, avoided, .. } in self.pairs.iter_mut().filter_map(|pair| pair.within.as_mut()) {
+        for Within { sheet, avoided, of_faces, .. } in self.pairs.iter_mut().filter_map(|pair| pair.within.as_mut()) {
             let flat = sheet.fetch(comm, 3, |n, d| part.points[n as usize][d] + u[n as usize][d]);
             let places = flat.as_chunks::<3>().0;
             let place = |n: u64| sheet.index(n).map_or(Vec3::zeros(), |k| Vec3::from(places[k as usize]));
-            avoided.iter_mut().for_each(|avoided| avoided.follow(self.controls.self_depth, place));
+            let all = avoided.iter_mut().chain(of_faces);
+            all.for_each(|avoided| avoided.follow(self.controls.self_depth, place));
         }
     }
 

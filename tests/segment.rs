@@ -276,8 +276,6 @@ fn what_it_cannot_do_is_refused() {
     for (setting, told) in [
         ("contact.sole.tangent=fixed-frame", "means nothing with \"segment\""),
         ("contact.sole.method=uzawa", "does not settle"),
-        ("contact.sole.master=table.zmax", "means nothing in self-contact"),
-        ("contact.sole.master=table.zmin", "within one body"),
     ] {
         let bench = dragged("");
         let run = nagata(&bench.path(""), 1, &["check", "scene.toml", "--set", setting], bench.path("out"));
@@ -537,6 +535,56 @@ fn quadratic_fits_bear_what_they_bear() {
         let [coarse, fine] = [error(3), error(6)];
         assert_small(&format!("{elements:?}"), coarse, 1e-2);
         assert_small(&format!("{elements:?}"), fine, 1e-3);
+    }
+}
+
+/// One quadratic face goes round a quarter: it is smooth, however far it turns.
+#[test]
+fn a_quadratic_face_may_be_a_quarter_circle() {
+    let ring = |name: &str, [inner, outer]: [f64; 2]| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nsymmetry = [\"amin\", \"amax\"]\n\
+             block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [4, 2, 2] }}\n"
+        )
+    };
+    for [slave, master] in [["i.rmax", "o.rmin"], ["o.rmin", "i.rmax"]] {
+        let bench = Bench::new(&format!(
+            "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"{slave}\"\n\
+             master = \"{master}\"\ndiscretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{{ set = \"i.zmin\", directions = \"z\" }}, {{ set = \"i.zmax\", directions = \"z\" }}, \
+             {{ set = \"o.zmin\", directions = \"z\" }}, {{ set = \"o.zmax\", directions = \"z\" }}]\n\
+             pressure = [{{ set = \"i.rmin\", value = 20.0 }}]\n",
+            ring("i", [1.0, 2.0]),
+            ring("o", [2.0, 3.0])
+        ));
+        let run = bench.solve(1, &[]);
+        // Lamé, as above, over the length of the chord.
+        assert_small(slave, run.history().last("c.fx").abs() / 0.2 / (20.0 * 5.0 / 32.0) - 1.0, 5e-3);
+        assert_eq!(run.summary()["cutbacks"], 0);
+    }
+}
+
+/// Where faces are off the arc by as much as a fit overlaps, that is told; not where they are finer.
+#[test]
+fn fits_of_coarse_faces_are_warned_of() {
+    let ring = |name: &str, [inner, outer]: [f64; 2], n: usize| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nsymmetry = [\"amin\", \"amax\"]\n\
+             block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [4, {}, 2] }}\n",
+            2 * n
+        )
+    };
+    for (counts, warns) in [([2, 3], true), ([8, 12], false)] {
+        let bench = Bench::new(&format!(
+            "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"i.rmax\"\n\
+             master = \"o.rmin\"\ndiscretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{{ set = \"i.zmin\", directions = \"z\" }}, {{ set = \"i.zmax\", directions = \"z\" }}, \
+             {{ set = \"o.zmin\", directions = \"z\" }}, {{ set = \"o.zmax\", directions = \"z\" }}]\n",
+            ring("i", [1.0, 2.001], counts[0]),
+            ring("o", [2.0, 3.0], counts[1])
+        ));
+        for ranks in [1, 2] {
+            let run = bench.solve(ranks, &[]);
+            assert_eq!(run.log().contains("too coarse for so small an overlap"), warns, "{counts:?}");
+        }
     }
 }
 

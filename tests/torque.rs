@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, Run, assert_close, assert_small, nagata};
+use common::{Bench, History, Run, assert_close, assert_small, nagata};
 
 type Vec3 = nalgebra::Vector3<f64>;
 
@@ -126,6 +126,51 @@ fn a_roller_spins_beyond_the_moment_of_full_slip() {
         assert_eq!(spins.code, 1, "{}", spins.stdout);
         assert!(spins.stderr.contains("the tool `roller` spins: its torque comes to "), "{}", spins.stderr);
     }
+}
+
+/// A pad between a drum and a ceiling wedges: the more the torque, the more it is pressed on, whatever was enough for before.
+#[test]
+fn what_wedges_holds_what_pressed_it_on() {
+    let run = |increments: usize| {
+        let scene = format!(
+            r#"
+            [body.pad]
+            material = "rubber"
+            plane_strain = true
+            block = {{ box = {{ origin = [-11.5, 49.27, 0.0], size = [3.0, 3.0, 1.0] }}, elements = [36, 18, 1] }}
+            [material.rubber]
+            model = "neo-hookean"
+            young = 50.0
+            poisson = 0.3
+            [tool.drum]
+            cylinder = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 50.0 }}
+            [tool.ceiling]
+            plane = {{ point = [0.0, 52.27, 0.0], normal = [0.0, -1.0, 0.0] }}
+            [contact.c]
+            slave = "pad.ymin"
+            master = "drum"
+            friction = 0.6
+            [contact.t]
+            slave = "pad.ymax"
+            master = "ceiling"
+            [[step]]
+            increments = 5
+            spring = [{{ set = "pad.ymax", stiffness = [0.2, 0.0, 0.0] }}]
+            move = [{{ target = "ceiling", by = [0.0, -0.005, 0.0] }}]
+            [[step]]
+            increments = {increments}
+            keep = true
+            torque = [{{ tool = "drum", total = -170.0, point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }}]
+            "#
+        );
+        Bench::new(&scene).solve(1, &[]).history()
+    };
+    let angle = |history: &History| history.last("drum.angle");
+    let [once, slowly] = [1, 10].map(|increments| angle(&run(increments)));
+    println!("{once}, {slowly}");
+    assert!(once < -4.0);
+    // Friction follows another path.
+    assert_small("angle", once / slowly - 1.0, 0.05);
 }
 
 /// A plate that sticks to a block turns by the angle at which, prescribed, it has the moment.

@@ -10,7 +10,8 @@
 //! and against a torque in the sense of w = ± a x (x - p), the velocity of the tool at the node, with w for f. Where this holds
 //! for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought. With the normal forces P
 //! that there are, the moment, or the force, is at most the sum of P (n·w + μ |w - (n·w) n|): where nothing but a torque changes in
-//! a step, and goes beyond that, the tool spins. Elsewhere it is so, or the tool slides, where no shorter increment is left; friction
+//! a step, and goes from [`NEARLY_ALL`] of that beyond it, the tool spins: one that wedges is held by normal forces that grow with
+//! the torque, and is far from that. Elsewhere it is so, or the tool slides, where no shorter increment is left; friction
 //! that force and torque share is one size, so that the squares of what each takes of its most add up.
 
 use super::Simulation;
@@ -26,6 +27,9 @@ use std::fmt::Write;
 const ROUNDING: f64 = 1e-12;
 /// Share of what can be held at which a tool spins or slides if no increment is found: some friction goes another way.
 const NEARLY: f64 = 0.98;
+
+/// Share of the same that a torque has already taken where it comes to spin the tool.
+const NEARLY_ALL: f64 = 0.9;
 
 /// What drives a tool.
 enum Drive {
@@ -46,9 +50,9 @@ struct Hold {
 
 impl Simulation<'_> {
     /// What is wrong with a tool that nothing in reach can hold against its force or torque at fraction `end` of the step, with
-    /// its slave nodes as they were at the last converged increment; `None` when all can be held, as far as is known. At the
+    /// its slave nodes as they were at the last converged increment, at fraction `done`; `None` when all can be held, as far as is known. At the
     /// `last` attempt a torque need not be all that changes, and may stand beside a force. Collective.
-    pub(super) fn runaway(&self, frame: &Frame, end: f64, last: bool) -> Option<Failure> {
+    pub(super) fn runaway(&self, frame: &Frame, [done, end]: [f64; 2], last: bool) -> Option<Failure> {
         let conditions = frame.conditions();
         let tools = &self.model.masters.tools;
         for (t, tool) in tools.iter().enumerate() {
@@ -67,7 +71,11 @@ impl Simulation<'_> {
             let is_loose = |(drive, hold): &&(Drive, Hold)| {
                 let spins = match drive {
                     _ if last => taken > NEARLY.powi(2) && hold.most.is_finite(),
-                    Drive::Torque(..) => drive.size() > hold.most && only_torques_change(self, conditions),
+                    Drive::Torque(axle, _) => {
+                        let before = (conditions.tool_forces[tools.len() + t].at(done).x * axle.lever).abs();
+                        let goes_beyond = drive.size() > hold.most && before > NEARLY_ALL * hold.most;
+                        goes_beyond && only_torques_change(self, conditions)
+                    }
                     Drive::Force(_) => false,
                 };
                 hold.can_hold == 0 || spins

@@ -107,7 +107,7 @@ struct OfPair {
     slaves: Vec<(Committed, Trial, Trial, Sight)>,
     /// Where slave nodes looked; in self-contact what they were not to meet.
     outward: Vec<Vec3>,
-    avoided: Option<Vec<Avoided>>,
+    avoided: Option<[Vec<Avoided>; 2]>,
 }
 
 impl Memory {
@@ -119,7 +119,7 @@ impl Memory {
             interference: pair.rules.interference,
             slaves: pair.slaves.iter().map(|s| (s.committed, s.accepted, s.trial, s.sights.accepted)).collect(),
             outward: pair.outward.clone(),
-            avoided: pair.within.as_ref().map(|within| within.avoided.clone()),
+            avoided: pair.within.as_ref().map(|within| [within.avoided.clone(), within.of_faces.clone()]),
         };
         Self {
             solids: model.history.clone(),
@@ -154,8 +154,9 @@ impl Memory {
                     (*committed, *accepted, *trial, *sight);
             }
             pair.outward.clone_from(&memory.outward);
-            if let Some((within, avoided)) = pair.within.as_mut().zip(memory.avoided.as_ref()) {
+            if let Some((within, [avoided, of_faces])) = pair.within.as_mut().zip(memory.avoided.as_ref()) {
                 within.avoided.clone_from(avoided);
+                within.of_faces.clone_from(of_faces);
             }
         }
     }

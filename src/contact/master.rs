@@ -503,30 +503,28 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// Closest point to a point of a slave face at `x`, which looks along `outward`, where the two look at each other; the search
+    /// Closest point to a point of slave face `f` at `x`, which looks along `outward`, where the two look at each other; the search
     /// starts at `warm`. Past the end of a tool, the wall beside the point is not opposite to it.
     pub fn project_point(
         &self,
         pair: &Pair,
-        x: &Vec3,
-        outward: &Vec3,
+        f: usize,
+        (x, outward): (&Vec3, &Vec3),
         warm: Option<(u32, [f64; 2])>,
     ) -> Option<Projection> {
         match self {
             Self::Tool(tool) => {
                 tool.project(x, pair.reach, (None, false)).and_then(|at| ends::ahead(tool, pair, x, at, outward))
             }
-            Self::Surface(surface, _) => {
-                let within = pair.is_within_body().then_some(outward);
-                on_faces(surface.shapes(), pair, warm, &Outlook { outward: within, ..Outlook::everywhere(x) })
-                    .filter(|found| ends::looks_back(found, outward))
-            }
+            Self::Surface(surface, _) => on_faces(surface.shapes(), pair, warm, &pair.outlook_of_face(f, x, outward))
+                .filter(|found| ends::looks_back(found, outward)),
         }
     }
 
-    /// Where the slip of a point of a slave face counts from, which was at `before` at the last converged increment and meets the
-    /// master at `now`: where it was on the master as that was then. Out of reach then, as in [`Self::slip_origin`].
-    pub fn origin_of(&self, pair: &Pair, before: &Vec3, now: &Projection) -> SlipOrigin {
+    /// Where the slip of a point of slave face `f` counts from, which was at `before` at the last converged increment and looked along
+    /// `outward`, and meets the master at `now`: where it was on the master as that was then. Out of reach then, as in
+    /// [`Self::slip_origin`].
+    pub fn origin_of(&self, pair: &Pair, f: usize, (before, outward): (&Vec3, &Vec3), now: &Projection) -> SlipOrigin {
         let start = Some((now.patch, now.xi));
         match self {
             Self::Tool(tool) => {
@@ -538,7 +536,9 @@ impl<'a> Ground<'a> {
                 SlipOrigin::Fixed(tool.trial.outward(&then.map_or(place, |p| p.point)))
             }
             Self::Surface(surface, _) => {
-                let then = surface.shapes_before().closest(before, pair.reach, start).map(|p| (p.patch, p.xi));
+                let outlook = pair.outlook_of_face(f, before, outward);
+                let then = surface.shapes_before().closest_of(before, pair.reach, start, &outlook);
+                let then = then.map(|p| (p.patch, p.xi));
                 let (id, xi) = then.or_else(|| beside(surface, before, now)).unwrap_or((now.patch, now.xi));
                 SlipOrigin::Carried(id, xi)
             }

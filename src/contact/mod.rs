@@ -121,6 +121,8 @@ pub struct Within {
     pub facing: f64,
     /// In self-contact what each slave node must not meet; else empty.
     pub avoided: Vec<Avoided>,
+    /// From segment to segment the same of each face.
+    pub of_faces: Vec<Avoided>,
     /// The nodes that the thickness of its sheets depends on.
     pub sheet: Gather,
 }
@@ -157,6 +159,16 @@ impl Pair {
             x,
             outward: self.outward.get(slave),
             avoided: within.avoided.get(slave),
+            facing: within.facing,
+        })
+    }
+
+    /// The same of a point at `x` of the slave's face `f`, which looks along `outward`.
+    pub fn outlook_of_face<'a>(&'a self, f: usize, x: &'a Vec3, outward: &'a Vec3) -> Outlook<'a> {
+        self.within.as_ref().map_or(Outlook::everywhere(x), |within| Outlook {
+            x,
+            outward: Some(outward),
+            avoided: within.of_faces.get(f),
             facing: within.facing,
         })
     }

@@ -14,7 +14,6 @@
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::parallel::{Parcels, exchange};
-use crate::partition::owner;
 use crate::surface::projection::{Extent, Foot};
 use crate::surface::{Admission, MovingPatch, Patch, PatchSet, Piece, Polygon};
 use mpi::topology::SimpleCommunicator;
@@ -82,7 +81,7 @@ impl Avoided {
     }
 
     /// Whether a patch is one of those around the node.
-    fn is_beside(&self, id: u32) -> bool {
+    pub fn is_beside(&self, id: u32) -> bool {
         self.around.binary_search(&id).is_ok()
     }
 
@@ -110,6 +109,26 @@ impl Avoided {
     /// The depth by a given thickness, which stays, and a share of it.
     pub fn with_thickness(self, thickness: f64, share: f64) -> Self {
         Self { deep: share * thickness, across: Vec::new(), ..self }
+    }
+
+    /// What none of some nodes may meet: a face with these at its corners.
+    pub fn of_all<'a>(nodes: impl Iterator<Item = &'a Self>) -> Self {
+        let mut all = Self { deep: f64::INFINITY, ..Self::default() };
+        for node in nodes {
+            all.around.extend(&node.around);
+            all.across.extend(&node.across);
+            all.deep = all.deep.min(node.deep);
+        }
+        all.around.sort_unstable();
+        all.around.dedup();
+        all
+    }
+
+    fn to_numbers(&self, node: u64) -> Vec<f64> {
+        let Self { around, deep, across } = self;
+        let head = [node as f64, *deep, around.len() as f64, across.len() as f64];
+        let around = around.iter().map(|&id| f64::from(id));
+        head.into_iter().chain(around).chain(across.iter().flat_map(|across| across.to_numbers())).collect()
     }
 
     /// The nodes that its thickness depends on, by global numbers.
@@ -241,16 +260,14 @@ fn crossing(from: &Vec3, along: &Vec3, [a, b, c]: &[Vec3; 3]) -> Option<(f64, [f
     (distance > 0.0 && weights.iter().all(|w| *w > EDGE)).then_some((distance, weights))
 }
 
-/// Brings what rank 0 found to the owners of the nodes: by owned local node, ascending. Collective.
-pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, starts: &[u64]) -> BTreeMap<u32, Avoided> {
-    let mut parcels = Parcels::new();
-    for (number, Avoided { around, deep, across }) in found {
-        let rank = owner(starts, number);
-        let parcel: &mut Vec<f64> = parcels.entry(rank).or_default();
-        parcel.extend([(number - starts[rank]) as f64, *deep, around.len() as f64, across.len() as f64]);
-        parcel.extend(around.iter().map(|&id| f64::from(id)));
-        parcel.extend(across.iter().flat_map(|across| across.to_numbers()));
-    }
+/// Brings what rank 0 found of nodes to the ranks that ask for them, each by their global numbers. Collective.
+pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, wanted: Vec<u64>) -> BTreeMap<u64, Avoided> {
+    let asked = exchange(comm, &Parcels::from([(0, wanted)]));
+    let parcel = |numbers: Vec<u64>| -> Vec<f64> {
+        let known = numbers.into_iter().filter_map(|n| Some((n, found.get(&n)?)));
+        known.flat_map(|(n, avoided)| avoided.to_numbers(n)).collect()
+    };
+    let parcels: Parcels<f64> = asked.into_iter().map(|(rank, numbers)| (rank, parcel(numbers))).collect();
     let received = exchange(comm, &parcels).remove(&0).unwrap_or_default();
     let mut of_node = BTreeMap::new();
     let mut rest = &received[..];
@@ -259,7 +276,7 @@ pub fn deal(comm: &SimpleCommunicator, found: &BTreeMap<u64, Avoided>, starts: &
         let (across, after) = after.split_at(Across::LEN * *sides as usize);
         let around = around.iter().map(|&id| id as u32).collect();
         let across = across.as_chunks().0.iter().map(Across::from_numbers).collect();
-        of_node.insert(*node as u32, Avoided { around, deep: *deep, across });
+        of_node.insert(*node as u64, Avoided { around, deep: *deep, across });
         rest = after;
     }
     of_node
@@ -345,6 +362,9 @@ mod tests {
         assert!(!node.allows(&look, &up, 5, &(x - up * 2.0), &down), "the other side of its own sheet");
         assert!(!node.allows(&look, &up, 17, &x, &up), "what looks the same way");
         assert!(!node.allows(&look, &up, 14, &x, &down), "what is beside it");
+        // A face beside it avoids what any of its corners does.
+        let face = Avoided::of_all([30, 31, 32, 33].iter().map(|n| &avoided[n]));
+        assert_eq!((face.around, face.deep), (vec![12, 13, 14, 15, 16], node.deep));
         let thick = node.clone().with_thickness(6.0, 0.5);
         assert!(thick.allows(&look, &up, 5, &(x - up * 2.0), &down));
     }

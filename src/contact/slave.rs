@@ -44,8 +44,9 @@ pub struct Slave {
     pub law: Law,
     /// The one node of the master that it meets, in contact from node to node.
     pub mate: Option<Mate>,
-    /// Another slave node may make the same constraint, for its surface meets itself.
-    pub repeats: bool,
+    /// Another slave node may make the same constraint, for its surface meets itself: by how much it gives way in the end, compliance
+    /// over that of the automatic penalty.
+    pub repeats: Option<f64>,
     pub penalties: Penalties,
     /// How deep inside the master it begins; none in self-contact.
     pub overlap: f64,
@@ -220,7 +221,7 @@ impl Slave {
             node,
             law,
             mate: None,
-            repeats: false,
+            repeats: None,
             penalties: Penalties { automatic, augmentation: automatic, softness: 1.0 },
             overlap: 0.0,
             held,
@@ -282,11 +283,12 @@ impl Slave {
         // Not what bears already: friction may hold it where it is.
         self.law.glides = manner.glides && self.law.friction > 0.0 && self.accepted.force == Vec3::zeros();
         let slack = match (self.repeats, manner.yields) {
-            (true, true) => controls.wide_slack,
-            (true, false) | (false, true) => controls.slack,
-            (false, false) => 0.0,
+            (Some(_), true) => controls.wide_slack,
+            (Some(slack), false) => slack,
+            (None, true) => controls.slack,
+            (None, false) => 0.0,
         };
-        let rest = if self.repeats { Vec3::zeros() } else { self.committed.multiplier };
+        let rest = if self.repeats.is_some() { Vec3::zeros() } else { self.committed.multiplier };
         // Over a lower penalty they give way by as much.
         self.law.compliance = Compliance { slack: slack * self.penalties.softness, rest };
         self.held = self.committed.held;

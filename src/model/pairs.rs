@@ -56,13 +56,14 @@ impl Model {
             let stiffness = stiffness[n as usize].min(softest);
             Slave::new(n, contact.friction, self.controls.augmentation * stiffness)
         };
-        let within = is_within_body(contact).then(|| self.within(comm, contact, (master, &nodes), avoided));
         let slaves: Vec<Slave> = nodes.into_iter().map(slave).collect();
         let by_faces = contact.discretization == Discretization::Segment;
         let faces = by_faces.then(|| {
             let how = (self.is_axisymmetric(), contact.slave_feature_angle());
             Faces::new(&self.part, &set.facets, &slaves, how, bulges)
         });
+        let sides = (&slaves[..], faces.as_ref());
+        let within = is_within_body(contact).then(|| self.within(comm, contact, master, sides, avoided));
         let facet_size = self.longest_edge(comm, &contact.slave.value);
         // Multipliers that are the force know no penalty; it would only scale their equations out of sight.
         let penalty = contact.penalty.filter(|_| contact.method != Enforcement::Lagrange);
@@ -104,22 +105,27 @@ impl Model {
         &self,
         comm: &SimpleCommunicator,
         contact: &scene::Contact,
-        (master, nodes): (Master, &[u32]),
+        master: Master,
+        (slaves, faces): (&[Slave], Option<&Faces>),
         avoided: &[BTreeMap<u32, Avoided>],
     ) -> Within {
-        let mut shunned = Vec::new();
+        let (mut shunned, mut of_faces) = (Vec::new(), Vec::new());
         if let Master::Surface(k, Meets::Own) = master {
-            let of_node = |n: &u32| avoided[k].get(n).cloned().unwrap_or_default();
             let depth = |avoided: Avoided| match contact.thickness {
                 Some(thickness) => avoided.with_thickness(thickness, self.controls.self_depth),
                 None => avoided,
             };
-            shunned = nodes.iter().map(of_node).map(depth).collect();
+            let of_node = |n: u32| avoided[k].get(&n);
+            shunned = slaves.iter().map(|s| depth(of_node(s.node).cloned().unwrap_or_default())).collect();
+            let corners = faces.into_iter().flat_map(Faces::corners);
+            of_faces = corners.map(|at| depth(Avoided::of_all(at.iter().filter_map(|&n| of_node(n))))).collect();
         }
+        let all = shunned.iter().chain(&of_faces);
         Within {
             facing: -self.controls.self_facing.to_radians().cos(),
-            sheet: Gather::new(comm, &self.part.starts, shunned.iter().flat_map(Avoided::depends_on)),
+            sheet: Gather::new(comm, &self.part.starts, all.flat_map(Avoided::depends_on)),
             avoided: shunned,
+            of_faces,
         }
     }
 
@@ -192,8 +198,10 @@ impl Model {
 
     /// Tells slave nodes that others of their surface may make the same constraint.
     fn tell_repeats(&mut self) {
-        let own = self.pairs.iter_mut().filter(|pair| pair.is_self() && pair.width() > 0);
-        own.flat_map(|pair| &mut pair.slaves).for_each(|slave| slave.repeats = true);
+        for pair in self.pairs.iter_mut().filter(|pair| pair.is_self() && pair.width() > 0) {
+            let slack = if pair.faces.is_some() { pair.controls.slack_segments } else { pair.controls.slack };
+            pair.slaves.iter_mut().for_each(|slave| slave.repeats = Some(slack));
+        }
     }
 
     /// Lets the two passes of a contact know of each other.

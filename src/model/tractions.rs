@@ -49,10 +49,12 @@ fn of_segments(comm: &SimpleCommunicator, model: &Model, (pair, faces): (&Pair, 
         faces.add_areas(place, |n, area| areas[n as usize] += area);
     }
     let mut forces = vec![0.0; 3 * part.points.len()];
+    let mut add = |n: u32, force: Vec3| (0..3).for_each(|d| forces[3 * n as usize + d] += force[d]);
     for (s, slave) in pair.slaves.iter().enumerate() {
-        faces.spread(s, &slave.accepted.on_node(), |n, force| {
-            (0..3).for_each(|d| forces[3 * n as usize + d] += force[d]);
-        });
+        let (own, all) = (-slave.accepted.force, slave.accepted.on_node());
+        faces.spread(s, &own, &mut add);
+        // What it gets as a master is at the node.
+        add(slave.node, all - own);
     }
     let mut tractions: Vec<Vec3> = forces.as_chunks::<3>().0[..part.owned].iter().map(|f| Vec3::from(*f)).collect();
     part.halo.add_to_owners(comm, 3, &forces, |n, force| tractions[n as usize] += Vec3::from_column_slice(force));

@@ -32,6 +32,8 @@ pub use parcels::{Bounds, Parcel};
 use crate::Vec3;
 use crate::mesh::middles::four;
 use crate::mesh::{MOST_NODES, Middles, Quarters, SolidShape};
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::Communicator;
 use std::borrow::Cow;
 use std::ops::Deref;
 
@@ -99,6 +101,14 @@ impl Deref for FaceNodes {
 }
 
 impl Part {
+    /// The numbers of the local nodes over all ranks, see [`Self::starts`]. Collective.
+    pub fn global_numbers(&self, comm: &SimpleCommunicator) -> Vec<u64> {
+        let first = self.starts[comm.rank() as usize];
+        let mut numbers: Vec<u64> = (first..first + self.points.len() as u64).collect();
+        self.halo.update(comm, 1, &mut numbers);
+        numbers
+    }
+
     /// The owned nodes of a body of the scene.
     pub fn owned_of(&self, body: usize) -> impl Iterator<Item = usize> + Clone {
         (0..self.owned).filter(move |&n| self.body[n] as usize == body)

@@ -4,7 +4,7 @@ use super::reader::{Item, Table};
 use super::references::Names;
 use super::{
     Contact, Discretization, Enforcement, Interference, Located, MasterSurface, Scene, Smoothing, Step, Tangent,
-    Transfer, body_of,
+    Transfer,
 };
 use crate::error::{Error, Faults, Result};
 
@@ -99,19 +99,16 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     }
     let is_tool = names.is_tool(&master.value);
     let discretization = discretization(&table, is_tool)?;
-    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value) {
-        return Err(item.error("means nothing in self-contact", "all of its nodes are slaves; remove it"));
+    let segments = discretization == Discretization::Segment;
+    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && !segments) {
+        let what = "means nothing in self-contact";
+        return Err(item.error(what, "all of its nodes are slaves; remove it, or write \"segment\""));
     }
     let interferences =
         [("auto", Interference::Auto), ("at-once", Interference::AtOnce), ("ramped", Interference::Ramped)];
     let interference = table.optional("interference", |item| item.choice(&interferences))?.unwrap_or_default();
     if let Some(item) = table.get("interference").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "a surface cannot overlap itself; remove it"));
-    }
-    let segments = discretization == Discretization::Segment;
-    let is_within = body_of(&master.value) == body_of(&slave.value);
-    if let Some(item) = table.get("discretization").filter(|_| segments && is_within) {
-        return Err(item.error("\"segment\" does not work within one body", "use \"one-pass\""));
     }
     if let Some(item) = table.get("method").filter(|_| segments && method == Enforcement::Uzawa) {
         return Err(item.error("does not settle with \"segment\"", "use \"augmented-lagrangian\""));

@@ -135,6 +135,11 @@ fn body_to_and_fro() -> Vec<Case> {
                         let case = symmetric(of(ranks), "u.zmax", friction, [shape, smoothing, discretization])
                             .oracle(balance(&["u.zmax", "b.zmin"], 1e-8))
                             .limit(300);
+                        // Which nodes let go after a jump is not resolved, and need not be like what mirrors them.
+                        let case = match (discretization, friction) {
+                            ("two-pass", 1.0..) => case.or_warns(&["a jump took its force"]),
+                            _ => case,
+                        };
                         let case = if ranks == 1 {
                             case
                         } else {
@@ -173,7 +178,8 @@ fn roller(name: String, elements: usize, master: &str, moved: &str, friction: f6
         step("press", 2, [0.0, -0.2, 0.0]),
         step("draw", 4, [0.5, 0.0, 0.0])
     );
-    Case::text(name, text).limit(300)
+    // Nearly 400 nodes that stick take minutes.
+    Case::text(name, text).limit(if elements > 100 { 900 } else { 300 })
 }
 
 /// The exact one.

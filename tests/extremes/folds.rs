@@ -7,7 +7,7 @@ use crate::scenes::bar_force;
 use std::collections::HashSet;
 use std::fmt::Write;
 
-family!(frictions, units, offsets, both_sides, ranks, cubes);
+family!(frictions, segments, units, offsets, both_sides, ranks, cubes);
 
 /// A hairpin of an elastic strip, 40 long: its lips are pressed together, then its legs, which roll onto each other.
 const MESH: &str = include_str!("../../inputs/c-strip.msh");
@@ -80,14 +80,19 @@ history = [{}{}"strip.bend"]
 
 /// By symmetry each leg is as half a strip on a smooth plane, whatever the friction; and its forces go with the square of the
 /// length and the modulus.
-fn strip(name: String, [length, modulus, offset]: [f64; 3], tolerance: f64) -> Case {
+fn strip(name: String, sizes: [f64; 3], tolerance: f64) -> Case {
+    strip_by("one-pass", name, sizes, tolerance)
+}
+
+fn strip_by(discretization: &str, name: String, [length, modulus, offset]: [f64; 3], tolerance: f64) -> Case {
+    let how = if discretization == "segment" { "\ndiscretization = \"segment\"" } else { "" };
     let plane = "[tool.plane]\nplane = { point = [0.0, 0.0, 0.0], normal = [0.0, 1.0, 0.0] }\n[contact.inside]\nslave = \"strip.inside\"\nmaster = \"plane\"";
     let symmetric = "{ set = \"strip.bend\", directions = \"x\" }, { set = \"strip.cut\", directions = \"y\" }";
-    let half =
-        Case::text("half", scene(1.0, 1.0, plane, symmetric, &[("top", 1.0)])).file("strip.msh", mesh(1.0, 0.0, true));
+    let half = Case::text("half", scene(1.0, 1.0, &format!("{plane}{how}"), symmetric, &[("top", 1.0)]))
+        .file("strip.msh", mesh(1.0, 0.0, true));
     let itself = "[contact.inside]\nslave = \"strip.inside\"\nmaster = \"strip.inside\"";
     let legs = [("top", 1.0), ("bottom", -1.0)];
-    let case = Case::text(name, scene(length, modulus, itself, "{ set = \"strip.bend\" }", &legs))
+    let case = Case::text(name, scene(length, modulus, &format!("{itself}{how}"), "{ set = \"strip.bend\" }", &legs))
         .file("strip.msh", mesh(length, offset, false));
     ["lip-top", "leg-top"]
         .iter()
@@ -117,6 +122,27 @@ fn frictions() -> Vec<Case> {
                     .must_run()
                     .limit(400);
                 cases.push(case.quick_if(n == 5 && smoothing == "nagata" && mu != "1.0"));
+            }
+        }
+    }
+    cases
+}
+
+/// The same from segment to segment: what faces bulge by in the initial mesh counts once between the legs, and for each of them on the
+/// plane; of facets on the plane alone.
+fn segments() -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (smoothing, tolerance) in [("nagata", 1e-2), ("facet", 5e-2)] {
+        for mu in ["0.0", "0.2", "1.0", "5.0"] {
+            for n in [1, 5, 20, 200] {
+                let name = format!("mu = {mu}, {n} increments, {smoothing}");
+                let case = strip_by("segment", name, [1.0, 1.0, 0.0], tolerance)
+                    .set(format!("contact.inside.friction={mu}"))
+                    .set(format!("contact.inside.smoothing={smoothing}"))
+                    .set(format!("step.close.increments={n}"))
+                    .set(format!("step.roll.increments={n}"))
+                    .limit(400);
+                cases.push(case.quick_if(n == 5 && smoothing == "nagata" && mu == "0.2"));
             }
         }
     }

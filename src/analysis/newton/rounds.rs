@@ -183,7 +183,7 @@ impl Newton<'_> {
     pub fn tighten(&mut self, x: &[f64]) -> Round {
         let multipliers = self.multipliers(x);
         let (tolerance, sections) = (self.tolerance_now(), self.system.model.sections.len());
-        let Controls { slack: narrow, outer_rounds, .. } = self.system.model.controls;
+        let outer_rounds = self.system.model.controls.outer_rounds;
         let rounds = if self.strategy.yields { 2 } else { 1 };
         let (mut repeats, mut left, mut worst) = (false, 0.0, None);
         let pairs = self.system.model.pairs.iter_mut().zip(multipliers).enumerate().filter(|(_, (p, _))| p.width() > 0);
@@ -192,14 +192,14 @@ impl Newton<'_> {
             for (s, (slave, multiplier)) in pair.slaves.iter_mut().zip(multipliers).enumerate() {
                 let Compliance { slack, rest } = &mut slave.law.compliance;
                 let given = *slack * (multiplier - std::mem::replace(rest, multiplier)).amax();
-                if slave.repeats {
+                if let Some(narrow) = slave.repeats {
                     *slack = narrow * slave.penalties.softness;
                 }
                 if slave.trial.status == Status::Gap {
                     continue;
                 }
-                repeats |= slave.repeats;
-                if !slave.repeats && given / limit > left {
+                repeats |= slave.repeats.is_some();
+                if slave.repeats.is_none() && given / limit > left {
                     (left, worst) = (given / limit, Some((p, s, given / slave.law.normal)));
                 }
             }

@@ -3,6 +3,7 @@
 //!
 //! - `sight`: what every slave node sees of its master, however far away
 //! - `gaps`: the gap or overlap of every contact, and nodes too deep inside to be seen
+//! - `fits`: overlaps that are hardly more than what faces lack of arcs
 //! - `facing`: masters whose normals look away from the slave
 //! - `stuck`: slave nodes that nothing lets give way to a tool that comes
 //! - [`rigid`]: the rigid motions of bodies and tools that a set of supports and contacts leaves free
@@ -23,6 +24,7 @@
 
 mod astride;
 mod facing;
+mod fits;
 mod gaps;
 mod idle;
 mod locking;
@@ -84,6 +86,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     facing::check(comm, &contacts, model, &sights)?;
     let mut gaps = gaps::check(comm, &contacts, model, &sights)?;
     gaps.extend(model.joined.clone());
+    fits::check(comm, model, &sights);
     repeated::seams(comm, model, &sights);
     units::sizes(comm, scene, model, &sights);
     mirrored::check(comm, scene, model, (&steps, &sights));

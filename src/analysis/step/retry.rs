@@ -34,7 +34,7 @@ impl Simulation<'_> {
         let end = failed.end;
         let done = frame.progress.increments.done;
         let size = (end - done) * duration;
-        if let Some(told) = self.runaway(frame, end, false) {
+        if let Some(told) = self.runaway(frame, [done, end], false) {
             return Err(Error::Diverged(Box::new(told)));
         }
         /// Far enough below what may be lost; the solution does not depend on it.
@@ -58,7 +58,7 @@ impl Simulation<'_> {
         let Some(remedy) = ladder.fail(increments, end, failed.cause) else {
             // What the watch has refused was in equilibrium.
             if failed.cause != Cause::Watch
-                && let Some(told) = self.runaway(frame, end, true)
+                && let Some(told) = self.runaway(frame, [done, end], true)
             {
                 return Err(Error::Diverged(Box::new(told)));
             }

@@ -55,6 +55,11 @@
 //! make areas, over the chord of the piece in which the overlap is cut (Puso, Laursen and Solberg, Comput. Methods Appl. Mech.
 //! Engrg. 197, 2008). It has the shape of its nodes, and no height (3).
 //!
+//! A surface that meets itself has all of its nodes as slaves, and all of its faces on both sides. A face avoids what the nodes at
+//! its corners do ([`crate::contact::self_contact`]), and what overlaps it behind the nearest sheet does not count. The means of
+//! both sides make one condition about twice: they give way, by `slack_segments`. With one side as the slave alone, that which looks
+//! more to one side, a strip that closes takes half the iterations with friction, and finds no increments without.
+//!
 //! The functions of the multipliers are the N_i themselves, which are positive, as is each w_iq. Dual functions, which are
 //! not, leave the chatter of the ironing with a rigid indenter as it is, and with an elastic one the iteration goes to and fro.
 //! So do more Gauss points than 3 by 3 on a tool leave it.
@@ -251,6 +256,14 @@ impl Face {
         spots
     }
 
+    /// Its unit normal where a node of its corners is, in the initial mesh; of linear faces that of the whole.
+    fn normal_at(&self, node: u32) -> Vec3 {
+        let corner = self.nodes[..self.piece.count].iter().position(|n| *n == node);
+        let of_corner = |k: usize| self.area_at(&self.places, &std::array::from_fn(|l| f64::from(l == k)));
+        let area = corner.filter(|_| self.all.is_quadratic()).map(of_corner);
+        area.and_then(|area| area.try_normalize(f64::MIN_POSITIVE)).unwrap_or(self.outward)
+    }
+
     /// Whether it shares an edge at a node with another one, over which both go on as one surface within an angle whose cosine is
     /// `flat`.
     fn goes_on(&self, other: &Self, node: u32, flat: f64) -> bool {
@@ -260,7 +273,7 @@ impl Face {
             (0..nodes.len()).filter(|&k| nodes[k] == node).flat_map(beside).collect::<Vec<u32>>()
         };
         let theirs = ends(other);
-        self.outward.dot(&other.outward) >= flat && ends(self).iter().any(|end| theirs.contains(end))
+        self.normal_at(node).dot(&other.normal_at(node)) >= flat && ends(self).iter().any(|end| theirs.contains(end))
     }
 
     /// How far the smooth face bulges over the flat one, (3) of the [module](self).
@@ -366,6 +379,11 @@ impl Faces {
         };
         let fans = slaves.iter().zip(around).map(fans).collect();
         Self { faces, nodes: slaves.iter().map(|slave| slave.node).collect(), fans }
+    }
+
+    /// The nodes at the corners of each of them.
+    pub fn corners(&self) -> impl Iterator<Item = &[u32]> {
+        self.faces.iter().map(|face| &face.nodes[..face.corners.count])
     }
 
     /// The faces around a slave node.

@@ -6,7 +6,7 @@ use crate::contact::element::Portion;
 use crate::contact::master::{Ground, SlipOrigin};
 use crate::contact::{BodySurface, Pair, Status};
 use crate::mortar::rule::on_line;
-use crate::mortar::{Corners, MeanPlane, overlap};
+use crate::mortar::{self, Corners, MeanPlane, overlap};
 use crate::surface::{Patch, Projection};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -85,12 +85,19 @@ impl Segments {
             let (places, before) = (face.at(&now), then.map(|then| face.at(then)));
             let x = face.piece.map(|k| places[k]);
             let Some(outward) = x.area_vector().try_normalize(f64::MIN_POSITIVE) else { return Vec::new() };
+            let looked = before.map(|before| face.piece.map(|k| before[k]).area_vector());
+            let looked = looked.and_then(|area| area.try_normalize(f64::MIN_POSITIVE)).unwrap_or(outward);
             let point = |(spot, start): Start| {
                 let moved = face.moved(&spot.shapes);
-                let flat = ground.project_point(pair, &moved.of(&places), &outward, start)?;
+                let flat = ground.project_point(pair, f, (&moved.of(&places), &outward), start)?;
+                if still.is_none()
+                    && start.is_some_and(|start| is_hidden(pair, ground, &moved.of(&places), start, &flat))
+                {
+                    return None;
+                }
                 let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
                 let origin = match &before {
-                    Some(before) => ground.origin_of(pair, &moved.of(before), &at),
+                    Some(before) => ground.origin_of(pair, f, (&moved.of(before), &looked), &at),
                     None => SlipOrigin::Fixed(at.point),
                 };
                 let start = ground.place_of(&origin).unwrap_or(at.point);
@@ -100,7 +107,7 @@ impl Segments {
             match (ground, still) {
                 (_, Some(still)) => still.0[f].iter().map(Point::again).filter_map(point).collect(),
                 (Ground::Surface(surface, _), None) => {
-                    let starts = covered(pair, face, &x, surface, &lines);
+                    let starts = covered(pair, (f, face), &x, surface, &lines);
                     starts.into_iter().filter_map(point).collect()
                 }
                 (Ground::Tool(tool), None) => {
@@ -121,7 +128,7 @@ impl Segments {
                         return points;
                     }
                     let sees = |shapes: &[f64; 4]| {
-                        ground.project_point(pair, &face.moved(shapes).of(&places), &outward, None).is_some()
+                        ground.project_point(pair, f, (&face.moved(shapes).of(&places), &outward), None).is_some()
                     };
                     at(&face.part(&corners, &lines[0][1], sees))
                 }
@@ -190,6 +197,21 @@ impl Segments {
     }
 }
 
+/// Whether a piece of the same body is behind the point at which a point of a slave face at `x` sees the master: neither on the piece
+/// that this is on nor beside it, and farther away. What overlaps there counts where it is seen.
+fn is_hidden(pair: &Pair, ground: &Ground, x: &Vec3, (id, xi): (u32, [f64; 2]), seen: &Projection) -> bool {
+    /// Over the distance of what is seen: a foot of a perpendicular is no farther from what is straight ahead.
+    const FARTHER: f64 = 1.5;
+    let Ground::Surface(surface, _) = ground else { return false };
+    if !pair.is_within_body() || id == seen.patch {
+        return false;
+    }
+    let corners = |id: u32| surface.patch(id).map_or(&[][..], |(patch, stencil)| &stencil[..patch.count as usize]);
+    let is_beside = || corners(id).iter().any(|n| corners(seen.patch).contains(n));
+    let distance = surface.shapes().get(id).map_or(0.0, |patch| (patch.point(xi) - x).norm());
+    distance > FARTHER * seen.gap.abs() && !is_beside()
+}
+
 /// Mean of projections with their weights, (1) of the [module](super); the rest is that of `base`.
 pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: &Projection) -> Option<Projection> {
     let (mut gap, mut normal, mut point) = (0.0, Vec3::zeros(), Vec3::zeros());
@@ -205,7 +227,7 @@ pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: 
 /// Where the overlap of a face of `pair`, at `x`, with the faces of a surface within reach has points.
 fn covered(
     pair: &Pair,
-    face: &Face,
+    (f, face): (usize, &Face),
     x: &Corners<Vec3>,
     surface: &BodySurface,
     lines: &[[Vec<[f64; 2]>; 2]; 2],
@@ -215,17 +237,27 @@ fn covered(
     let flat = FLAT * pair.facet_size;
     let is_plain = face.measure == [1.0; 4] && face.bent <= flat;
     let [coarse, fine] = &lines[usize::from(face.all.is_quadratic() || surface.is_quadratic)];
+    // In self-contact what the face avoids, and how straight what it meets looks at it.
+    let own = pair.within.as_ref().and_then(|within| Some((within.of_faces.get(f)?, within.facing)));
+    let facing = own.map_or(pair.controls.segment_facing, |(_, facing)| facing);
     let mut starts = Vec::new();
     let scale = face.area / plane.area;
     let (low, high) = x.around(pair.reach);
     for k in surface.shapes().within(&low, &high) {
         let patch: &Patch = &surface.shapes().pieces()[k as usize];
         let master = Corners::new(&patch.nodes[..patch.count as usize]);
-        if master.area_vector().normalize().dot(&plane.normal) > pair.controls.segment_facing {
+        let normal = master.area_vector().normalize();
+        if normal.dot(&plane.normal) > facing || own.is_some_and(|(own, _)| own.is_beside(patch.id)) {
             continue;
         }
+        // The far side of its own sheet looks back at it, too.
+        let is_across = |point: &mortar::Point| {
+            let gap = (x.at(&point.slave) - master.at(&point.master)).dot(&normal);
+            own.is_some_and(|(own, _)| gap < -own.deep())
+        };
         let lines = [if is_plain && patch.bulge() <= flat { coarse } else { fine }, fine];
-        for point in overlap(&plane, &master, lines.map(Vec::as_slice)) {
+        let points = overlap(&plane, &master, lines.map(Vec::as_slice)).into_iter();
+        for point in points.filter(|point| !is_across(point)) {
             let [_, b, c, d] = point.master;
             let xi = if patch.count == 3 { [b + c, c] } else { [b + c, c + d] };
             let weight = scale * point.weight * face.over_chord(&point.slave) * mean(&point.slave, &face.measure);
