@@ -70,8 +70,12 @@ pub fn check(
 /// What to do where no force would act on a node.
 fn too_deep_for(pair: &Pair, contact: &Contact) -> String {
     let fits = pair.rules.interference == Interference::Ramped || pair.is_within_body();
-    let reach = contact.reach.filter(|_| !fits).map(|_| "; in either case with a larger `reach`, or without one");
-    format!("{}{}", advice(pair, contact), reach.unwrap_or_default())
+    let reach = match contact.reach {
+        _ if fits => "",
+        Some(_) => "; in either case with a larger `reach`, or without one",
+        None => ", and a larger `reach`",
+    };
+    format!("{}{reach}", advice(pair, contact))
 }
 
 fn advice(pair: &Pair, contact: &Contact) -> &'static str {
