@@ -50,8 +50,8 @@ struct Hold {
 
 impl Simulation<'_> {
     /// What is wrong with a tool that nothing in reach can hold against its force or torque at fraction `end` of the step, with
-    /// its slave nodes as they were at the last converged increment, at fraction `done`; `None` when all can be held, as far as is known. At the
-    /// `last` attempt a torque need not be all that changes, and may stand beside a force. Collective.
+    /// its slave nodes as they were at the last converged increment, at fraction `done`; `None` when all can be held, as far as is
+    /// known. At the `last` attempt a torque need not be all that changes, and may stand beside a force. Collective.
     pub(super) fn runaway(&self, frame: &Frame, [done, end]: [f64; 2], last: bool) -> Option<Failure> {
         let conditions = frame.conditions();
         let tools = &self.model.masters.tools;
