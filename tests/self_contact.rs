@@ -405,6 +405,56 @@ fn segments_within_a_body() {
     assert_small("force", run.history().last("s.zmin0.fz") / mean - 1.0, 1e-2);
 }
 
+/// Sheets of a fifth of a facet and rubber that is confined resist far more than what conditions give way by counts with; two surfaces of
+/// one body are right, whose conditions do not give way.
+#[test]
+fn what_resists_more_is_tightened_more() {
+    let sides = [("xmin", "x"), ("ymin", "y"), ("xmax", "x"), ("ymax", "y")];
+    // Thickness, Poisson's ratio, how many sides are held, and by how much it is pressed beyond the gap.
+    for (thickness, poisson, count, by) in [(0.1, 0.0, 2, 0.02), (1.0, 0.499, 4, 0.004)] {
+        let lower = msh::block([4, 4, 2], false, |[x, y, z]| [2.0 * x, 2.0 * y, thickness * z]);
+        let upper = msh::block([4, 4, 2], false, |[x, y, z]| [2.0 * x, 2.0 * y, thickness * (z + 1.01)]);
+        let held = |(side, along): &(&str, &str)| {
+            ["0", "1"].map(|b| format!("{{ set = \"s.{side}{b}\", directions = \"{along}\" }}, ")).concat()
+        };
+        let held: String = sides[..count].iter().map(held).collect();
+        let run = |slave: &str, master: &str, how: &str| {
+            let down = -by - 0.01 * thickness;
+            let bench = Bench::new(&format!(
+                r#"
+                [body.s]
+                mesh = "s.msh"
+                material = "m"
+                [material.m]
+                model = "neo-hookean"
+                young = 100.0
+                poisson = {poisson:?}
+                [contact.c]
+                slave = "s.{slave}"
+                master = "s.{master}"
+                {how}
+                [[step]]
+                increments = 2
+                fix = [{held}{{ set = "s.zmin0" }}]
+                move = [{{ target = "s.zmax1", by = [0.0, 0.0, {down:?}], directions = "z" }}]
+                [output]
+                history = ["s.zmin0"]
+                "#
+            ));
+            let mesh = msh::together(&[&lower, &upper]);
+            // The lower side of the upper block belongs to the same group.
+            let joined = mesh.replace(" 2 13 13 ", " 2 8 8 ");
+            bench.write("s.msh", if slave == master { &joined } else { &mesh });
+            bench.solve(1, &[]).history().last("s.zmin0.fz")
+        };
+        let segments = "discretization = \"segment\"";
+        let exact = run("zmin1", "zmax0", segments);
+        for how in [segments, ""] {
+            assert_small(how, run("zmax0", "zmax0", how) / exact - 1.0, 2e-3);
+        }
+    }
+}
+
 /// Stopped between steps and gone on with on another number of ranks, from segment to segment, too.
 #[test]
 fn segments_go_on() {

@@ -401,7 +401,7 @@ USED = [
     ("loose_*", "lagrange failing driven"), ("outer_rounds", "lagrange uzawa self failing"), ("uzawa_*", "uzawa"),
     ("singular_*", "failing"), ("short_increment", "failing"), ("remedy_period", "failing"), ("jump_*", "jumping"),
     ("penalty_method", "penalty"), ("two_pass_*", "two-pass"), ("repeat_*", "two-pass"),
-    ("slack", "self failing"), ("slack_segments", "own"),
+    ("slack", "self failing"), ("slack_segments", "own"), ("slack_left", "own self failing"),
     ("wide_slack", "self"), ("kink_*", "kinks"), ("edge_aside", "rim sharp faceted plain"),
     ("edge_beside", "sharp"), ("self_*", "self"),
     ("friction_steep", "driven"), ("watch_around_self", "self"),

@@ -10,7 +10,8 @@
 //! ends where the conditions hold as if none had given way, with the least multipliers that bear the load.
 //!
 //! Self-contact, which gives way always, does so once, with some 1e-7 of the forces left; where it has given way by
-//! `wide_slack`, twice with `slack`, and as little is left. More rounds lead nowhere. Nodes that meet and stick are each held
+//! `wide_slack`, twice with `slack`, and as little is left. Thin sheets and rubber that is confined resist far more than the stiffness
+//! that this counts by: there rounds go on until less than `slack_left` is. More rounds lead nowhere. Nodes that meet and stick are each held
 //! to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
 //! until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far they lean. Of 54
 //! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
@@ -30,9 +31,12 @@ use super::Newton;
 use crate::Vec3;
 use crate::contact::{Compliance, Held, Pair, Slave, Status};
 use crate::controls::Controls;
-use crate::parallel::{any, first_word, max};
+use crate::parallel::{any, first_word, max, sum};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
+
+/// By how much of it what is added falls from round to round at least, as far as it counts.
+const MOST: f64 = 0.99;
 
 /// What becomes of a converged iterate.
 pub enum Round {
@@ -54,6 +58,9 @@ pub struct Rounds {
     pub(super) early: usize,
     /// How often the constraints that give way were tightened.
     pub tightened: usize,
+    /// Where surfaces meet themselves: the forces on their nodes before that, and for each pair their sum, or what was last added.
+    borne: Vec<Vec3>,
+    added_last: Vec<f64>,
     /// The active sets of this rank that were tried.
     sets: Vec<Vec<Status>>,
     /// One node at a time changes its status.
@@ -204,7 +211,8 @@ impl Newton<'_> {
                 }
             }
         }
-        let mut most = [left, f64::from(repeats && self.course.rounds.tightened < rounds)];
+        let is_left = self.is_left();
+        let mut most = [left, f64::from(repeats && (is_left || self.course.rounds.tightened < rounds))];
         max(self.system.comm, &mut most);
         if most[0] <= 1.0 && most[1] == 0.0 {
             return Round::Done;
@@ -215,6 +223,41 @@ impl Newton<'_> {
             return Round::Contradicts(self.told(worst, "conditions of contacts contradict each other"));
         }
         self.again()
+    }
+
+    /// Whether surfaces that meet themselves lack more than `slack_left` of what their nodes bear: each round adds a share of what the
+    /// one before has added, or of all that it has found. What the nodes of both sides bear against each other is no part of that.
+    /// Collective.
+    fn is_left(&mut self) -> bool {
+        let (tolerance, model) = (self.tolerance_now(), &self.system.model);
+        let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| pair.is_self() && pair.width() > 0);
+        if pairs().next().is_none() {
+            return false;
+        }
+        let borne: Vec<Vec3> = pairs().flat_map(|(_, pair)| &pair.slaves).map(|s| s.trial.on_node()).collect();
+        let (mut sums, mut before) = (Vec::new(), self.course.rounds.borne.iter());
+        let mut now = borne.iter();
+        for (_, pair) in pairs() {
+            let mut sum = [0.0; 2];
+            for force in now.by_ref().take(pair.slaves.len()) {
+                sum[0] += force.norm();
+                sum[1] += before.next().map_or(0.0, |before| (force - before).norm());
+            }
+            sums.extend(sum);
+        }
+        sum(self.system.comm, &mut sums);
+        let sums = sums.as_chunks::<2>().0;
+        let is_first = self.course.rounds.added_last.is_empty();
+        let mut is_left = is_first;
+        for (((p, _), [all, added]), last) in pairs().zip(sums).zip(&self.course.rounds.added_last) {
+            let scale = self.found.balance.limit(model.sections.len() + p, tolerance) / tolerance;
+            let ratio = (added / last).min(MOST);
+            is_left |= added * ratio / (1.0 - ratio) > model.controls.slack_left * all.max(scale);
+        }
+        let rounds = &mut self.course.rounds;
+        rounds.added_last = sums.iter().map(|[all, added]| if is_first { *all } else { *added }).collect();
+        rounds.borne = borne;
+        is_left
     }
 
     /// The next solve judges this iterate again.

@@ -84,7 +84,10 @@ fn advice(pair: &Pair, contact: &Contact) -> &'static str {
         (None, _) => {
             "move the tool out, or turn it over if it is inside out; `interference = \"ramped\"` if a fit is meant"
         }
-        (Some(_), _) if pair.is_within_body() => "give the `thickness` of the sheet",
+        (Some(_), _) if pair.is_self() => "give the `thickness` of the sheet",
+        (Some(_), _) if pair.is_within_body() => {
+            "leave out what lies across the sheet, or name one surface as `slave` and `master`, with the `thickness` of the sheet"
+        }
         (Some(_), _) => "move the bodies apart, or give the contact `interference = \"ramped\"` if a fit is meant",
     }
 }
