@@ -179,32 +179,27 @@ impl Model {
         patches: &[MasterPatches],
     ) -> Vec<BTreeMap<u32, Avoided>> {
         let passes = scene.passes();
-        let numbers = self.part.global_numbers(comm);
         let masters = passes.iter().filter_map(|contact| Some((contact, contact.surface?)));
         let mut avoided = Vec::new();
         for ((contact, given), (patches, found)) in masters.zip(patches) {
             let name = contact.master.value.as_str();
-            let set = self.set(name);
-            let corners = set.facets.iter().flat_map(|facet| &facet.nodes[..facet.count as usize]);
-            let mut nodes: Vec<u32> = set
-                .nodes
-                .iter()
-                .chain(corners)
-                .map(|&n| self.part.tie[n as usize])
-                .filter(|_| contact.is_self())
-                .collect();
-            nodes.sort_unstable();
-            nodes.dedup();
-            let wanted = nodes.iter().map(|&n| numbers[n as usize]).collect();
-            let dealt = self_contact::deal(comm, found, wanted);
-            let of_node = |n: u32| Some((n, dealt.get(&numbers[n as usize])?.clone()));
-            avoided.push(nodes.into_iter().filter_map(of_node).collect());
+            avoided.push(if contact.is_self() { self.shunned(comm, name, found) } else { BTreeMap::new() });
             let size = self.longest_edge(comm, name);
             let mut surface = BodySurface::new(comm, name, given, patches, &self.part.starts, size);
             surface.keeps_past = contact.discretization == Discretization::Segment && contact.friction > 0.0;
             self.masters.surfaces.push(surface);
         }
         avoided
+    }
+
+    /// What the corners of this rank's facets of a set shun, of what rank 0 has found. Collective.
+    fn shunned(&self, comm: &SimpleCommunicator, set: &str, found: &BTreeMap<u64, Avoided>) -> BTreeMap<u32, Avoided> {
+        let numbers = self.part.global_numbers(comm);
+        let corners = self.set(set).facets.iter().flat_map(|facet| &facet.nodes[..facet.count as usize]);
+        let movers = corners.map(|&n| self.part.tie[n as usize]);
+        let mut node_of: BTreeMap<u64, u32> = movers.map(|n| (numbers[n as usize], n)).collect();
+        let dealt = self_contact::deal(comm, found, node_of.keys().copied().collect());
+        dealt.into_iter().filter_map(|(number, avoided)| Some((node_of.remove(&number)?, avoided))).collect()
     }
 
     /// Measures how stiff bodies and sections are, and how large elements. Collective.

@@ -538,27 +538,33 @@ fn quadratic_fits_bear_what_they_bear() {
     }
 }
 
+/// A quarter of two rings of `hex27`, from one radius to the next each, of so many elements around and of one thickness.
+fn quadratic_rings([inner, outer]: [[f64; 2]; 2], counts: [usize; 2], [slave, master]: [&str; 2], load: &str) -> Bench {
+    let ring = |name: &str, [from, to]: [f64; 2], n: usize| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nsymmetry = [\"amin\", \"amax\"]\nblock = {{ sector = {{ \
+             radii = [{from:?}, {to:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [4, {}, 2] }}\n",
+            2 * n
+        )
+    };
+    let fix = ["i.zmin", "i.zmax", "o.zmin", "o.zmax"].map(|set| format!("{{ set = \"{set}\", directions = \"z\" }}"));
+    Bench::new(&format!(
+        "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"{slave}\"\n\
+         master = \"{master}\"\ndiscretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{}]\n{load}",
+        ring("i", inner, counts[0]),
+        ring("o", outer, counts[1]),
+        fix.join(", ")
+    ))
+}
+
 /// One quadratic face goes round a quarter: it is smooth, however far it turns.
 #[test]
 fn a_quadratic_face_may_be_a_quarter_circle() {
-    let ring = |name: &str, [inner, outer]: [f64; 2]| {
-        format!(
-            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nsymmetry = [\"amin\", \"amax\"]\n\
-             block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [4, 2, 2] }}\n"
-        )
-    };
-    for [slave, master] in [["i.rmax", "o.rmin"], ["o.rmin", "i.rmax"]] {
-        let bench = Bench::new(&format!(
-            "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"{slave}\"\n\
-             master = \"{master}\"\ndiscretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{{ set = \"i.zmin\", directions = \"z\" }}, {{ set = \"i.zmax\", directions = \"z\" }}, \
-             {{ set = \"o.zmin\", directions = \"z\" }}, {{ set = \"o.zmax\", directions = \"z\" }}]\n\
-             pressure = [{{ set = \"i.rmin\", value = 20.0 }}]\n",
-            ring("i", [1.0, 2.0]),
-            ring("o", [2.0, 3.0])
-        ));
-        let run = bench.solve(1, &[]);
+    for sides in [["i.rmax", "o.rmin"], ["o.rmin", "i.rmax"]] {
+        let pressure = "pressure = [{ set = \"i.rmin\", value = 20.0 }]\n";
+        let run = quadratic_rings([[1.0, 2.0], [2.0, 3.0]], [1, 1], sides, pressure).solve(1, &[]);
         // Lamé, as above, over the length of the chord.
-        assert_small(slave, run.history().last("c.fx").abs() / 0.2 / (20.0 * 5.0 / 32.0) - 1.0, 5e-3);
+        assert_small(sides[0], run.history().last("c.fx").abs() / 0.2 / (20.0 * 5.0 / 32.0) - 1.0, 5e-3);
         assert_eq!(run.summary()["cutbacks"], 0);
     }
 }
@@ -566,21 +572,8 @@ fn a_quadratic_face_may_be_a_quarter_circle() {
 /// Where faces are off the arc by as much as a fit overlaps, that is told; not where they are finer.
 #[test]
 fn fits_of_coarse_faces_are_warned_of() {
-    let ring = |name: &str, [inner, outer]: [f64; 2], n: usize| {
-        format!(
-            "[body.{name}]\nmaterial = \"m\"\nelement = \"hex27\"\nsymmetry = [\"amin\", \"amax\"]\n\
-             block = {{ sector = {{ radii = [{inner:?}, {outer:?}], angles = [0.0, 90.0], length = 0.1 }}, elements = [4, {}, 2] }}\n",
-            2 * n
-        )
-    };
     for (counts, warns) in [([2, 3], true), ([8, 12], false)] {
-        let bench = Bench::new(&format!(
-            "{}{}[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.3\n[contact.c]\nslave = \"i.rmax\"\n\
-             master = \"o.rmin\"\ndiscretization = \"segment\"\n[[step]]\nincrements = 1\nfix = [{{ set = \"i.zmin\", directions = \"z\" }}, {{ set = \"i.zmax\", directions = \"z\" }}, \
-             {{ set = \"o.zmin\", directions = \"z\" }}, {{ set = \"o.zmax\", directions = \"z\" }}]\n",
-            ring("i", [1.0, 2.001], counts[0]),
-            ring("o", [2.0, 3.0], counts[1])
-        ));
+        let bench = quadratic_rings([[1.0, 2.001], [2.0, 3.0]], counts, ["i.rmax", "o.rmin"], "");
         for ranks in [1, 2] {
             let run = bench.solve(ranks, &[]);
             assert_eq!(run.log().contains("too coarse for so small an overlap"), warns, "{counts:?}");

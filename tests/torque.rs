@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, Run, assert_close, assert_small, nagata};
+use common::{Bench, Run, assert_close, assert_small, nagata};
 
 type Vec3 = nalgebra::Vector3<f64>;
 
@@ -131,7 +131,7 @@ fn a_roller_spins_beyond_the_moment_of_full_slip() {
 /// A pad between a drum and a ceiling wedges: the more the torque, the more it is pressed on, whatever was enough for before.
 #[test]
 fn what_wedges_holds_what_pressed_it_on() {
-    let run = |increments: usize| {
+    let angle = |increments: usize| {
         let scene = format!(
             r#"
             [body.pad]
@@ -163,10 +163,9 @@ fn what_wedges_holds_what_pressed_it_on() {
             torque = [{{ tool = "drum", total = -170.0, point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] }}]
             "#
         );
-        Bench::new(&scene).solve(1, &[]).history()
+        Bench::new(&scene).solve(1, &[]).history().last("drum.angle")
     };
-    let angle = |history: &History| history.last("drum.angle");
-    let [once, slowly] = [1, 10].map(|increments| angle(&run(increments)));
+    let [once, slowly] = [1, 10].map(angle);
     println!("{once}, {slowly}");
     assert!(once < -4.0);
     // Friction follows another path.

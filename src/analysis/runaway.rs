@@ -10,7 +10,7 @@
 //! and against a torque in the sense of w = ± a x (x - p), the velocity of the tool at the node, with w for f. Where this holds
 //! for none of the slave nodes in reach, there is no equilibrium, in whatever increments it is sought. With the normal forces P
 //! that there are, the moment, or the force, is at most the sum of P (n·w + μ |w - (n·w) n|): where nothing but a torque changes in
-//! a step, and goes from [`NEARLY_ALL`] of that beyond it, the tool spins: one that wedges is held by normal forces that grow with
+//! a step, and goes from [`TAKEN`] of that beyond it, the tool spins: one that wedges is held by normal forces that grow with
 //! the torque, and is far from that. Elsewhere it is so, or the tool slides, where no shorter increment is left; friction
 //! that force and torque share is one size, so that the squares of what each takes of its most add up.
 
@@ -29,7 +29,7 @@ const ROUNDING: f64 = 1e-12;
 const NEARLY: f64 = 0.98;
 
 /// Share of the same that a torque has already taken where it comes to spin the tool.
-const NEARLY_ALL: f64 = 0.9;
+const TAKEN: f64 = 0.9;
 
 /// What drives a tool.
 enum Drive {
@@ -73,7 +73,7 @@ impl Simulation<'_> {
                     _ if last => taken > NEARLY.powi(2) && hold.most.is_finite(),
                     Drive::Torque(axle, _) => {
                         let before = (conditions.tool_forces[tools.len() + t].at(done).x * axle.lever).abs();
-                        let goes_beyond = drive.size() > hold.most && before > NEARLY_ALL * hold.most;
+                        let goes_beyond = drive.size() > hold.most && before > TAKEN * hold.most;
                         goes_beyond && only_torques_change(self, conditions)
                     }
                     Drive::Force(_) => false,

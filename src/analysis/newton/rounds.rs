@@ -10,9 +10,9 @@
 //! ends where the conditions hold as if none had given way, with the least multipliers that bear the load.
 //!
 //! Self-contact, which gives way always, does so once, with some 1e-7 of the forces left; where it has given way by
-//! `wide_slack`, twice with `slack`, and as little is left. Thin sheets and rubber that is confined resist far more than the stiffness
-//! that this counts by: there rounds go on until less than `slack_left` is. More rounds lead nowhere. Nodes that meet and stick are each held
-//! to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
+//! `wide_slack`, twice with `slack`, and as little is left. Thin sheets and rubber that is confined resist far more than the
+//! stiffness that this counts by: there rounds go on until less than `slack_left` is. More rounds lead nowhere. Nodes that meet and
+//! stick are each held to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
 //! until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far they lean. Of 54
 //! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
 //! iterations.
@@ -35,9 +35,6 @@ use crate::parallel::{any, first_word, max, sum};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
 
-/// By how much of it what is added falls from round to round at least, as far as it counts.
-const MOST: f64 = 0.99;
-
 /// What becomes of a converged iterate.
 pub enum Round {
     Done,
@@ -58,9 +55,9 @@ pub struct Rounds {
     pub(super) early: usize,
     /// How often the constraints that give way were tightened.
     pub tightened: usize,
-    /// Where surfaces meet themselves: the forces on their nodes before that, and for each pair their sum, or what was last added.
+    /// The forces on the nodes of surfaces that meet themselves before that, and of each of these what it had added.
     borne: Vec<Vec3>,
-    added_last: Vec<f64>,
+    gained: Vec<f64>,
     /// The active sets of this rank that were tried.
     sets: Vec<Vec<Status>>,
     /// One node at a time changes its status.
@@ -226,37 +223,36 @@ impl Newton<'_> {
     }
 
     /// Whether surfaces that meet themselves lack more than `slack_left` of what their nodes bear: each round adds a share of what the
-    /// one before has added, or of all that it has found. What the nodes of both sides bear against each other is no part of that.
-    /// Collective.
+    /// one before has added, the first of all that was found. What the nodes of both sides bear against each other is no part of
+    /// that. Collective.
     fn is_left(&mut self) -> bool {
+        /// The share counts as no more than this.
+        const MOST: f64 = 0.99;
         let (tolerance, model) = (self.tolerance_now(), &self.system.model);
         let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| pair.is_self() && pair.width() > 0);
         if pairs().next().is_none() {
             return false;
         }
-        let borne: Vec<Vec3> = pairs().flat_map(|(_, pair)| &pair.slaves).map(|s| s.trial.on_node()).collect();
-        let (mut sums, mut before) = (Vec::new(), self.course.rounds.borne.iter());
-        let mut now = borne.iter();
+        let rounds = &mut self.course.rounds;
+        let mut before = std::mem::take(&mut rounds.borne).into_iter();
+        let mut sums = Vec::new();
         for (_, pair) in pairs() {
-            let mut sum = [0.0; 2];
-            for force in now.by_ref().take(pair.slaves.len()) {
-                sum[0] += force.norm();
-                sum[1] += before.next().map_or(0.0, |before| (force - before).norm());
+            let mut of_pair = [0.0; 2];
+            for force in pair.slaves.iter().map(|slave| slave.trial.on_node()) {
+                of_pair[0] += force.norm();
+                of_pair[1] += (force - before.next().unwrap_or_default()).norm();
+                rounds.borne.push(force);
             }
-            sums.extend(sum);
+            sums.extend(of_pair);
         }
         sum(self.system.comm, &mut sums);
-        let sums = sums.as_chunks::<2>().0;
-        let is_first = self.course.rounds.added_last.is_empty();
-        let mut is_left = is_first;
-        for (((p, _), [all, added]), last) in pairs().zip(sums).zip(&self.course.rounds.added_last) {
+        let mut is_left = rounds.gained.is_empty();
+        for (((p, _), [all, gained]), last) in pairs().zip(sums.as_chunks::<2>().0).zip(&rounds.gained) {
             let scale = self.found.balance.limit(model.sections.len() + p, tolerance) / tolerance;
-            let ratio = (added / last).min(MOST);
-            is_left |= added * ratio / (1.0 - ratio) > model.controls.slack_left * all.max(scale);
+            let share = (gained / last).min(MOST);
+            is_left |= gained * share / (1.0 - share) > model.controls.slack_left * all.max(scale);
         }
-        let rounds = &mut self.course.rounds;
-        rounds.added_last = sums.iter().map(|[all, added]| if is_first { *all } else { *added }).collect();
-        rounds.borne = borne;
+        rounds.gained = sums.as_chunks::<2>().0.iter().map(|[_, gained]| *gained).collect();
         is_left
     }
 

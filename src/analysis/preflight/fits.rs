@@ -8,6 +8,7 @@ use super::sight::Standing;
 use crate::contact::Segments;
 use crate::model::Model;
 use crate::parallel::sum;
+use crate::surface::Projection;
 use mpi::topology::SimpleCommunicator;
 
 /// Part of the overlap of the nodes by which the mean may differ without a word; a coarse ball that begins in a plane has less.
@@ -17,12 +18,16 @@ const OFF: f64 = 0.1;
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standing>]) {
     let mut warnings = Vec::new();
     for (pair, sights) in model.pairs.iter().zip(sights).filter(|(pair, _)| pair.faces.is_some()) {
-        let ground = model.masters.of(pair.master);
-        let segments = Segments::find(pair, &ground, |n| model.part.points[n as usize], None, None);
+        let contacts = sights.iter().enumerate().filter_map(|(s, sight)| Some((s, sight.contact?)));
+        let inside: Vec<(usize, Projection)> = contacts.filter(|(_, at)| at.gap < 0.0).collect();
+        let find = || {
+            let ground = model.masters.of(pair.master);
+            Segments::find(pair, &ground, |n| model.part.points[n as usize], None, None)
+        };
+        let segments = if inside.is_empty() { Segments::default() } else { find() };
         let mut sums = [0.0; 3];
-        for (s, at) in sights.iter().enumerate().filter_map(|(s, sight)| Some((s, sight.contact?))) {
-            let mean = segments.meet(pair, s, Some(&at)).filter(|_| at.gap < 0.0);
-            let of_node = mean.map_or([0.0; 3], |(mean, _)| [1.0, -at.gap, (mean.gap - at.gap).abs()]);
+        for (own, mean) in inside.iter().filter_map(|(s, own)| Some((own, segments.meet(pair, *s, Some(own))?.0))) {
+            let of_node = [1.0, -own.gap, (mean.gap - own.gap).abs()];
             sums.iter_mut().zip(of_node).for_each(|(sum, of_node)| *sum += of_node);
         }
         sum(comm, &mut sums);

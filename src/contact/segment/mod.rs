@@ -195,6 +195,11 @@ impl Face {
         face
     }
 
+    /// The nodes that move its corners.
+    fn corner_nodes(&self) -> &[u32] {
+        &self.nodes[..self.corners.count]
+    }
+
     /// What moves the point with these functions of its corners.
     fn moved(&self, shapes: &[f64; 4]) -> Moved {
         let count = self.all.nodes.len();
@@ -258,7 +263,7 @@ impl Face {
 
     /// Its unit normal where a node of its corners is, in the initial mesh; of linear faces that of the whole.
     fn normal_at(&self, node: u32) -> Vec3 {
-        let corner = self.nodes[..self.piece.count].iter().position(|n| *n == node);
+        let corner = self.corner_nodes().iter().position(|n| *n == node);
         let of_corner = |k: usize| self.area_at(&self.places, &std::array::from_fn(|l| f64::from(l == k)));
         let area = corner.filter(|_| self.all.is_quadratic()).map(of_corner);
         area.and_then(|area| area.try_normalize(f64::MIN_POSITIVE)).unwrap_or(self.outward)
@@ -268,7 +273,7 @@ impl Face {
     /// `flat`.
     fn goes_on(&self, other: &Self, node: u32, flat: f64) -> bool {
         let ends = |face: &Self| {
-            let nodes = face.nodes[..face.corners.count].to_vec();
+            let nodes = face.corner_nodes();
             let beside = |k: usize| [nodes[(k + 1) % nodes.len()], nodes[(k + nodes.len() - 1) % nodes.len()]];
             (0..nodes.len()).filter(|&k| nodes[k] == node).flat_map(beside).collect::<Vec<u32>>()
         };
@@ -361,7 +366,8 @@ impl Faces {
                 let all = mortar::Face { nodes: all.to_vec(), pieces: Vec::new() };
                 let piece = all.piece(&piece.nodes[..piece.count as usize]);
                 let face = Face::new(part, all, piece, is_ring, bulge);
-                let mut touched: Vec<usize> = face.nodes[..face.corners.count]
+                let mut touched: Vec<usize> = face
+                    .corner_nodes()
                     .iter()
                     .filter_map(|node| slaves.binary_search_by_key(node, |slave| slave.node).ok())
                     .collect();
@@ -383,7 +389,7 @@ impl Faces {
 
     /// The nodes at the corners of each of them.
     pub fn corners(&self) -> impl Iterator<Item = &[u32]> {
-        self.faces.iter().map(|face| &face.nodes[..face.corners.count])
+        self.faces.iter().map(Face::corner_nodes)
     }
 
     /// The faces around a slave node.

@@ -89,10 +89,9 @@ impl Segments {
             let looked = looked.and_then(|area| area.try_normalize(f64::MIN_POSITIVE)).unwrap_or(outward);
             let point = |(spot, start): Start| {
                 let moved = face.moved(&spot.shapes);
-                let flat = ground.project_point(pair, f, (&moved.of(&places), &outward), start)?;
-                if still.is_none()
-                    && start.is_some_and(|start| is_hidden(pair, ground, &moved.of(&places), start, &flat))
-                {
+                let place = moved.of(&places);
+                let flat = ground.project_point(pair, f, (&place, &outward), start)?;
+                if still.is_none() && start.is_some_and(|start| is_hidden(pair, ground, &place, start, &flat)) {
                     return None;
                 }
                 let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
