@@ -572,7 +572,13 @@ fn nodes_of_a_rigid_body_turn() {
         let moved = bent.replace(card, &cards);
         moved.replace("902, 1, 1, 0\n902, 2, 2, 0.002\n902, 3, 3, 0", "901, 4, 4, 0\n901, 5, 5, 0.002\n901, 6, 6, 0")
     };
-    assert_eq!(scene(&converted(&coupled("1, 3")).0).matches(&turn).count(), 1);
+    let of_nodes = format!("*Surface, Type=NODE, Name={0}-S, Internal\n{0}, 1.\n", "Internal_Selection-1_Rigid_Body-1");
+    let tied = bent.replace(card, &card.replace("Nset", "Tie nset"));
+    for same in [coupled("1, 3"), coupled("1, 3").replace(top, &of_nodes), tied] {
+        assert_eq!(scene(&converted(&same).0).matches(&turn).count(), 1);
+    }
+    let (_, told) = refused(&bent.replace("Ref node=901", "Ref node=901, Pin nset=Internal_Selection-1_Rigid_Body-1"));
+    assert!(told.contains("needs one of ELSET=, NSET=, TIE NSET= and PIN NSET="), "{told}");
     let (_, told) = refused(&coupled("1, 2"));
     assert!(told.contains("leaves free along 1, 2 or 3"), "{told}");
     let (_, told) = refused(&coupled("1, 3").replace("*Kinematic", "*Distributing"));

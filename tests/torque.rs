@@ -27,11 +27,18 @@ move = [{{ target = "roller", by = [0, 0, -0.5] }}]
     )
 }
 
+/// Contact is from segment to segment.
+const SEGMENTS: &str = "contact.tread.discretization=\"segment\"";
+
 /// The moment of the contact forces on the slave about a line, from the fields.
-fn moment(run: &Run, increment: usize, contact: &str, (point, axis): (Vec3, Vec3)) -> f64 {
-    let grid = format!("contact.{contact}");
-    let (points, moved) = (run.points(&grid), run.vectors(increment, &grid, "displacement"));
-    let forces = run.vectors(increment, &grid, "force");
+fn moment(run: &Run, increment: usize, contact: &str, line: (Vec3, Vec3)) -> f64 {
+    moment_of(run, increment, [&format!("contact.{contact}"), "force"], line)
+}
+
+/// The moment of a field of forces.
+fn moment_of(run: &Run, increment: usize, [grid, forces]: [&str; 2], (point, axis): (Vec3, Vec3)) -> f64 {
+    let (points, moved) = (run.points(grid), run.vectors(increment, grid, "displacement"));
+    let forces = run.vectors(increment, grid, forces);
     let all = points.iter().zip(&moved).zip(&forces);
     all.map(|((x, u), f)| axis.dot(&(Vec3::from(*x) + Vec3::from(*u) - point).cross(&Vec3::from(*f)))).sum()
 }
@@ -88,11 +95,21 @@ fn moments_balance_on_a_roller() {
     assert!(history.column("roller.angle")[3] > 0.5, "{:?}", history.column("roller.angle"));
     let one = bench.solve(1, &[]).history();
     assert_small("one rank", one.difference(&history), 1e-7);
-    for set in ["contact.tread.method=\"lagrange\"", "contact.tread.method=\"penalty\"", "solver.linear=\"iterative\""]
-    {
+    let others = [
+        "contact.tread.method=\"lagrange\"",
+        "contact.tread.method=\"penalty\"",
+        "solver.linear=\"iterative\"",
+        SEGMENTS,
+    ];
+    for set in others {
         let other = bench.solve(1, &["--set", set]).history();
         assert_small(set, other.last("roller.moment") / 20.0 - 1.0, 1e-8);
     }
+    // With points on the roller that are its own.
+    let [alone, shared] = [1, 3].map(|ranks| bench.solve(ranks, &["--set", SEGMENTS]));
+    assert_small("segments on three ranks", alone.history().difference(&shared.history()), 1e-7);
+    let supports = alone.history().last("pad.zmin.fx") + alone.history().last("roller.fx");
+    assert_small("segments in balance", supports, 1e-9);
     let shorter = Bench::new(&roller(&turn));
     let first = shorter.solve(1, &[]);
     shorter.write("scene.toml", &roller(&format!("{turn}{ease}")));
@@ -117,12 +134,12 @@ fn a_roller_spins_beyond_the_moment_of_full_slip() {
     // A little of the friction goes along the axis.
     assert_close("full slip", moment(&run, last, "tread", axis).abs(), most, 1e-4);
     // While it is pressed on in the same step, and after that.
-    for before in ["", &turned("load", "")] {
+    for (before, set) in [("", &[][..]), (&turned("load", ""), &[]), (&turned("load", ""), &["--set", SEGMENTS])] {
         let driven = |share: f64| Bench::new(&roller(&format!("{before}{}", torque(share * most, ""))));
         if !before.is_empty() {
-            driven(0.97).solve(1, &[]);
+            driven(0.97).solve(1, set);
         }
-        let spins = driven(1.05).run(2, &[]);
+        let spins = driven(1.05).run(2, set);
         assert_eq!(spins.code, 1, "{}", spins.stdout);
         assert!(spins.stderr.contains("the tool `roller` spins: its torque comes to "), "{}", spins.stderr);
     }
@@ -182,7 +199,7 @@ body.block = {{ material = "m", block = {{ box = {{ origin = [-2, -2, -4], size 
 material.m = {{ model = "neo-hookean", young = 10, poisson = 0.3 }}
 tool.knob.plane = {{ point = [0, 0, 0], normal = [0, 0, -1] }}
 contact.top = {{ slave = "block.zmax", master = "knob", friction = 3 }}
-output.history = ["block.zmin"]
+output.fields = ["reaction"]
 [[step]]
 increments = 2
 fix = [{{ set = "block.zmin" }}]
@@ -195,17 +212,20 @@ keep = true
         )
     };
     let line = "point = [0.5, 0, 0], axis = [0, 0, -1]";
-    let driven = Bench::new(&scene(&format!("torque = [{{ tool = \"knob\", total = 6, {line} }}]"))).solve(2, &[]);
-    let angle = driven.history().last("knob.angle");
-    assert!(angle > 3.0, "{angle}");
-    let turn = format!("move = [{{ target = \"knob\", rotate = {{ {line}, angle = {angle:?} }} }}]");
-    let prescribed = Bench::new(&scene(&turn)).solve(1, &[]);
-    for component in ["ux", "uy", "fx", "fy", "fz"] {
-        let [a, b] = [&driven, &prescribed].map(|run| run.history().last(&format!("knob.{component}")));
-        assert_small(component, a - b, 1e-8);
+    for set in [&[][..], &["--set", "contact.top.discretization=\"segment\""]] {
+        let driven = Bench::new(&scene(&format!("torque = [{{ tool = \"knob\", total = 6, {line} }}]"))).solve(2, set);
+        let angle = driven.history().last("knob.angle");
+        assert!(angle > 3.0, "{angle}");
+        let turn = format!("move = [{{ target = \"knob\", rotate = {{ {line}, angle = {angle:?} }} }}]");
+        let prescribed = Bench::new(&scene(&turn)).solve(1, set);
+        for component in ["ux", "uy", "fx", "fy", "fz"] {
+            let [a, b] = [&driven, &prescribed].map(|run| run.history().last(&format!("knob.{component}")));
+            assert_small(component, a - b, 1e-8);
+        }
+        let axis = (Vec3::new(0.5, 0.0, 0.0), -Vec3::z());
+        let reactions = moment_of(&prescribed, prescribed.written(), ["body.block", "reaction"], axis);
+        assert_close("moment", -reactions, 6.0, 1e-8);
     }
-    let axis = (Vec3::new(0.5, 0.0, 0.0), -Vec3::z());
-    assert_close("moment", moment(&prescribed, prescribed.written(), "top", axis), 6.0, 1e-8);
     let smooth = Bench::new(
         &scene(&format!("torque = [{{ tool = \"knob\", total = 6, {line} }}]")).replace("friction = 3", "friction = 0"),
     )

@@ -322,7 +322,7 @@ fn between(
         let of_origin = move |(origin, part): &(SlipOrigin, f64)| {
             let start = ground.place_of(origin).unwrap_or(at.point);
             let spot = Spot { shapes: [1.0, 0.0, 0.0, 0.0], weight: share * part };
-            Point { spot, moved, at, origin: *origin, start }
+            Point { spot, moved, place: at.slave(), at, origin: *origin, start }
         };
         origins.iter().map(of_origin).collect::<Vec<_>>()
     };

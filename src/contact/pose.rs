@@ -58,6 +58,11 @@ impl Axle {
         self.axis.cross(&(x - self.point)) / self.lever
     }
 
+    /// How fast a direction on the tool turns with it: a / lever.
+    pub fn turn(&self) -> Vec3 {
+        self.axis / self.lever
+    }
+
     /// The moment about it, over the lever, of a force with its moment about the origin.
     pub fn drive(&self, force: &Vec3, moment: &Vec3) -> f64 {
         self.axis.dot(&(moment - self.point.cross(force))) / self.lever

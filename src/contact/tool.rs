@@ -70,12 +70,8 @@ impl Tool {
         self.surface.near().is_past_end(&self.trial.inward(point), &own, aside)
     }
 
-    /// Where a point in space that the tool has `at` is exactly between pieces of it: see [`crate::surface::PieceSet::evenly`]. Not
-    /// on one that a torque turns.
+    /// Where a point in space that the tool has `at` is exactly between pieces of it: see [`crate::surface::PieceSet::evenly`].
     pub fn evenly(&self, point: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
-        if self.trial.axle.is_some() {
-            return Vec::new();
-        }
         let [x, place] = [point, &at.point].map(|x| self.trial.inward(x));
         let own = Projection { normal: self.trial.rotation.tr_mul(&at.normal), point: place, ..*at };
         let even = Even { outward: self.trial.rotation.tr_mul(&even.outward), ..*even };
@@ -83,12 +79,8 @@ impl Tool {
         found.iter().map(|(p, angle)| (self.in_space(p), *angle)).collect()
     }
 
-    /// The points of a point in space on given pieces of the tool that make a hollow: see [`crate::surface::PieceSet::hollow`]. Not on
-    /// one that a torque turns.
+    /// The points of a point in space on given pieces of the tool that make a hollow: see [`crate::surface::PieceSet::hollow`].
     pub fn hollow(&self, point: &Vec3, ids: &[u32], turn: f64) -> Vec<Projection> {
-        if self.trial.axle.is_some() {
-            return Vec::new();
-        }
         let found = self.surface.near().hollow(&self.trial.inward(point), ids, turn);
         found.iter().map(|p| self.in_space(p)).collect()
     }

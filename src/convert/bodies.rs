@@ -120,14 +120,17 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
     let mut rigids = Vec::new();
     for (number, card) in whole.cards.iter().enumerate().filter(|(_, card)| is_rigid(card)) {
         let place = card.place.as_deref();
-        let (set, members) = match (card.keyword.get("ELSET"), card.keyword.get("NSET")) {
+        // Nodes of solids have no rotations of their own to be left free by PIN.
+        let mut of_nodes = ["NSET", "TIE NSET", "PIN NSET"].iter().filter_map(|key| card.keyword.get(key));
+        let (set, members) = match (card.keyword.get("ELSET"), of_nodes.next()) {
             _ if card.keyword.name == "COUPLING" => coupled(whole, number)?,
+            _ if of_nodes.next().is_some() => return Err(card.error(ONE_SET, "")),
             (Some(set), None) => {
                 let elements = whole.elements(place, set).ok_or_else(|| no_set(&card.at, "element set", set))?;
                 (set, elements.iter().flat_map(|&element| nodes_of(whole, whole.slots[element as usize])).collect())
             }
             (None, Some(set)) => (set, whole.nodes(place, set).ok_or_else(|| no_set(&card.at, "node set", set))?),
-            _ => return Err(card.error("*RIGID BODY needs one of ELSET= and NSET=", "")),
+            _ => return Err(card.error(ONE_SET, "")),
         };
         let one = |key: &str| {
             let Some(field) = card.keyword.get(key) else { return Ok(None) };
@@ -166,6 +169,8 @@ fn rigids(whole: &Whole, parts: &[Vec<u32>], owners: &mut [Owner], namer: &mut N
     Ok(rigids)
 }
 
+const ONE_SET: &str = "*RIGID BODY needs one of ELSET=, NSET=, TIE NSET= and PIN NSET=";
+
 fn is_rigid(card: &Card) -> bool {
     matches!(card.keyword.name.as_str(), "RIGID BODY" | "COUPLING")
 }
@@ -190,9 +195,10 @@ fn coupled(whole: &Whole, number: usize) -> Result<(&str, Vec<u32>)> {
         return Err(kinematic.error(what, "write 1, 3; or give the conditions on the nodes themselves"));
     }
     let surface = card.keyword.get("SURFACE").unwrap_or_default();
-    let Some(facets) = whole.surface(surface) else { return Err(no_set(&card.at, "surface of elements", surface)) };
-    let nodes = facets.iter().flat_map(|&facet| nodes_of(whole, Slot::Facets { first: facet, count: 1 }));
-    Ok((surface, nodes.collect()))
+    let of_facet = |&facet: &u32| nodes_of(whole, Slot::Facets { first: facet, count: 1 });
+    let of_elements = || whole.surface(surface).map(|facets| facets.iter().flat_map(of_facet).collect());
+    let nodes = whole.surface_of_nodes(surface).map(<[u32]>::to_vec).or_else(of_elements);
+    Ok((surface, nodes.ok_or_else(|| no_set(&card.at, "surface", surface))?))
 }
 
 /// The nodes of an element.

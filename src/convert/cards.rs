@@ -46,7 +46,7 @@ fn fate(name: &str) -> Fate {
         "FRICTION" => Fate::Read(&["SLIP TOLERANCE", "ELASTIC SLIP", "LAGRANGE"]),
         "SOLID SECTION" => Fate::Read(&["ELSET", "MATERIAL", "ORIENTATION", "CONTROLS"]),
         "SHELL SECTION" | "MEMBRANE SECTION" => Fate::Read(&["ELSET", "MATERIAL", "SECTION INTEGRATION"]),
-        "RIGID BODY" => Fate::Read(&["ELSET", "NSET", "REF NODE", "ROT NODE"]),
+        "RIGID BODY" => Fate::Read(&["ELSET", "NSET", "TIE NSET", "PIN NSET", "REF NODE", "ROT NODE"]),
         "SURFACE INTERACTION" => Fate::Read(&["NAME"]),
         "SURFACE BEHAVIOR" => Fate::Read(&["PRESSURE-OVERCLOSURE", "DIRECT", "PENALTY", "AUGMENTED LAGRANGE"]),
         "CONTACT PAIR" => Fate::Read(&[

@@ -112,16 +112,6 @@ pub(super) fn faces_by_body(
     Ok(found)
 }
 
-/// The nodes of a surface of nodes, or of a set of them; sections know too few of their faces.
-fn nodes_of_surface<'a>(groups: &Groups<'a>, name: &str) -> Option<&'a [u32]> {
-    let whole = groups.whole;
-    if whole.mesh.is_section || whole.surface(name).is_some() || whole.elements(None, name).is_some() {
-        return None;
-    }
-    let mut named = whole.mesh.groups.iter();
-    named.find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, group)| &group.nodes[..])
-}
-
 /// The faces of bodies whose nodes are all in a surface of nodes, each of which is to be of one.
 fn faces_between(
     groups: &Groups,
@@ -266,7 +256,9 @@ impl Pairs<'_, '_> {
 
     fn parts(&mut self, row: &Row, name: &str) -> Result<Vec<Part>> {
         let mut parts = Vec::new();
-        let by_body = match nodes_of_surface(self.groups, name) {
+        // Sections know too few of their faces.
+        let whole = self.groups.whole;
+        let by_body = match whole.surface_of_nodes(name).filter(|_| !whole.mesh.is_section) {
             Some(nodes) => faces_between(self.groups, self.bodies, row, (name, nodes))?,
             None => faces_by_body(self.groups, self.bodies, row, name)?,
         };

@@ -152,7 +152,11 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     };
     let Some(found) = mesh.groups.get(group) else {
         let what = format!("body `{body}` has no group `{group}`");
-        return Err(Error::input(&name.at, what, did_you_mean(group, mesh.groups.keys().map(String::as_str))));
+        let help = match mesh.groups.is_empty() {
+            true => "its mesh has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1".to_string(),
+            false => did_you_mean(group, mesh.groups.keys().map(String::as_str)),
+        };
+        return Err(Error::input(&name.at, what, help));
     };
     if found.nodes.is_empty() {
         return Err(Error::input(

@@ -3,8 +3,7 @@
 use super::reader::{Item, Table};
 use super::references::Names;
 use super::{
-    Contact, Discretization, Enforcement, Interference, Located, MasterSurface, Scene, Smoothing, Step, Tangent,
-    Transfer,
+    Contact, Discretization, Enforcement, Interference, Located, MasterSurface, Scene, Smoothing, Tangent, Transfer,
 };
 use crate::error::{Error, Faults, Result};
 
@@ -51,21 +50,6 @@ fn check(next: &Contact, others: &[Contact], names: &Names) -> Result<()> {
     Ok(())
 }
 
-/// Refuses torques on tools that are met from segment to segment, of which the tangent does not know.
-pub(super) fn check_torques(contacts: &[Contact], steps: &[Step]) -> Result<()> {
-    let by_faces = |tool: &str| {
-        let mut segments = contacts.iter().filter(|c| c.discretization == Discretization::Segment);
-        segments.any(|contact| contact.master.value == tool)
-    };
-    match steps.iter().flat_map(|step| &step.torques).find(|torque| by_faces(&torque.tool.value)) {
-        None => Ok(()),
-        Some(torque) => {
-            let what = format!("a torque on `{}`, whose contact is from segment to segment", torque.tool.value);
-            Err(Error::input(&torque.tool.at, what, "use \"one-pass\", or turn the tool by `rotate`"))
-        }
-    }
-}
-
 fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact> {
     let table = item.table(&[KEYS.as_slice(), OF_SURFACE.as_slice()].concat())?;
     let friction = |item: &Item| {
@@ -100,9 +84,10 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     let is_tool = names.is_tool(&master.value);
     let discretization = discretization(&table, is_tool)?;
     let segments = discretization == Discretization::Segment;
-    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && !segments) {
-        let what = "means nothing in self-contact";
-        return Err(item.error(what, "all of its nodes are slaves; remove it, or write \"segment\""));
+    let one_pass = discretization == Discretization::OnePass;
+    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && !segments && !one_pass) {
+        let help = "all of its nodes are slaves in one pass; write \"one-pass\" or \"segment\"";
+        return Err(item.error("means nothing in self-contact", help));
     }
     let interferences =
         [("auto", Interference::Auto), ("at-once", Interference::AtOnce), ("ramped", Interference::Ramped)];

@@ -130,7 +130,6 @@ fn scene(root: &Node, name: String, directory: &Path) -> Result<Scene> {
     let (bodies, materials, mut steps, solver) = (bodies?, materials?, steps?, solver?);
     gravity::weigh(&mut steps, &bodies, &materials)?;
     let contacts = contacts?;
-    contacts::check_torques(&contacts, &steps)?;
     Ok(Scene {
         title: title?.map_or_else(|| name.clone(), str::to_string),
         name,

@@ -1,5 +1,4 @@
-//! Slave nodes that stand exactly under a sharp edge or a tip of a tool that a torque turns, or of what is on the same body, and look
-//! at both of its sides.
+//! Slave nodes that stand exactly under a sharp edge or a tip of what is on the same body, and look at both of its sides.
 //!
 //! Such a node touches one of the sides, by rounding, slides off along it, and pushes aside what by symmetry stays. Elsewhere it is on
 //! both sides, see [`crate::contact::Ground::evenly`]; at the edges of a block nodes look at one side alone.
@@ -8,7 +7,7 @@ use super::super::conditions::Conditions;
 use super::sight::Standing;
 use super::worst;
 use crate::Vec3;
-use crate::contact::{Master, Pair};
+use crate::contact::Pair;
 use crate::model::Model;
 use crate::parallel::{max, sum};
 use mpi::topology::SimpleCommunicator;
@@ -22,13 +21,10 @@ const HELD: f64 = 0.1;
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, (steps, sights): (&[Conditions], &[Vec<Standing>])) {
     let mut told = Vec::new();
     // Means over a segment choose no side.
-    for (pair, sights) in model.pairs.iter().zip(sights).filter(|(pair, _)| pair.faces.is_none()) {
-        let chooses = |conditions: &&Conditions| match pair.master {
-            Master::Tool(t) => conditions.motions[t].axle.is_some(),
-            Master::Surface(..) => pair.is_within_body(),
-        };
-        let steps = || steps.iter().filter(chooses);
-        let is_free = |s: usize, across: &Vec3| steps().any(|conditions| left(conditions, pair, s, across) > HELD);
+    for (pair, sights) in
+        model.pairs.iter().zip(sights).filter(|(pair, _)| pair.faces.is_none() && pair.is_within_body())
+    {
+        let is_free = |s: usize, across: &Vec3| steps.iter().any(|conditions| left(conditions, pair, s, across) > HELD);
         let sharp = |(s, sight): (usize, &Standing)| {
             let ([a, b], at) = sight.sides.zip(sight.contact)?;
             let cosine = a.dot(&b);

@@ -398,7 +398,7 @@ impl Element {
         self.columns.push(Column { force: -force, constraint: -constraint, ..Column::default() });
         self.weights.push(Weight::constant(Mat3::identity()));
         let Some(axle) = axle else { return };
-        let (by_angle, turn) = (axle.velocity(&p.slave()), axle.axis / axle.lever);
+        let (by_angle, turn) = (axle.velocity(&p.slave()), axle.turn());
         let [normal, path, carried] =
             [p.normal, p.point - contact.place().origin, contact.carried()].map(|carried| turn.cross(&carried));
         let turned = |by: &Slopes, place: &Mat3| {

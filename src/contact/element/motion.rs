@@ -38,6 +38,13 @@ pub struct Part {
 }
 
 impl Part {
+    /// With the slave node over a point of a tool.
+    pub fn on_tool(at: &Projection) -> Self {
+        let (n, normal) = (at.normal, at.normal_gradient);
+        let point = Mat3::identity() - n * n.transpose() - normal * at.gap;
+        Self { point, gap: n, normal, parameters: [Vec3::zeros(); 2] }
+    }
+
     /// So much of it.
     pub fn times(&self, factor: f64) -> Self {
         Self {

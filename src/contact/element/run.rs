@@ -15,6 +15,7 @@
 use super::motion::{Motion, Part};
 use super::spread::{Portion, Spread};
 use crate::contact::law::Response;
+use crate::contact::pose::Axle;
 use crate::mortar::face::MOST;
 use crate::surface::Transfer;
 use crate::surface::moving::variation::{EDGES, Functions, HANDLES, Variation};
@@ -66,10 +67,7 @@ pub(super) fn by_patch<'a, 'b>(points: &'a [Portion<'b>]) -> impl Iterator<Item 
 impl Run {
     /// A point on a tool, which the tool's translation moves as the opposite of the slave's.
     pub fn add_on_tool(&mut self, of: (&Spread, &Portion), response: &Response) {
-        let p = of.1.at;
-        let turn = p.normal_gradient;
-        let along = Mat3::identity() - p.normal * p.normal.transpose() - turn * p.gap;
-        let of_slave = Part { point: along, gap: p.normal, normal: turn, parameters: [Vec3::zeros(); 2] };
+        let of_slave = Part::on_tool(of.1.at);
         let parts = [of_slave.times(-1.0), Part::default(), Part::default(), of_slave];
         let mut functions = [[0.0; 3]; HANDLES];
         functions[0][0] = 1.0;
@@ -103,7 +101,7 @@ impl Run {
     ) {
         self.face = point.nodes.len();
         let w = point.weight;
-        let normal_force = spread.normal.dot(&response.force) * w + spread.wedged(point);
+        let normal_force = spread.presses(point, response);
         let force = spread.bears(point, &response.force);
         let apart = (point.at.normal - spread.normal) * w;
         let pressing = parts
@@ -155,6 +153,37 @@ impl Sums {
             matrices.clear();
             matrices.resize(length, Mat3::zeros());
         }
+    }
+
+    /// Adds what a torque that turns the tool makes of a point, whose run was [taken](Self::take); that rotation is the last node.
+    pub fn turn(&mut self, (spread, point): (&Spread, &Portion), response: &Response, axle: &Axle) {
+        let (p, w, last, count) = (point.at, point.weight, self.gap.len() - 1, self.gap.len());
+        let (by_angle, turn, of_slave) = (axle.velocity(&point.place), axle.turn(), Part::on_tool(point.at));
+        let (gap, apart) = (-p.normal.dot(&by_angle), p.normal - spread.normal);
+        let normal = turn.cross(&p.normal) - of_slave.normal * by_angle;
+        let path = turn.cross(&(p.point - point.start)) - of_slave.point * by_angle;
+        self.gap[last].x += gap * w;
+        self.leaning[last].x -= by_angle.dot(&apart) * w;
+        for (of, by) in [(&mut self.normal, normal), (&mut self.path, path)] {
+            let mut column = of[last].column_mut(0);
+            column += by * w;
+        }
+        let mut share = self.share[last].row_mut(0);
+        share -= by_angle.transpose() * w;
+
+        let (normal_force, force) = (spread.presses(point, response), spread.bears(point, &response.force));
+        let wedge = spread.wedge * w;
+        let pressing = normal * normal_force + p.normal * (gap * wedge);
+        let pressed = of_slave.normal * normal_force + p.normal * p.normal.transpose() * wedge;
+        let back = -pressed.tr_mul(&by_angle) - force.cross(&turn);
+        let of_face = self.places[1..].iter().copied().zip(point.shapes.iter().copied());
+        for (k, shape) in of_face.chain([(self.places[0], -1.0)]) {
+            let mut column = self.own[k * count + last].column_mut(0);
+            column += pressing * shape;
+            let mut row = self.own[last * count + k].row_mut(0);
+            row += back.transpose() * shape;
+        }
+        self.own[last * count + last][(0, 0)] -= by_angle.dot(&pressing);
     }
 
     /// Adds a run, whose nodes are at `places`, with how the handles of its patch change and bear; a tool has none.

@@ -12,7 +12,8 @@
 //!
 //! with F_n = F·n. The mean normal may have to have no component along directions that are held: with P the projector on the
 //! others dn = (I - nn)/|P m| P dm, m = Σ w_q n_q.
-//! A tangential force that is held goes with the tool; with a patch it stands still in the tangent.
+//! A tangential force that is held goes with the tool; with a patch it stands still in the tangent. A torque turns a tool as in
+//! the [module](super): its row is T_q = -e w_qᵀ, with e for the first component, and dT_q f_q = -e (f_q x v)·(dx_q - dp).
 //!
 //! The points of a node that is wedged in a hollow, which share its normal force as equilibrium and not as w_q has it, bear in
 //! addition k w_q (g_q - g) n_q, which has the potential k/2 Σ w_q (g_q - g)² and no part in the normal force, for g is the mean gap:
@@ -28,6 +29,7 @@ use super::run::{Run, Sums, by_patch};
 use super::{Element, Method, with_carried};
 use crate::contact::law::{self, Guide, Kinematics, Multiplier, Response, Status};
 use crate::contact::master::{Ground, SlipOrigin};
+use crate::contact::pose::Axle;
 use crate::surface::moving::variation::{HANDLES, Variation};
 use crate::surface::{MovingPatch, Projection, Transfer};
 use crate::{Mat3, Vec3};
@@ -37,6 +39,8 @@ pub trait Bed {
     /// A patch that moves with nodes, with which of these it has; a tool, whose node 0 is its translation, has none.
     fn patch(&self, id: u32) -> Option<(&MovingPatch, &[u32])>;
     fn position(&self, node: u32) -> Vec3;
+    /// About which a torque turns the tool, whose node 1 is that rotation.
+    fn axle(&self) -> Option<Axle>;
 }
 
 impl Bed for Ground<'_> {
@@ -46,6 +50,13 @@ impl Bed for Ground<'_> {
 
     fn position(&self, node: u32) -> Vec3 {
         Ground::position(self, node)
+    }
+
+    fn axle(&self) -> Option<Axle> {
+        match self {
+            Ground::Tool(tool) => tool.trial.axle_in_space(),
+            Ground::Surface(..) => None,
+        }
     }
 }
 
@@ -57,6 +68,8 @@ pub struct Portion<'a> {
     /// The nodes that move the face, and N_a.
     pub nodes: &'a [u32],
     pub shapes: &'a [f64],
+    /// Where they put it.
+    pub place: Vec3,
     pub at: &'a Projection,
     pub origin: SlipOrigin,
     /// Where that is.
@@ -89,6 +102,11 @@ impl Spread<'_> {
     /// k w_q (g_q - g).
     pub(super) fn wedged(&self, point: &Portion) -> f64 {
         self.wedge * point.weight * (point.at.gap - self.gap)
+    }
+
+    /// w_q F_n, with what it bears beside.
+    pub(super) fn presses(&self, point: &Portion, response: &Response) -> f64 {
+        self.normal.dot(&response.force) * point.weight + self.wedged(point)
     }
 
     /// f_q.
@@ -133,7 +151,7 @@ impl Element {
             None => self.assemble(method, width, &response, None),
             Some(spread) => {
                 self.add_points(method.transfer, &response, (spread, bed));
-                self.assemble_points(method, width, (&response, spread));
+                self.assemble_points(method, width, &response, (spread, bed));
             }
         }
         if response.inverse != Mat3::zeros() {
@@ -192,6 +210,11 @@ impl Element {
                 }
             }
         }
+        if let Some(axle) = bed.axle() {
+            let turns = |point: &Portion| axle.velocity(&point.place).dot(&spread.bears(point, &response.load));
+            self.nodes.push(1);
+            self.forces.push(Vec3::x() * -spread.portions.iter().map(turns).sum::<f64>());
+        }
         response
     }
 
@@ -249,6 +272,10 @@ impl Element {
         sums.places.clear();
         let mut run = Run::default();
         let mut of_patch = None;
+        let of_face = points[0].nodes.iter().map(|node| match *node == spread.node {
+            true => 0,
+            false => 1 + self.beside.iter().position(|b| b == node).unwrap_or_default(),
+        });
         match bed.patch(points[0].at.patch) {
             None => {
                 sums.places.push(slaves);
@@ -267,15 +294,21 @@ impl Element {
                 of_patch = Some((&self.at_foot, transfer));
             }
         }
-        sums.places.extend(points[0].nodes.iter().map(|node| match *node == spread.node {
-            true => 0,
-            false => 1 + self.beside.iter().position(|b| b == node).unwrap_or_default(),
-        }));
+        sums.places.extend(of_face);
         sums.take(&run, of_patch);
+        if let Some(axle) = bed.axle() {
+            points.iter().for_each(|point| sums.turn((spread, point), response, &axle));
+        }
     }
 
     /// The tangent from the sums.
-    fn assemble_points(&mut self, method: &Method, width: usize, (response, spread): (&Response, &Spread)) {
+    fn assemble_points(
+        &mut self,
+        method: &Method,
+        width: usize,
+        response: &Response,
+        (spread, bed): (&Spread, &dyn Bed),
+    ) {
         let sums = std::mem::take(&mut self.sums);
         let (count, epsilon, n) = (sums.gap.len(), method.law.normal, spread.normal);
         let size = 3 * count + width;
@@ -291,9 +324,13 @@ impl Element {
         let normal_force = n.dot(&response.force);
         let turned: Vec<Mat3> = sums.normal.iter().map(|by| turn * by).collect();
         let mut by_column = Vec::with_capacity(count);
+        // A rotation, which is last, takes what is held with it.
+        let held = bed.axle().map(|axle| response.by_held * axle.turn().cross(&spread.carried));
         for k in 0..count {
-            let change =
-                |by: &law::Slopes| by.gap * sums.gap[k].transpose() + by.normal * turned[k] + by.path * sums.path[k];
+            let held = held.filter(|_| k + 1 == count).map_or(Mat3::zeros(), |held| held * Vec3::x().transpose());
+            let change = |by: &law::Slopes| {
+                by.gap * sums.gap[k].transpose() + by.normal * turned[k] + by.path * sums.path[k] + held
+            };
             by_column.push(change(by));
             self.set(3, start(k), [width, 3], &change(constraint_by));
         }

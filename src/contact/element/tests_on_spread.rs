@@ -53,6 +53,8 @@ struct Scene {
     friction: f64,
     guide: Guide,
     wedge: f64,
+    /// About which a torque turns the ball, by the first component of its node 1.
+    axle: Option<Axle>,
 }
 
 impl Bed for Scene {
@@ -62,6 +64,10 @@ impl Bed for Scene {
 
     fn position(&self, node: u32) -> Vec3 {
         self.points[node as usize]
+    }
+
+    fn axle(&self) -> Option<Axle> {
+        self.axle.map(|axle| Axle { point: axle.point + self.points[0] - Vec3::from(CENTER), ..axle })
     }
 }
 
@@ -73,13 +79,33 @@ impl Scene {
         let stencils = patches.iter().map(|patch| patch.nodes.iter().map(|&n| n as u32).collect()).collect();
         let points = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
         let (slaves, multiplier, guide) = (Vec::new(), Vec3::zeros(), Guide::default());
-        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide, wedge: 0.0 }.placed()
+        let (spots, friction, wedge, axle) = (&SPOTS[..], 0.3, 0.0, None);
+        Self { patches, stencils, points, slaves, spots, multiplier, friction, guide, wedge, axle }.placed()
     }
 
     fn ball() -> Self {
-        let (points, slaves) = (vec![Vec3::from(CENTER)], Vec::new());
-        let (patches, stencils, multiplier, guide) = (Vec::new(), Vec::new(), Vec3::zeros(), Guide::default());
-        Self { patches, stencils, points, slaves, spots: &SPOTS, multiplier, friction: 0.3, guide, wedge: 0.0 }.placed()
+        let points = vec![Vec3::from(CENTER)];
+        Self { patches: Vec::new(), stencils: Vec::new(), points, ..Self::new(Smoothing::Facet) }.placed()
+    }
+
+    fn turned_ball() -> Self {
+        let axis = Vec3::new(0.48, 0.6, 0.64);
+        let axle = Axle { point: Vec3::new(1.1, 0.9, -2.0), axis, lever: 1.7 };
+        Self { points: vec![Vec3::from(CENTER), Vec3::zeros()], axle: Some(axle), ..Self::ball() }
+    }
+
+    /// Where the ball has taken a place, which was so far from its center.
+    fn on_ball(&self, away: &Vec3) -> Vec3 {
+        let at = self.points[0] + away;
+        self.axle().map_or(at, |axle| {
+            let turned = Vec3::from(axle.axis) * (self.points[1].x / axle.lever);
+            axle.point + nalgebra::Rotation3::new(turned) * (at - axle.point)
+        })
+    }
+
+    /// Where the functions of a face put a point.
+    fn place(&self, nodes: &[u32], shapes: &[f64]) -> Vec3 {
+        nodes.iter().zip(shapes).map(|(n, w)| self.slaves[*n as usize] * *w).sum()
     }
 
     /// Puts the slave nodes where the points are about where they are said to be.
@@ -94,9 +120,10 @@ impl Scene {
 
     fn projections(&self) -> Vec<Projection> {
         let of = |(nodes, shapes, _, (patch, xi, _)): &Spot| {
-            let x: Vec3 = nodes.iter().zip(*shapes).map(|(n, w)| self.slaves[*n as usize] * *w).sum();
+            let x = self.place(nodes, shapes);
             if self.patches.is_empty() {
-                let (center, away) = (self.points[0], x - self.points[0]);
+                let center = self.on_ball(&Vec3::zeros());
+                let away = x - center;
                 let n = away.normalize();
                 let turn = (Mat3::identity() - n * n.transpose()) / away.norm();
                 let point = center + n * RADIUS;
@@ -123,7 +150,7 @@ impl Scene {
         let projections = self.projections();
         let (origin, start) = match self.patches.get(ORIGIN.0) {
             None => {
-                let place = self.points[0] + Vec3::new(0.3, -0.2, RADIUS);
+                let place = self.on_ball(&Vec3::new(0.3, -0.2, RADIUS));
                 (SlipOrigin::Fixed(place), place)
             }
             Some(patch) => {
@@ -135,6 +162,7 @@ impl Scene {
             weight: *weight,
             nodes,
             shapes,
+            place: self.place(nodes, shapes),
             at,
             origin,
             start,
@@ -157,7 +185,8 @@ impl Scene {
         let response = e.spread_tangent(&method, &multiplier, (Some(&spread), self), &guide);
         let own = e.own.iter().chain(response.constraint.iter().take(width));
         let all: Vec<f64> = own.chain(e.beside_forces.iter().chain(&e.forces).flatten()).copied().collect();
-        let balance: Vec3 = e.own + e.beside_forces.iter().chain(&e.forces).sum::<Vec3>();
+        let forces = e.forces.iter().take(if self.axle.is_some() { 1 } else { e.forces.len() });
+        let balance: Vec3 = e.own + e.beside_forces.iter().chain(forces).sum::<Vec3>();
         assert!(balance.norm() < 1e-12 * response.force.norm().max(1.0), "{balance}");
         (response.status, e, DVector::from_vec(all))
     }
@@ -202,6 +231,8 @@ fn the_tangent_of_points_is_the_derivative_of_the_residual() {
         between(Smoothing::Facet),
         Scene { spots: &QUADRATIC, ..Scene::new(Smoothing::Nagata) },
         Scene { spots: &QUADRATIC, ..Scene::ball() },
+        Scene::turned_ball(),
+        Scene { spots: &QUADRATIC, ..Scene::turned_ball() },
     ];
     for scene in scenes {
         for transfer in [Transfer::Variational, Transfer::Patch, Transfer::Bilinear] {
@@ -226,7 +257,7 @@ fn the_tangent_of_points_is_the_derivative_of_the_residual() {
 fn the_tangent_of_points_is_the_derivative_where_nodes_are_guided() {
     let axes = *nalgebra::Rotation3::from_euler_angles(0.2, -0.3, 0.4).matrix();
     let (none, one, two) = ([false; 3], [true, false, false], [true, true, false]);
-    for scene in [Scene::new(Smoothing::Nagata), Scene::ball()] {
+    for scene in [Scene::new(Smoothing::Nagata), Scene::ball(), Scene::turned_ball()] {
         let some = Vec3::new(3.0, -1.0, 0.7);
         let still = Vec3::zeros();
         for (held, drawn, borne) in [

@@ -24,6 +24,7 @@ pub struct Point {
     /// Where it is in its face; of a node alone at its first corner.
     pub spot: Spot,
     pub moved: Moved,
+    pub place: Vec3,
     pub at: Projection,
     /// Where its slip counts from, and where that is now; with friction.
     pub origin: SlipOrigin,
@@ -38,8 +39,9 @@ impl Point {
 
     /// What it is to the element, with such a share.
     pub fn portion(&self, weight: f64) -> Portion<'_> {
-        let Self { moved, at, origin, start, .. } = self;
-        Portion { weight, nodes: moved.nodes(), shapes: moved.shapes(), at, origin: *origin, start: *start }
+        let Self { moved, place, at, origin, start, .. } = self;
+        let (place, origin, start) = (*place, *origin, *start);
+        Portion { weight, nodes: moved.nodes(), shapes: moved.shapes(), place, at, origin, start }
     }
 
     /// The patches of a body that it is on, with friction that of its slip origin, too.
@@ -100,7 +102,7 @@ impl Segments {
                     None => SlipOrigin::Fixed(at.point),
                 };
                 let start = ground.place_of(&origin).unwrap_or(at.point);
-                Some(Point { spot, moved, at, origin, start })
+                Some(Point { spot, moved, place, at, origin, start })
             };
             let at = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
             match (ground, still) {

@@ -193,6 +193,15 @@ impl Whole {
         self.surfaces.get(&plain(field)).map(Vec::as_slice)
     }
 
+    /// The nodes of a surface of nodes, or of a set of them.
+    pub fn surface_of_nodes(&self, name: &str) -> Option<&[u32]> {
+        if self.surface(name).is_some() || self.elements(None, name).is_some() {
+            return None;
+        }
+        let mut named = self.mesh.groups.iter();
+        named.find(|(known, _)| known.eq_ignore_ascii_case(name)).map(|(_, group)| &group.nodes[..])
+    }
+
     /// The names of all sets and surfaces.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         let sets = self.sets.iter().flat_map(BTreeMap::keys).chain(self.surfaces.keys());
