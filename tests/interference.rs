@@ -81,9 +81,12 @@ fn what_cannot_be_pushed_out_at_once_is_ramped() {
 }
 
 #[test]
-fn interference_is_not_for_a_surface_that_meets_itself() {
-    let run = fit(RAMPED).run(1, &["--set", "contact.c.master=hub.rmin"]);
-    assert!(run.code == 2 && run.stderr.contains("means nothing in self-contact"), "{}", run.stderr);
+fn neither_interference_nor_two_passes_are_for_a_surface_that_meets_itself() {
+    for (key, rest) in [("interference", RAMPED), ("discretization", "discretization = \"two-pass\"")] {
+        let run = fit(rest).run(1, &["--set", "contact.c.master=hub.rmin"]);
+        let told = format!("contact.c.{key} means nothing in self-contact");
+        assert!(run.code == 2 && run.stderr.contains(&told), "{}", run.stderr);
+    }
 }
 
 /// What is pushed out is not let in again where a later increment fails.

@@ -116,10 +116,8 @@ fn a_symmetric_strip_is_half_a_strip_on_a_plane() {
 }
 
 fn is_half_a_strip(discretization: &str, tolerance: f64) {
-    let segments = ["--set", "contact.inside.discretization=segment"];
-    let how = if discretization == "segment" { &segments[..] } else { &[] };
-    let arguments = [&["--steps", "2", "--set", "contact.inside.friction=0"], how].concat();
-    let run = strip(|s| s).solve(1, &arguments);
+    let how = format!("contact.inside.discretization={discretization}");
+    let run = strip(|s| s).solve(1, &["--steps", "2", "--set", "contact.inside.friction=0", "--set", &how]);
     let whole = run.history();
     let half = strip(|scene| {
         let (start, rest) = scene.split_once("[contact.inside]").unwrap();

@@ -95,21 +95,16 @@ fn moments_balance_on_a_roller() {
     assert!(history.column("roller.angle")[3] > 0.5, "{:?}", history.column("roller.angle"));
     let one = bench.solve(1, &[]).history();
     assert_small("one rank", one.difference(&history), 1e-7);
-    let others = [
-        "contact.tread.method=\"lagrange\"",
-        "contact.tread.method=\"penalty\"",
-        "solver.linear=\"iterative\"",
-        SEGMENTS,
-    ];
-    for set in others {
+    for set in ["contact.tread.method=\"lagrange\"", "contact.tread.method=\"penalty\"", "solver.linear=\"iterative\""]
+    {
         let other = bench.solve(1, &["--set", set]).history();
         assert_small(set, other.last("roller.moment") / 20.0 - 1.0, 1e-8);
     }
     // With points on the roller that are its own.
-    let [alone, shared] = [1, 3].map(|ranks| bench.solve(ranks, &["--set", SEGMENTS]));
-    assert_small("segments on three ranks", alone.history().difference(&shared.history()), 1e-7);
-    let supports = alone.history().last("pad.zmin.fx") + alone.history().last("roller.fx");
-    assert_small("segments in balance", supports, 1e-9);
+    let [alone, shared] = [1, 3].map(|ranks| bench.solve(ranks, &["--set", SEGMENTS]).history());
+    assert_small("segments", alone.last("roller.moment") / 20.0 - 1.0, 1e-8);
+    assert_small("segments on three ranks", alone.difference(&shared), 1e-7);
+    assert_small("segments in balance", alone.last("pad.zmin.fx") + alone.last("roller.fx"), 1e-9);
     let shorter = Bench::new(&roller(&turn));
     let first = shorter.solve(1, &[]);
     shorter.write("scene.toml", &roller(&format!("{turn}{ease}")));
@@ -234,7 +229,6 @@ keep = true
     assert!(smooth.stderr.contains("tool `knob` can turn about"), "{}", smooth.stderr);
 }
 
-/// What a node that is fixed bears of a pulley that can only turn is undetermined, and so is its friction.
 /// A wheel on a pad whose torque goes on about a line beside its axis: it begins with the moment that holds the wheel there,
 /// whichever way the axis is written. Its angle is about the axis as written, and goes on from what it was.
 #[test]
@@ -281,6 +275,7 @@ fn a_torque_about_another_line_begins_with_the_moment_that_holds() {
     assert!(same.last("w.angle").abs() < 0.5 * same.column("w.angle")[before], "{}", same.last("w.angle"));
 }
 
+/// What a node that is fixed bears of a pulley that can only turn is undetermined, and so is its friction.
 #[test]
 fn a_torque_against_held_nodes_is_refused() {
     let run = Bench::new(

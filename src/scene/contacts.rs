@@ -84,8 +84,8 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     let is_tool = names.is_tool(&master.value);
     let discretization = discretization(&table, is_tool)?;
     let segments = discretization == Discretization::Segment;
-    let one_pass = discretization == Discretization::OnePass;
-    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && !segments && !one_pass) {
+    let of_two = matches!(discretization, Discretization::TwoPass | Discretization::NodeToNode);
+    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && of_two) {
         let help = "all of its nodes are slaves in one pass; write \"one-pass\" or \"segment\"";
         return Err(item.error("means nothing in self-contact", help));
     }

@@ -11,11 +11,11 @@
 //!
 //! Self-contact, which gives way always, does so once, with some 1e-7 of the forces left; where it has given way by
 //! `wide_slack`, twice with `slack`, and as little is left. Thin sheets and rubber that is confined resist far more than the
-//! stiffness that this counts by: there rounds go on until less than `slack_left` is. More rounds lead nowhere. Nodes that meet and
-//! stick are each held to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers grow by the same in each round,
-//! until one slips. Tips on tips have two ways to slide off, and each round makes a multiple of how far they lean. Of 54
-//! strips, one round more lets 6 fail, and one after the other while each halves what is left 6 as well, with thrice the
-//! iterations.
+//! stiffness that this counts by: there rounds go on until less than `slack_left` is. More rounds lead nowhere. Nodes that
+//! meet and stick are each held to a point of the other's patch, and contradict each other by 1e-7 of a facet: multipliers
+//! grow by the same in each round, until one slips. Tips on tips have two ways to slide off, and each round makes a multiple
+//! of how far they lean. Of 54 strips, one round more lets 6 fail, and one after the other while each halves what is left 6
+//! as well, with thrice the iterations.
 //!
 //! Where what touches is to stick first, it does until the active set stands, for a set that lets bodies touch may press what
 //! only friction holds; and where the iteration goes along the [central path](super::central), each of its stages is a round.

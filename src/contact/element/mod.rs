@@ -398,18 +398,14 @@ impl Element {
         self.columns.push(Column { force: -force, constraint: -constraint, ..Column::default() });
         self.weights.push(Weight::constant(Mat3::identity()));
         let Some(axle) = axle else { return };
-        let (by_angle, turn) = (axle.velocity(&p.slave()), axle.turn());
-        let [normal, path, carried] =
-            [p.normal, p.point - contact.place().origin, contact.carried()].map(|carried| turn.cross(&carried));
-        let turned = |by: &Slopes, place: &Mat3| {
-            let change = by.normal * normal + by.path * path + response.by_held * carried - place * by_angle;
-            Mat3::from_columns(&[change, Vec3::zeros(), Vec3::zeros()])
-        };
-        let [force, constraint] = [turned(&response.force_by, &force), turned(&response.constraint_by, &constraint)];
-        self.columns.push(Column { force, constraint, ..Column::default() });
+        let (x, seen) = (p.slave(), Projection { normal_gradient: turn, ..*p });
+        let by_turn = Part::by_turn(&seen, &(p.point - contact.place().origin), (axle, &x));
+        let Column { force, constraint, .. } = Column::new(response, &by_turn);
+        let held = response.by_held * axle.turn().cross(&contact.carried()) * Vec3::x().transpose();
+        self.columns.push(Column { force: force + held, constraint: constraint + held, ..Column::default() });
         let first_row = |v: &Vec3| Vec3::x() * v.transpose();
-        let by_place = first_row(&response.load.cross(&turn));
-        self.weights.push(Weight { by_place, ..Weight::constant(first_row(&by_angle)) });
+        let by_place = first_row(&response.load.cross(&axle.turn()));
+        self.weights.push(Weight { by_place, ..Weight::constant(first_row(&axle.velocity(&x))) });
     }
 
     /// Columns and weights where the foot stays on a corner, which bears all: its nodal normal turns with the nodes of the patch.

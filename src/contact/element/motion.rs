@@ -23,6 +23,7 @@
 //!     d(x̄ - x̃) = dx - dx_m - n dg - g dn - ω × r
 //! ```
 
+use crate::contact::pose::Axle;
 use crate::surface::{Local, Patch, Polygon, Projection};
 use crate::{Mat3, Vec3};
 
@@ -43,6 +44,18 @@ impl Part {
         let (n, normal) = (at.normal, at.normal_gradient);
         let point = Mat3::identity() - n * n.transpose() - normal * at.gap;
         Self { point, gap: n, normal, parameters: [Vec3::zeros(); 2] }
+    }
+
+    /// With the rotation of a tool by a torque, its first component, for a point at `place` that has come along a `path`.
+    pub fn by_turn(at: &Projection, path: &Vec3, (axle, place): (&Axle, &Vec3)) -> Self {
+        let (by_angle, turn, of_slave) = (axle.velocity(place), axle.turn(), Self::on_tool(at));
+        let first = |column: Vec3| column * Vec3::x().transpose();
+        Self {
+            point: first(turn.cross(path) - of_slave.point * by_angle),
+            gap: Vec3::x() * -at.normal.dot(&by_angle),
+            normal: first(turn.cross(&at.normal) - of_slave.normal * by_angle),
+            parameters: [Vec3::zeros(); 2],
+        }
     }
 
     /// So much of it.

@@ -101,12 +101,9 @@ impl Run {
     ) {
         self.face = point.nodes.len();
         let w = point.weight;
-        let normal_force = spread.presses(point, response);
         let force = spread.bears(point, &response.force);
         let apart = (point.at.normal - spread.normal) * w;
-        let pressing = parts
-            .each_ref()
-            .map(|part| part.normal * normal_force + point.at.normal * part.gap.transpose() * (spread.wedge * w));
+        let pressing = parts.each_ref().map(|part| spread.pressing(point, response, part));
         let sliding = [0, 1].map(|a| parts.each_ref().map(|part| force * part.parameters[a].transpose()));
         // By handles and the nodes of the face: φ, ℓ_a and N.
         let on_face = point.shapes.iter().map(|shape| [0.0, 0.0, 0.0, *shape]);
@@ -158,32 +155,22 @@ impl Sums {
     /// Adds what a torque that turns the tool makes of a point, whose run was [taken](Self::take); that rotation is the last node.
     pub fn turn(&mut self, (spread, point): (&Spread, &Portion), response: &Response, axle: &Axle) {
         let (p, w, last, count) = (point.at, point.weight, self.gap.len() - 1, self.gap.len());
-        let (by_angle, turn, of_slave) = (axle.velocity(&point.place), axle.turn(), Part::on_tool(point.at));
-        let (gap, apart) = (-p.normal.dot(&by_angle), p.normal - spread.normal);
-        let normal = turn.cross(&p.normal) - of_slave.normal * by_angle;
-        let path = turn.cross(&(p.point - point.start)) - of_slave.point * by_angle;
-        self.gap[last].x += gap * w;
-        self.leaning[last].x -= by_angle.dot(&apart) * w;
-        for (of, by) in [(&mut self.normal, normal), (&mut self.path, path)] {
-            let mut column = of[last].column_mut(0);
-            column += by * w;
-        }
-        let mut share = self.share[last].row_mut(0);
-        share -= by_angle.transpose() * w;
-
-        let (normal_force, force) = (spread.presses(point, response), spread.bears(point, &response.force));
-        let wedge = spread.wedge * w;
-        let pressing = normal * normal_force + p.normal * (gap * wedge);
-        let pressed = of_slave.normal * normal_force + p.normal * p.normal.transpose() * wedge;
-        let back = -pressed.tr_mul(&by_angle) - force.cross(&turn);
+        let by_turn = Part::by_turn(p, &(p.point - point.start), (axle, &point.place));
+        let first_row = |v: &Vec3| Vec3::x() * v.transpose();
+        let bears = -first_row(&axle.velocity(&point.place));
+        self.gap[last] += by_turn.gap * w;
+        self.normal[last] += by_turn.normal * w;
+        self.path[last] += by_turn.point * w;
+        self.share[last] += bears * w;
+        self.leaning[last] += bears * (p.normal - spread.normal) * w;
+        let [of_turn, of_slave] = [by_turn, Part::on_tool(p)].map(|part| spread.pressing(point, response, &part));
+        let turning = first_row(&spread.bears(point, &response.force).cross(&axle.turn()));
         let of_face = self.places[1..].iter().copied().zip(point.shapes.iter().copied());
         for (k, shape) in of_face.chain([(self.places[0], -1.0)]) {
-            let mut column = self.own[k * count + last].column_mut(0);
-            column += pressing * shape;
-            let mut row = self.own[last * count + k].row_mut(0);
-            row += back.transpose() * shape;
+            self.own[k * count + last] += of_turn * shape;
+            self.own[last * count + k] += (bears * of_slave - turning) * shape;
         }
-        self.own[last * count + last][(0, 0)] -= by_angle.dot(&pressing);
+        self.own[last * count + last] += bears * of_turn;
     }
 
     /// Adds a run, whose nodes are at `places`, with how the handles of its patch change and bear; a tool has none.

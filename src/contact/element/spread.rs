@@ -24,7 +24,7 @@
 //!
 //! The points of a face on one patch are summed as [`super::run`] does.
 
-use super::motion::Motion;
+use super::motion::{Motion, Part};
 use super::run::{Run, Sums, by_patch};
 use super::{Element, Method, with_carried};
 use crate::contact::law::{self, Guide, Kinematics, Multiplier, Response, Status};
@@ -104,9 +104,11 @@ impl Spread<'_> {
         self.wedge * point.weight * (point.at.gap - self.gap)
     }
 
-    /// w_q F_n, with what it bears beside.
-    pub(super) fn presses(&self, point: &Portion, response: &Response) -> f64 {
-        self.normal.dot(&response.force) * point.weight + self.wedged(point)
+    /// What the force along n_q changes by where the point moves so, of a given mean.
+    pub(super) fn pressing(&self, point: &Portion, response: &Response, by: &Part) -> Mat3 {
+        let (n, w) = (point.at.normal, point.weight);
+        let normal_force = self.normal.dot(&response.force) * w + self.wedged(point);
+        by.normal * normal_force + n * by.gap.transpose() * (self.wedge * w)
     }
 
     /// f_q.
@@ -272,10 +274,6 @@ impl Element {
         sums.places.clear();
         let mut run = Run::default();
         let mut of_patch = None;
-        let of_face = points[0].nodes.iter().map(|node| match *node == spread.node {
-            true => 0,
-            false => 1 + self.beside.iter().position(|b| b == node).unwrap_or_default(),
-        });
         match bed.patch(points[0].at.patch) {
             None => {
                 sums.places.push(slaves);
@@ -294,7 +292,10 @@ impl Element {
                 of_patch = Some((&self.at_foot, transfer));
             }
         }
-        sums.places.extend(of_face);
+        sums.places.extend(points[0].nodes.iter().map(|node| match *node == spread.node {
+            true => 0,
+            false => 1 + self.beside.iter().position(|b| b == node).unwrap_or_default(),
+        }));
         sums.take(&run, of_patch);
         if let Some(axle) = bed.axle() {
             points.iter().for_each(|point| sums.turn((spread, point), response, &axle));
@@ -324,7 +325,7 @@ impl Element {
         let normal_force = n.dot(&response.force);
         let turned: Vec<Mat3> = sums.normal.iter().map(|by| turn * by).collect();
         let mut by_column = Vec::with_capacity(count);
-        // A rotation, which is last, takes what is held with it.
+        // The rotation of a tool, which is last, takes what is held with it.
         let held = bed.axle().map(|axle| response.by_held * axle.turn().cross(&spread.carried));
         for k in 0..count {
             let held = held.filter(|_| k + 1 == count).map_or(Mat3::zeros(), |held| held * Vec3::x().transpose());

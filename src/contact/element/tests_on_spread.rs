@@ -98,7 +98,7 @@ impl Scene {
     fn on_ball(&self, away: &Vec3) -> Vec3 {
         let at = self.points[0] + away;
         self.axle().map_or(at, |axle| {
-            let turned = Vec3::from(axle.axis) * (self.points[1].x / axle.lever);
+            let turned = axle.axis * (self.points[1].x / axle.lever);
             axle.point + nalgebra::Rotation3::new(turned) * (at - axle.point)
         })
     }
