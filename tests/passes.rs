@@ -303,6 +303,71 @@ fn nodes_that_slip_on_nodes_obey_coulomb() {
     }
 }
 
+/// What slides on nodes of a master that is sheared in its plane does so alike in the mirror image, though facets begin at other corners
+/// there, and from whichever corner facets are counted.
+#[test]
+fn nodes_slide_on_nodes_alike_in_the_mirror_image() {
+    for method in ["augmented-lagrangian", "uzawa"] {
+        let forces = |side: f64| {
+            let run = Bench::new(&format!(
+                "{}{}{}method = \"{method}\"\n[material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+                 [[step]]\nincrements = 5\nfix = [{{ set = \"lower.zmin\" }}]\n\
+                 move = [{{ target = \"upper.zmax\", by = [0.2, {:?}, -0.3], \
+                 rotate = {{ point = [2.0, 2.0, 0.0], axis = [0.0, 0.0, 1.0], angle = {:?} }} }}]\n\
+                 [output]\nhistory = [\"lower.zmin\"]\n",
+                block("lower", 0.0, 2.0, 1),
+                block("upper", 2.0, 2.0, 1),
+                by_node(0.15),
+                0.15 * side,
+                4.0 * side
+            ))
+            .solve(1, &[]);
+            assert!(run.history().last("joint.slip") > 3.0);
+            ["fx", "fy", "fz"].map(|c| run.history().last(&format!("lower.zmin.{c}")))
+        };
+        let ([x, y, z], [also_x, also_y, also_z]) = (forces(1.0), forces(-1.0));
+        for (one, other) in [(x, also_x), (y, -also_y), (z, also_z)] {
+            assert_small(method, (one - other) / z, if method == "uzawa" { 1e-7 } else { 1e-10 });
+        }
+    }
+}
+
+/// Whether what slides over nodes is stable is no matter of the penalty by which they are kept apart. By the symmetric part of the
+/// tangent, which no potential has, it was not from 0.36 of the way on with this one.
+#[test]
+fn stiff_penalties_from_node_to_node_are_stable() {
+    let ring = |name: &str, radii: [f64; 2], layers: usize| {
+        format!(
+            "[body.{name}]\nmaterial = \"m\"\nplane_strain = true\nelement = \"hex8\"\n\
+             block = {{ sector = {{ radii = {radii:?}, angles = [40.0, 140.0], length = 1.0 }}, elements = [{layers}, 20, 1] }}\n"
+        )
+    };
+    let run = |how: &str| {
+        Bench::new(&format!(
+            "{}{}[material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [contact.k]\nslave = \"i.rmax\"\nmaster = \"o.rmin\"\ndiscretization = \"node-to-node\"\n{how}\n\
+             [[step]]\nincrements = 10\nfix = [{{ set = \"o.rmax\" }}]\nmove = [{{ target = \"i.rmin\", by = [0.0, 0.15, 0.0] }}]\n\
+             [[step]]\nincrements = 5\nkeep = true\nmove = [{{ target = \"i.rmin\", rotate = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], angle = 0.6 }} }}]\n\
+             [output]\nhistory = [\"o.rmax\"]\n",
+            ring("i", [5.0, 8.0], 3),
+            ring("o", [8.0, 10.0], 2)
+        ))
+        .solve(1, &[])
+    };
+    let exact = run("").history().last("o.rmax.fy");
+    for how in [
+        "method = \"penalty\"\npenalty = 1e6",
+        "method = \"uzawa\"",
+        "method = \"penalty\"\npenalty = 1e6\nfriction = 0.05",
+    ] {
+        let run = run(how);
+        assert!(!run.log().contains("not stable") && run.summary()["cutbacks"] == 0, "{how}");
+        if !how.contains("friction") {
+            assert_close(how, run.history().last("o.rmax.fy"), exact, 1e-4);
+        }
+    }
+}
+
 /// A tenth of a facet is told of; a facet, from which on each node is nearer to another one, ends the run.
 #[test]
 fn nodes_that_slide_far_from_their_counterparts_are_told_of_and_refused() {

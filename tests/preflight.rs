@@ -837,6 +837,74 @@ fn what_a_step_frees_by_listing_it_again_is_told() {
     }
 }
 
+/// The same in other frames: a kept support and what takes its place count in whatever directions they have at the nodes.
+#[test]
+fn what_a_step_frees_in_other_frames_is_told() {
+    let cylinder = "around = { axis = [0.0, 0.0, 1.0], point = [-5.0, 0.0, 0.0] }";
+    let scene = |held: &str, anew: &str| {
+        Bench::new(&format!(
+            "[body.block]\nmaterial = \"soft\"\n\
+             block = {{ box = {{ size = [2.0, 2.0, 1.0] }}, elements = [2, 2, 1], faces = {{ top = \"zmax\", bottom = \"zmin\" }} }}\n\
+             [material.soft]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nincrements = 1\nfix = [{{ set = \"block.top\" }}, {held}]\n\
+             [[step]]\nname = \"then\"\nincrements = 1\nkeep = true\n{anew}\n"
+        ))
+    };
+    let fix = |how: &str| format!("{{ set = \"block.bottom\"{how} }}");
+    let around = |letters: &str| fix(&format!(", {cylinder}, directions = \"{letters}\""));
+    let turned = "move = [{ target = \"block.bottom\", directions = \"xy\", rotate = { point = [1.0, 1.0, 0.0], axis = [0.0, 0.0, 1.0], angle = 1.0 } }]";
+    let along = |normal: &str| fix(&format!(", normal = [{normal}]"));
+    let corners = format!("{}, {}", along("1.0, 1.0, 0.0"), along("1.0, -1.0, 0.0"));
+    let up = fix(", directions = \"z\"");
+    for (held, anew, freed) in [
+        (fix(""), format!("fix = [{}]", around("r")), "x and y and z"),
+        (fix(""), turned.to_string(), "z"),
+        (around("rtz"), format!("fix = [{}]", fix(", directions = \"xy\"")), "z of its `around`"),
+        (around("rtz"), format!("fix = [{}]", around("rz")), "t of its `around`"),
+        (
+            format!("{corners}, {up}"),
+            format!("fix = [{}, {up}]", along("1.0, 1.0, 0.0")),
+            "its `normal` (0.707, -0.707, 0.000)",
+        ),
+    ] {
+        let told = format!("step `then`: `block.bottom` was held along {freed}, and no longer is");
+        warned(&scene(&held, &anew), &[&told]);
+    }
+    for (held, anew) in [
+        (fix(""), format!("fix = [{}]", around("rtz"))),
+        (around("rtz"), format!("fix = [{}]", fix(""))),
+        (format!("{corners}, {up}"), format!("fix = [{}]", fix(""))),
+        (fix(""), format!("{turned}\nfix = [{up}]")),
+    ] {
+        let (code, text) = verdict(&scene(&held, &anew), 2);
+        assert!(code == 0 && !text.contains("was held along"), "{text}");
+    }
+}
+
+/// What is away from an axis and around it is so where a set was meshed: told, where a step before has turned the set.
+#[test]
+fn cylindrical_frames_that_stay_behind_are_told() {
+    let scene = |angle: f64, letters: &str, by: &str| {
+        Bench::new(&format!(
+            "[body.b]\nmaterial = \"m\"\nblock = {{ sector = {{ radii = [1.0, 2.0], angles = [0.0, 90.0], length = 1.0 }}, elements = [1, 2, 1] }}\n\
+             [material.m]\nmodel = \"neo-hookean\"\nyoung = 100.0\npoisson = 0.3\n\
+             [[step]]\nname = \"turn\"\nincrements = 20\n\
+             move = [{{ target = \"b.rmin\", rotate = {{ point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0], angle = {angle:?} }}, directions = \"xyz\" }}]\n\
+             [[step]]\nname = \"then\"\nincrements = 1\nkeep = true\nrelease = [\"b.rmin\"]\n\
+             fix = [{{ set = \"b.rmax\" }}]\n\
+             move = [{{ target = \"b.rmin\", by = {by}, directions = \"{letters}\", around = {{ axis = [0.0, 0.0, 1.0], point = [0.0, 0.0, 0.0] }} }}]\n"
+        ))
+    };
+    let told = "step `then`: `b.rmin` has turned by 90 degrees since it was meshed, and r and t of `around` have not";
+    warned(&scene(90.0, "rtz", "[0.1, 0.0, 0.0]"), &[told]);
+    for (angle, letters, by) in
+        [(3.0, "rtz", "[0.1, 0.0, 0.0]"), (360.0, "rtz", "[0.1, 0.0, 0.0]"), (90.0, "z", "[0.0, 0.0, 0.1]")]
+    {
+        let (code, text) = verdict(&scene(angle, letters, by), 1);
+        assert!(code == 0 && !text.contains("since it was meshed"), "{text}");
+    }
+}
+
 /// A punch that is moved as a whole is the master.
 #[test]
 fn slaves_that_are_moved_as_a_whole_are_told_of() {

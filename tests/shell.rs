@@ -97,6 +97,30 @@ fn a_strip_is_turned_up_by_its_end() {
     assert_small("2 ranks", alone.difference(&bench.solve(2, &[]).history()), 1e-8);
 }
 
+/// A strip bends alike however thin it is, if its load is as the cube of that, until rounding leaves too much of its forces: up to a
+/// thousand times as long as thick, where the residuals of the linear systems are 1e-5 of their right-hand sides.
+#[test]
+fn thin_strips_bend_by_dead_loads() {
+    let sinks = |thickness: f64| {
+        let load = 2.1e5 * 50.0 * thickness.powi(3) / 12.0 * 3.0 * 25.0 / 500.0_f64.powi(3);
+        let run = Bench::new(&format!(
+            "[body.strip]\nmaterial = \"m\"\nelement = \"hex8-shell\"\nshell = {{ face = \"zmax\" }}\n\
+             block = {{ box = {{ size = [500.0, 50.0, {thickness:?}] }}, elements = [20, 2, 1] }}\n\
+             [material.m]\nmodel = \"hooke\"\nyoung = 2.1e5\npoisson = 0.0\n\
+             [[step]]\nincrements = 4\nfix = [{{ set = \"strip.xmin\" }}]\n\
+             force = [{{ target = \"strip.xmax\", total = [0.0, 0.0, {load:?}] }}]\n[output]\nhistory = [\"strip.xmax\"]\n"
+        ))
+        .solve(1, &[]);
+        assert_eq!(run.summary()["cutbacks"], 0);
+        run.history().last("strip.xmax.uz")
+    };
+    let thick = sinks(4.0);
+    assert_close("an elastica", thick, 24.95, 2e-3);
+    for thickness in [1.5, 0.5] {
+        assert_close(&format!("{thickness} thick"), sinks(thickness), thick, 2e-4);
+    }
+}
+
 /// Two leaves of a spring, clamped at one end and pressed at the other, share the force, F/2 each, which the upper one passes on
 /// at the tip; between they touch and bear nothing. Each bends by F/2 L^3 / 3 E I.
 #[test]

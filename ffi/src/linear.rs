@@ -24,9 +24,9 @@ use crate::runtime::Petsc;
 use crate::sys;
 use crate::vector::{Vector, norm2};
 
-/// The largest ||b - A x|| / ||b|| of a solution that counts.
+/// The largest ||b - A x|| / ||b|| of a solution that is not refined.
 pub const RESIDUAL_TOLERANCE: f64 = 1e-6;
-/// Steps of iterative refinement before a solution is given up.
+/// Steps of iterative refinement, after which a solution is as good as it gets.
 const MAX_REFINEMENTS: usize = 2;
 /// Systems in a row that the iterative solver may be tried on in vain.
 const MOST_IN_VAIN: usize = 3;
@@ -261,6 +261,8 @@ pub struct LinearSolver<'p> {
     taken: [usize; 2],
     /// Systems in a row that multigrid did not solve.
     in_vain: usize,
+    /// The largest ||b - A x|| / ||b|| of a solution by factors without null pivots.
+    accepts: f64,
     statistics: LinearStatistics,
 }
 
@@ -299,8 +301,15 @@ impl<'p> LinearSolver<'p> {
             patience: usize::MAX,
             taken: [0; 2],
             in_vain: 0,
+            accepts: RESIDUAL_TOLERANCE,
             statistics,
         }
+    }
+
+    /// From now on takes solutions by factors without null pivots that have a larger residual than [`RESIDUAL_TOLERANCE`] after
+    /// refinement, too, up to this part of b: who iterates makes up for it.
+    pub fn accept(&mut self, residual: f64) {
+        self.accepts = residual.max(RESIDUAL_TOLERANCE);
     }
 
     /// From now on solves systems with the factors of an earlier one, too, as long as that is cheaper than new ones, be its
@@ -440,15 +449,16 @@ impl<'p> LinearSolver<'p> {
             return Ok(());
         }
         let mut factor = self.factored(matrix)?;
+        let accepts = if self.statistics.null_pivots == 0 { self.accepts } else { RESIDUAL_TOLERANCE };
         // SAFETY: as for this function.
-        let mut result = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+        let mut result = unsafe { factor.solve(matrix, (b, norm), x, (accepts, &mut self.statistics)) };
         if let Err(LinearError::Failure(LinearFailure::Inaccurate { null_pivots: 1.., .. })) = result {
             let replaced = self.statistics;
             if factor.keep_pivots(matrix, self.factorization)? {
                 self.statistics.factorizations += 1;
                 self.forget_pivots();
                 // SAFETY: as for this function.
-                let kept = unsafe { factor.solve(matrix, (b, norm), x, &mut self.statistics) };
+                let kept = unsafe { factor.solve(matrix, (b, norm), x, (RESIDUAL_TOLERANCE, &mut self.statistics)) };
                 if kept.is_ok() {
                     self.statistics.small_pivots += 1;
                     result = kept;
@@ -752,7 +762,8 @@ impl<'p> Factor<'p> {
         Ok(matches!(answer, Answer::Done { .. }))
     }
 
-    /// Solves with the factors, and refines until the true residual is small. Collective.
+    /// Solves with the factors, and refines until the true residual is small, or as small as it gets; up to what is accepted that
+    /// counts. Collective.
     ///
     /// # Safety
     /// Live vectors of the matrix's layout, distinct. `b` comes with its norm.
@@ -761,7 +772,7 @@ impl<'p> Factor<'p> {
         matrix: &Matrix,
         (b, norm): (sys::Vec, f64),
         x: sys::Vec,
-        statistics: &mut LinearStatistics,
+        (accepts, statistics): (f64, &mut LinearStatistics),
     ) -> Result<(), LinearError> {
         let (residual, correction) = (self.residual.raw(), self.correction.raw());
         for refinement in 0.. {
@@ -782,6 +793,9 @@ impl<'p> Factor<'p> {
             if refinement == MAX_REFINEMENTS || !statistics.relative_residual.is_finite() {
                 break;
             }
+        }
+        if statistics.relative_residual <= accepts {
+            return Ok(());
         }
         let (relative_residual, null_pivots) = (statistics.relative_residual, statistics.null_pivots);
         Err(LinearFailure::Inaccurate { relative_residual, null_pivots }.into())

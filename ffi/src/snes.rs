@@ -231,6 +231,11 @@ impl<'p> Snes<'p> {
         self.linear.forget_pivots();
     }
 
+    /// As [`LinearSolver::accept`].
+    pub fn accept(&mut self, residual: f64) {
+        self.linear.accept(residual);
+    }
+
     /// As [`LinearSolver::keep_in`].
     pub fn keep_in(&mut self, folder: &str) {
         self.linear.keep_in(folder);

@@ -433,13 +433,18 @@ impl Ladder {
         self.shorten(increments, end, cause)
     }
 
-    /// The watch has refused the increment.
+    /// The watch has refused the increment. One that is as short as it may be can but be jumped over: what friction has pushed along
+    /// lets go at once.
     fn refuse(&mut self, increments: &mut Increments, end: f64) -> Option<Remedy> {
-        self.refused += usize::from(self.tries.way == Way::Jump);
+        let (jumped, last) = (self.tries.way == Way::Jump, increments.is_shortest(end));
+        self.refused += usize::from(jumped);
+        if last && !jumped && self.means.jumps > 0 && !self.jumps_on() {
+            (self.tries.way, self.tries.jumps.failed) = (Way::Jump, 0);
+            return Some(Remedy::Jump);
+        }
         self.tries.way = Way::Newton { settle: false };
-        let last = increments.is_shortest(end) || self.refused > self.controls.jump_tries;
         increments.cut(end, false);
-        (!last).then_some(Remedy::Cut)
+        (!last && self.refused <= self.controls.jump_tries).then_some(Remedy::Cut)
     }
 
     /// Other constraints, with the increment as it is.

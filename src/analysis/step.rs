@@ -174,6 +174,7 @@ impl<'a> Simulation<'a> {
         self.summary.systems.matrix = if symmetric { "symmetric indefinite" } else { "unsymmetric" }.into();
         self.summary.systems.solver = if symmetric { "MUMPS LDL^T, SCOTCH" } else { "MUMPS LU, SCOTCH" }.into();
         let mut snes = Snes::new(self.petsc, matrix, kind)?;
+        snes.accept(self.model.controls.singular_residual);
         let linear = self.scene.solver.linear;
         let systems = Systems::new(self.comm, linear, (&dofs, &pattern), symmetric, set_up_s);
         self.summary.systems.count(dofs.total, dofs.total_multipliers, systems.entries as u64);

@@ -646,10 +646,11 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// The frame that carries a held force along from an accepted iterate, whose contact point is `at`.
+    /// The frame that carries a held force along from an accepted iterate, whose contact point is `at`; nodes turn what is in space.
     pub(super) fn carrier(&self, at: Option<&Projection>) -> Mat3 {
         match self {
             Self::Tool(tool) => tool.committed.rotation,
+            Self::Surface(_, Meets::Nodes) => Mat3::identity(),
             Self::Surface(surface, _) => at.and_then(|p| surface.frame(p)).unwrap_or_else(Mat3::identity),
         }
     }

@@ -7,9 +7,9 @@
 //!     g = n·(x_s - x_m)        x̄ = x_s - g n        x̃ = x_m + R (x_s - x_m) at the last converged increment,
 //! ```
 //!
-//! where R turns as the master's frame there has since: what goes along with a body that turns has not slid.
+//! where R turns as the [`Corner`] there has since: what goes along with a body that turns has not slid.
 
-use super::element::upright;
+use super::element::Corner;
 use super::segment::ends::STRAIGHT;
 use super::{BodySurface, Slave};
 use crate::surface::{Polygon, Projection};
@@ -29,8 +29,7 @@ pub struct Mate {
 impl Mate {
     /// The contact of a node at `position`.
     pub fn project(&self, surface: &BodySurface, position: &Vec3) -> Option<Projection> {
-        let (place, frame) = self.stand(surface, surface.positions())?;
-        let normal: Vec3 = frame.column(2).into();
+        let (place, normal) = self.stand(surface)?;
         let gap = normal.dot(&(position - place));
         Some(Projection {
             gap,
@@ -42,24 +41,34 @@ impl Mate {
         })
     }
 
+    /// How the master has turned here since the last converged increment.
+    pub fn corner(&self, surface: &BodySurface) -> Option<Corner> {
+        let (patch, stencil) = surface.patch(self.patch)?;
+        let [before, now] = [&surface.before[..], surface.positions()]
+            .map(|x| stencil.iter().map(|&n| x[n as usize]).collect::<Vec<_>>());
+        Corner::new(patch, self.corner, [&before, &now])
+    }
+
     /// x̃ for a slave node that was at `before` at the last converged increment.
     pub fn slip_origin(&self, surface: &BodySurface, before: &Vec3) -> Option<Vec3> {
-        let (now, frame) = self.stand(surface, surface.positions())?;
-        let (then, before_that) = self.stand(surface, &surface.before)?;
-        Some(now + frame * before_that.tr_mul(&(before - then)))
+        let corner = self.corner(surface)?;
+        let (_, stencil) = surface.patch(self.patch)?;
+        let then = surface.before[stencil[self.corner] as usize];
+        Some(corner.place + corner.turn * (before - then))
     }
 
     /// How far a node at `position` has slid from it.
     pub fn aside(&self, surface: &BodySurface, position: &Vec3) -> Option<f64> {
-        let (place, frame) = self.stand(surface, surface.positions())?;
-        Some(frame.tr_mul(&(position - place)).xy().norm())
+        let (place, normal) = self.stand(surface)?;
+        let away = position - place;
+        Some((away - normal * normal.dot(&away)).norm())
     }
 
-    /// Where the node of the master is, and the frame there, with the nodal normal as the last column.
-    fn stand(&self, surface: &BodySurface, positions: &[Vec3]) -> Option<(Vec3, Mat3)> {
+    /// Where the node of the master is, and its normal.
+    fn stand(&self, surface: &BodySurface) -> Option<(Vec3, Vec3)> {
         let (patch, stencil) = surface.patch(self.patch)?;
-        let nodes: Vec<Vec3> = stencil.iter().map(|&n| positions[n as usize]).collect();
-        Some((nodes[self.corner], upright(patch, &nodes, self.corner)?))
+        let nodes: Vec<Vec3> = stencil.iter().map(|&n| surface.positions()[n as usize]).collect();
+        Some((nodes[self.corner], patch.normal(&nodes, self.corner)?))
     }
 }
 
@@ -114,7 +123,7 @@ fn nearest(surface: &BodySurface, x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lone
     }
     let faces_it = |normal: &Vec3| faces.iter().map(|face| -face.dot(normal)).fold(0.0, f64::max);
     let with_normal = |(.., mate): &(f64, f64, Mate)| {
-        let normal: Vec3 = mate.stand(surface, surface.positions())?.1.column(2).into();
+        let (_, normal) = mate.stand(surface)?;
         Some((faces_it(&normal), normal, *mate))
     };
     let facing: Vec<_> = near.iter().filter_map(with_normal).filter(|(cosine, ..)| *cosine > STRAIGHT).collect();

@@ -403,6 +403,10 @@ impl Workspace {
                 true => element.spread_tangent(method, multiplier, (spread.as_ref(), ground), guide),
             };
         }
+        let corner = match ground {
+            Ground::Surface(surface, _) => slave.mate.and_then(|mate| mate.corner(surface)),
+            Ground::Tool(_) => None,
+        };
         let contact = meeting.contact.as_ref().and_then(|(projection, touch)| {
             let Touch::Node(from) = touch else { return None };
             let opposite = match ground {
@@ -410,10 +414,9 @@ impl Workspace {
                 _ => Opposite::Patch(site(ground, projection.patch, projection.xi, positions)?),
             };
             let origin = match *from {
-                SlipOrigin::Fixed(place) => match slave.mate {
-                    Some(mate) => Origin::Beside(place, mate.corner),
-                    None => Origin::Fixed(place),
-                },
+                SlipOrigin::Fixed(place) => {
+                    corner.as_ref().map_or(Origin::Fixed(place), |at| Origin::Beside(place, at))
+                }
                 SlipOrigin::Carried(id, xi) => Origin::Carried(site(ground, id, xi, origin)?),
             };
             Some(Contact { projection, opposite, origin, carried: meeting.carried })

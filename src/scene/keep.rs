@@ -2,7 +2,7 @@
 
 use super::reader::{Item, Table};
 use super::{
-    Around, BodyForce, Dashpot, Fix, Force, Gravity, Located, Move, Pressure, Spin, Spring, Step, Torque, did_you_mean,
+    Around, BodyForce, Dashpot, Fix, Force, Gravity, Located, Pressure, Spin, Spring, Step, Torque, did_you_mean,
 };
 use crate::Vec3;
 use crate::error::Result;
@@ -122,8 +122,8 @@ impl Kept {
         let lists = |set: &str| {
             step.fix.iter().any(|own| own.set.value == set) || step.moves.iter().any(|own| own.target.value == set)
         };
-        step.freed = self.fix.iter().filter_map(|fix| freed(step, fix)).collect();
-        self.fix.retain(|fix| !lists(&fix.set.value));
+        let (replaced, kept) = self.fix.into_iter().partition(|fix| lists(&fix.set.value));
+        (step.replaced, self.fix) = (replaced, kept);
         self.forces.retain(|force| step.forces.iter().all(|own| own.target.value != force.target.value));
         self.torques.retain(|torque| step.torques.iter().all(|own| own.tool.value != torque.tool.value));
         self.pressures.retain(|pressure| step.pressures.iter().all(|own| own.set.value != pressure.set.value));
@@ -141,20 +141,4 @@ impl Kept {
         step.springs.append(&mut self.springs);
         step.dashpots.append(&mut self.dashpots);
     }
-}
-
-/// What is kept of a set that the step lists again, in the directions in which the step does not hold it.
-fn freed(step: &Step, kept: &Fix) -> Option<(Located<String>, [bool; 3])> {
-    let name = &kept.set.value;
-    let fixed = step.fix.iter().filter(|own| own.set.value == *name);
-    let fixed = fixed.map(|own| (&own.set, own.directions, own.normal.is_none() && own.around.is_none()));
-    let moved = step.moves.iter().filter(|own| own.target.value == *name);
-    let is_plain = |own: &Move| own.normal.is_none() && own.around.is_none() && own.rotate.is_none();
-    let moved = moved.map(|own| (&own.target, own.directions, is_plain(own)));
-    let own: Vec<_> = fixed.chain(moved).collect();
-    // Other frames are told apart by those who give them.
-    let (set, ..) = own.first().filter(|_| kept.normal.is_none() && kept.around.is_none())?;
-    let directions = [0, 1, 2].map(|d| kept.directions[d] && own.iter().all(|(_, held, _)| !held[d]));
-    let is_told = own.iter().all(|(.., is_plain)| *is_plain) && directions.contains(&true);
-    is_told.then(|| ((*set).clone(), directions))
 }

@@ -291,8 +291,8 @@ pub struct Step {
     pub gravity: Option<Located<Gravity>>,
     /// What gravity makes of the densities.
     pub weights: Vec<BodyForce>,
-    /// Sets that the step lists again, with directions in which they were held and, without a word, are no more.
-    pub freed: Vec<(Located<String>, [bool; 3])>,
+    /// Supports that the step keeps nothing of, for it lists their sets again.
+    pub replaced: Vec<Fix>,
 }
 
 impl Step {
@@ -325,7 +325,7 @@ impl Step {
             dashpots: Vec::new(),
             gravity: None,
             weights: Vec::new(),
-            freed: Vec::new(),
+            replaced: Vec::new(),
         }
     }
 

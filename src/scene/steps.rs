@@ -106,7 +106,7 @@ fn step(item: &Item, number: usize, names: &Names, before: Option<Option<&Step>>
         dashpots: dashpots?,
         gravity: gravity?,
         weights: Vec::new(),
-        freed: Vec::new(),
+        replaced: Vec::new(),
     };
     if let Some(before) = before {
         keep(&mut step, before, &table, |name| names.is_tool(name))?;

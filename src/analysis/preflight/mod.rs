@@ -13,6 +13,7 @@
 //!   step
 //! - `pressed`: bodies that nothing presses against what touches them
 //! - `astride`: slave nodes exactly under sharp edges where they are on one side of these
+//! - `anew`: sets that a step which keeps conditions frees by listing them, or holds in frames that they have turned away from
 //! - `idle`: loads, springs and dashpots on nodes that are held
 //! - `locking`: elements that are too stiff for their material, or have no stable solution
 //! - `mirrored`: conditions that would be others beyond a plane of symmetry
@@ -22,6 +23,7 @@
 //! probes outside all bodies are refused, too. What is wrong with the meshes alone is found where they are read:
 //! [`crate::model`].
 
+mod anew;
 mod astride;
 mod facing;
 mod fits;
@@ -43,12 +45,12 @@ pub use gaps::DEEP;
 use super::conditions::Conditions;
 use super::probes;
 use super::strangers::Strangers;
+use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
 use crate::parallel::{agree, first_word, max};
 use crate::scene::{Scene, Step, body_of};
 use crate::system::dofs::node_name;
-use crate::{AXIS_NAMES, Vec3};
 use mpi::topology::SimpleCommunicator;
 
 /// What the first look at a model leaves.
@@ -75,7 +77,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     locking::check(comm, scene, model)?;
     repeated::check(comm, scene, model)?;
     turns(scene, model);
-    freed(scene, model);
+    anew::freed(comm, scene, model, &steps);
+    anew::turned(scene, model);
     bystanders(scene, model);
     let still = vec![Vec3::zeros(); model.part.points.len()];
     let mut strangers = Strangers::new(comm, model);
@@ -111,28 +114,6 @@ fn turns(scene: &Scene, model: &mut Model) {
             Step::TURN,
             step.sizes().max
         ));
-    }
-}
-
-/// Warns of what a step frees by listing it again.
-fn freed(scene: &Scene, model: &mut Model) {
-    for step in &scene.steps {
-        for (set, directions) in &step.freed {
-            // Nothing moves along z in a layer.
-            let is_layer = scene.bodies.iter().any(|body| body.name.value == body_of(&set.value) && body.is_layer());
-            let frees = |d: &usize| directions[*d] && !(is_layer && *d == 2);
-            let along: Vec<&str> = (0..3).filter(frees).map(|d| AXIS_NAMES[d]).collect();
-            if along.is_empty() {
-                continue;
-            }
-            model.warnings.push(format!(
-                "step `{}`: `{}` was held along {}, and no longer is, for the step lists it anew without that: `fix` it along \
-                 {2}, too, or name it in `release`, if it is to be free there",
-                step.name.value,
-                set.value,
-                along.join(" and ")
-            ));
-        }
     }
 }
 

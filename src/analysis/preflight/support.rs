@@ -24,7 +24,7 @@ use crate::contact::Tool;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::parallel::{max, sum};
-use crate::scene::{Scene, Step};
+use crate::scene::{Fix, Scene, Step, body_of};
 use mpi::topology::SimpleCommunicator;
 
 /// Refuses what nothing holds. Collective.
@@ -184,12 +184,21 @@ const MERGE: &str = "merge the nodes where it should be one with the rest (Gmsh:
 /// What is free even if all contacts touch.
 fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> Error {
     let what = format!("step `{}`: {}: no support and no contact could hold that", step.name.value, told(free));
-    let lists = |fix: &crate::scene::Fix| step.fix.iter().any(|own| own.set.value == fix.set.value);
+    let lists = |fix: &Fix| step.fix.iter().any(|own| own.set.value == fix.set.value);
     let dropped = k > 0 && !scene.steps[k - 1].fix.iter().all(lists);
-    let forgotten = if dropped {
-        "; a step holds only what it lists: add `keep = true`, or repeat the `fix` of the step before"
-    } else {
-        ""
+    let of_these = |fix: &&Fix| {
+        let is_of = |f: &Free| !f.is_tool && model.bodies[f.index].name == body_of(&fix.set.value);
+        free.iter().any(is_of)
+    };
+    let forgotten = match step.replaced.iter().find(of_these) {
+        Some(fix) => {
+            let set = &fix.set.value;
+            format!("; the step lists `{set}` anew, and that takes the place of all that held it: list that, too")
+        }
+        None if dropped => {
+            "; a step holds only what it lists: add `keep = true`, or repeat the `fix` of the step before".into()
+        }
+        None => String::new(),
     };
     if free.iter().all(|f| f.is_tool && f.along.is_empty()) {
         let help =

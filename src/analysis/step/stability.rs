@@ -7,11 +7,14 @@
 //! than at the last time: then one eigenvalue, or three, have changed theirs. An attempt that is refused for something else is
 //! made again in shorter ones, which are judged anew.
 //!
+//! Where the tangent would not be symmetric with all that touches sticking either, the sign of its determinant tells alone: of a pair
+//! of eigenvalues that are negative nothing is known.
+//!
 //! A body that contacts alone hold may be free to move, and a motion that no force acts against is not unstable: it is judged on
 //! the weakest springs of what lingers.
 
 use super::super::newton::{Newton, System};
-use crate::contact::Slave;
+use crate::contact::{Enforcement, Pair, Slave};
 use crate::error::Result;
 use crate::parallel::any;
 use petsc::{Factorization, LinearStatistics, Negative, Snes};
@@ -26,15 +29,19 @@ pub struct Judged {
 /// How many eigenvalues of the tangent at a converged iterate are negative, as far as it is to be known there. Collective.
 pub fn negative(newton: &mut Newton, snes: &mut Snes, hangs: bool, judged: &mut Option<Judged>) -> Result<Negative> {
     let System { comm, model, dofs, conditions, .. } = &newton.system;
-    // What meets itself has conditions that repeat each other and give way; nodes that rub on nodes have given false alarms, of
-    // which the cause is not known.
-    if model.pairs.iter().any(|pair| pair.is_self() || pair.is_by_nodes() && pair.rules.friction > 0.0) {
+    // What meets itself has conditions that repeat each other and give way.
+    if model.pairs.iter().any(Pair::is_self) {
         return Ok(Negative::Unknown);
     }
     let LinearStatistics { negative: factors, null_pivots, .. } = snes.linear_statistics();
     let slips = || any(comm, model.pairs.iter().flat_map(|pair| &pair.slaves).any(Slave::rubs));
-    // That of F-bar, or of a pressure that follows, has no symmetric part to judge by.
-    let by_sign = !conditions.has_symmetric_bodies(model) || !conditions.pressures.is_empty();
+    // That of F-bar, of a pressure that follows, or of forces on a master without a potential has no symmetric part to judge by:
+    // where no multiplier stands between them, that of a penalty ε is -ε |w - b|²/4 on what feels the gap by b and bears by w.
+    let is_bare = |pair: &Pair| matches!(pair.rules.method, Enforcement::Penalty | Enforcement::Uzawa);
+    let has_potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.rules.tangent);
+    let is_skew = |pair: &Pair| (is_bare(pair) || pair.is_by_nodes()) && !has_potential(pair);
+    let by_sign =
+        !conditions.has_symmetric_bodies(model) || !conditions.pressures.is_empty() || model.pairs.iter().any(is_skew);
     let tells = conditions.is_symmetric(model) || by_sign && !slips();
     if tells && factors != Negative::Unknown && !hangs {
         return Ok(factors);

@@ -26,12 +26,13 @@
 //! ```
 //!
 //! From segment to segment the slave node meets the master in many points, and the element has the other nodes of its faces,
-//! too: `spread`, with the sums of `run`. From node to node it stays on a corner of the patch.
+//! too: `spread`, with the sums of `run`. From node to node it stays on a corner of the patch: `corner`.
 //!
 //! Geometry always has the full dependence on the nodes, whatever the transfer. A tangential force that is held is carried
 //! along by the tool, or by the patch of the slip origin: its components stand still in the frame of the tangents and the
-//! normal there.
+//! normal there. From node to node it turns with the corner.
 
+mod corner;
 mod motion;
 mod run;
 mod spread;
@@ -48,7 +49,8 @@ use super::pose::Axle;
 use crate::surface::moving::{MovingPatch, Transfer, Variation};
 use crate::surface::{Local, Projection};
 use crate::{Mat3, Vec3};
-use motion::{Held, Motion, Part};
+pub use corner::Corner;
+use motion::{Motion, Part};
 pub use spread::{Bed, Portion, Spread};
 
 /// A point that moves with a patch.
@@ -80,8 +82,8 @@ pub enum Origin<'a> {
     /// A place in space. On a tool that point as the tool has carried it; on a patch, for a node that was out of reach then,
     /// where the node itself was.
     Fixed(Vec3),
-    /// A place beside the corner of the patch on which the foot is held, and that corner: it turns with the [`upright`] frame there.
-    Beside(Vec3, usize),
+    /// A place beside the corner of the patch on which the foot is held, as that has turned.
+    Beside(Vec3, &'a Corner),
 }
 
 /// Where a slave node meets the master.
@@ -91,7 +93,8 @@ pub struct Contact<'a> {
     pub projection: &'a Projection,
     pub opposite: Opposite<'a>,
     pub origin: Origin<'a>,
-    /// With a multiplier that is held, a part of λ_t in the frame of the tool, or the [`frame`] at the slip origin.
+    /// With a multiplier that is held, a part of λ_t in the frame of the tool, or the [`frame`] at the slip origin; beside a corner
+    /// as it was before that turned.
     pub carried: Vec3,
 }
 
@@ -108,15 +111,6 @@ fn with_carried(multiplier: &Multiplier, carried: Vec3) -> Multiplier {
 /// Tangents and unit normal of a patch, as columns.
 pub fn frame(local: &Local) -> Mat3 {
     Mat3::from_columns(&[local.tangents[0], local.tangents[1], local.area_vector().normalize()])
-}
-
-/// At a corner of a patch with nodes at `positions` the unit vectors along the edge from there on, across it, and of the nodal
-/// normal, as columns.
-pub fn upright(patch: &MovingPatch, positions: &[Vec3], corner: usize) -> Option<Mat3> {
-    let normal = patch.normal(positions, corner)?;
-    let edge = positions[(corner + 1) % patch.count as usize] - positions[corner];
-    let along = (edge - normal * normal.dot(&edge)).try_normalize(f64::MIN_POSITIVE)?;
-    Some(Mat3::from_columns(&[along, normal.cross(&along), normal]))
 }
 
 /// What the element does with a contact.
@@ -215,7 +209,8 @@ impl Contact<'_> {
     fn carried(&self) -> Vec3 {
         match &self.origin {
             Origin::Carried(site) => site.frame() * self.carried,
-            Origin::Fixed(_) | Origin::Beside(..) => self.opposite.frame() * self.carried,
+            Origin::Fixed(_) => self.opposite.frame() * self.carried,
+            Origin::Beside(_, corner) => corner.turn * self.carried,
         }
     }
 }
@@ -294,8 +289,8 @@ impl Element {
         if let Some(contact) = contact {
             match (&contact.opposite, method.tangent) {
                 (Opposite::Tool(_, axle), tangent) => self.rigid(tangent, response, (contact, axle.as_ref())),
-                (Opposite::Patch(site), _) if let Origin::Beside(place, corner) = &contact.origin => {
-                    self.held(method.transfer, response, contact, site, (place, *corner));
+                (Opposite::Patch(_), _) if let Origin::Beside(place, corner) = &contact.origin => {
+                    self.held(method.transfer, response, contact, (place, corner));
                 }
                 (Opposite::Patch(site), Tangent::Exact) => {
                     bends = true;
@@ -408,22 +403,17 @@ impl Element {
         self.weights.push(Weight { by_place, ..Weight::constant(first_row(&axle.velocity(&x))) });
     }
 
-    /// Columns and weights where the foot stays on a corner, which bears all: its nodal normal turns with the nodes of the patch.
-    fn held(
-        &mut self,
-        transfer: Transfer,
-        response: &Response,
-        contact: &Contact,
-        foot: &Site,
-        (origin, corner): (&Vec3, usize),
-    ) {
-        let patch = foot.patch;
-        let corners = [corner, (corner + 1) % patch.count as usize];
-        let turns = self.at_foot.normal_by(patch.corners[corner] as usize);
-        let held = Held::new(contact.projection, (foot.positions, corners), origin, turns);
-        self.columns.push(Column::new(response, &held.of_slave()));
-        for j in 0..foot.stencil.len() {
-            self.columns.push(Column::new(response, &held.of_node(j)));
+    /// Columns and weights where the foot stays on a corner, which bears all: it turns with the nodes of the patch.
+    fn held(&mut self, transfer: Transfer, response: &Response, contact: &Contact, (origin, corner): (&Vec3, &Corner)) {
+        let turns = self.at_foot.normal_by(corner.rule);
+        let motion = corner.motion(&contact.projection.slave(), origin);
+        self.columns.push(Column::new(response, &motion.of_slave()));
+        let carried = response.by_held * contact.carried().cross_matrix();
+        for (j, normal) in turns.iter().enumerate() {
+            let (part, turn) = motion.of_node(j, normal);
+            let Column { force, constraint, .. } = Column::new(response, &part);
+            let held = carried * turn;
+            self.columns.push(Column { force: force - held, constraint: constraint - held, ..Column::default() });
             self.weights.push(Weight::constant(self.at_foot.weight(transfer, j)[0].transpose()));
         }
     }

@@ -14,14 +14,6 @@
 //!     inside          dn = -τ^a (n·dτ_a + b_ab dξ^b)
 //!     edge, corner    dn = (I - nn)(dx - dx̄)/g
 //! ```
-//!
-//! From node to node the foot stays on a corner x_m, n is the nodal normal there, and slip counts from x̃ = x_m + r, where r turns
-//! as the frame (t, n × t, n) does, with t along d_t = (I - nn) d of the edge d from the corner on:
-//!
-//! ```text
-//!     dg = n·(dx - dx_m) + (x - x_m)·dn        ω = n × dn + n (n × t)·(dd - (n·d) dn)/|d_t|
-//!     d(x̄ - x̃) = dx - dx_m - n dg - g dn - ω × r
-//! ```
 
 use crate::contact::pose::Axle;
 use crate::surface::{Local, Patch, Polygon, Projection};
@@ -160,67 +152,6 @@ impl Motion {
             Kind::Touching => Mat3::zeros(),
         };
         Part { point: point + along, gap: relative.tr_mul(n), normal, parameters }
-    }
-}
-
-/// Motion of what a slave node has over the corner of a patch that it meets for good.
-#[derive(Clone, Debug)]
-pub struct Held {
-    gap: f64,
-    normal: Vec3,
-    /// x - x_m, r, (n × t)/|d_t|, and n·d.
-    away: Vec3,
-    start: Vec3,
-    spin: Vec3,
-    lean: f64,
-    /// The corner, the one after it, and dn by the nodes of the patch.
-    corners: [usize; 2],
-    turns: Vec<Mat3>,
-}
-
-impl Held {
-    /// Of what `projection` has over the corner of a patch with nodes at `positions`, whose normal there has the derivatives `turns`,
-    /// with slip from `origin` on.
-    pub fn new(
-        projection: &Projection,
-        (positions, corners): (&[Vec3], [usize; 2]),
-        origin: &Vec3,
-        turns: Vec<Mat3>,
-    ) -> Self {
-        let (n, [here, next]) = (projection.normal, corners.map(|k| positions[k]));
-        let edge = next - here;
-        let along = edge - n * n.dot(&edge);
-        Self {
-            gap: projection.gap,
-            normal: n,
-            away: projection.slave() - here,
-            start: origin - here,
-            spin: n.cross(&along) / along.norm_squared().max(f64::MIN_POSITIVE),
-            lean: n.dot(&edge),
-            corners,
-            turns,
-        }
-    }
-
-    /// With the slave node; the point of a part is x̄ - x̃.
-    pub fn of_slave(&self) -> Part {
-        self.part(Mat3::identity(), &Mat3::zeros(), 0.0)
-    }
-
-    /// With node j of the patch.
-    pub fn of_node(&self, j: usize) -> Part {
-        let [here, next] = self.corners.map(|k| f64::from(u8::from(k == j)));
-        self.part(Mat3::from_diagonal_element(-here), &self.turns[j], next - here)
-    }
-
-    /// From dx - dx_m, dn, and dd, a multiple of the identity.
-    fn part(&self, relative: Mat3, normal: &Mat3, along: f64) -> Part {
-        let n = &self.normal;
-        let gap = relative.tr_mul(n) + normal.tr_mul(&self.away);
-        let spins = self.spin * along - normal.tr_mul(&self.spin) * self.lean;
-        let turn = n.cross_matrix() * normal + n * spins.transpose();
-        let point = relative - n * gap.transpose() - normal * self.gap + self.start.cross_matrix() * turn;
-        Part { point, gap, normal: *normal, parameters: [Vec3::zeros(); 2] }
     }
 }
 

@@ -27,8 +27,9 @@ struct Pair {
     /// How λ, or σ, enters.
     kind: fn(Vec3) -> Multiplier,
     carried: Vec3,
-    /// Of a node that meets a node: where slip counts from in the frame there.
+    /// Of a node that meets a node: where slip counts from, as it was when the nodes of the master were at `then`.
     beside: Option<Vec3>,
+    then: Vec<Vec3>,
 }
 
 /// Where the foot is.
@@ -63,9 +64,14 @@ fn noise(k: usize) -> f64 {
 }
 
 impl Pair {
-    fn new(mesh: &Mesh, smoothing: Smoothing, [now, before]: [usize; 2]) -> Self {
+    fn new(mesh: &Mesh, smoothing: Smoothing, patches: [usize; 2]) -> Self {
+        Self::in_planes(mesh, smoothing, patches, &[])
+    }
+
+    /// With planes of symmetry.
+    fn in_planes(mesh: &Mesh, smoothing: Smoothing, [now, before]: [usize; 2], planes: &[(Vec3, Vec3)]) -> Self {
         let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
-        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0, &[], &Controls::default()).unwrap();
+        let patches = MovingPatch::all(mesh, &numbers, smoothing, 50.0, planes, &Controls::default()).unwrap();
         let mut points: Vec<Vec3> = mesh.points.iter().map(|p| Vec3::from(*p)).collect();
         let mut pair = Self {
             patches,
@@ -79,6 +85,7 @@ impl Pair {
             kind: Multiplier::Augmented,
             carried: Vec3::zeros(),
             beside: None,
+            then: points.clone(),
         };
         let size = pair.size();
         points.iter_mut().enumerate().for_each(|(i, x)| *x += Vec3::from_fn(|d, _| 0.03 * size * noise(3 * i + d)));
@@ -165,16 +172,17 @@ impl Pair {
         self
     }
 
-    /// Where the corner is of a node that meets a node, and the frame there.
-    fn corner(&self) -> (Vec3, Mat3) {
-        let positions = self.positions(self.now);
-        (positions[1], upright(&self.patches[self.now], &positions, 1).unwrap())
+    /// Where a node meets a node, which has turned since it was at `self.then`.
+    fn corner(&self) -> Corner {
+        let patch = &self.patches[self.now];
+        let at = |points: &[Vec3]| patch.nodes.iter().map(|n| points[*n as usize]).collect::<Vec<_>>();
+        Corner::new(patch, 1, [&at(&self.then), &at(&self.points)]).unwrap()
     }
 
     fn origin(&self) -> Vec3 {
         if let Some(beside) = self.beside {
-            let (place, frame) = self.corner();
-            return place + frame * beside;
+            let corner = self.corner();
+            return corner.place + corner.turn * beside;
         }
         self.patches[self.before].shape(&self.positions(self.before)).point(ORIGIN)
     }
@@ -182,8 +190,7 @@ impl Pair {
     fn projection(&self) -> Projection {
         let (patch, x) = (self.shape(), &self.slave);
         if self.beside.is_some() {
-            let (place, frame) = self.corner();
-            let normal: Vec3 = frame.column(2).into();
+            let Corner { place, normal, .. } = self.corner();
             let gap = normal.dot(&(x - place));
             let (point, normal_gradient) = (x - normal * gap, Mat3::zeros());
             return Projection { gap, point, normal, normal_gradient, patch: patch.id, xi: [1.0, 0.0] };
@@ -204,7 +211,8 @@ impl Pair {
         let projection = self.projection();
         let [now, before] = [self.now, self.before].map(|f| Stencil::new(self, f));
         let (opposite, carried) = (Opposite::Patch(now.site(projection.xi)), Origin::Carried(before.site(ORIGIN)));
-        let origin = self.beside.map_or(carried, |_| Origin::Beside(self.origin(), 1));
+        let corner = self.beside.map(|_| self.corner());
+        let origin = corner.as_ref().map_or(carried, |corner| Origin::Beside(self.origin(), corner));
         let contact = Contact { projection: &projection, opposite, origin, carried: self.carried };
         let (mut method, mut e) = (self.method(transfer, tangent), Element::default());
         method.law.friction = if width == 3 { method.law.friction } else { 0.0 };
@@ -279,23 +287,95 @@ fn the_frictional_tangent_is_the_derivative_of_the_residual() {
     }
 }
 
+/// Slave nodes over nodes inside the surface, at its ends, and in one and two planes of symmetry.
+fn from_node_to_node() -> Vec<Pair> {
+    let dome = |s: f64, t: f64| [3.0 * s, 3.0 * t, 0.4 * (s - 0.5 * s * s) + 0.5 * (t - 0.5 * t * t)];
+    let planes = [(Vec3::new(3.0, 0.0, 0.0), Vec3::x()), (Vec3::zeros(), Vec3::y())];
+    let in_planes = |triangles: bool, count: usize| {
+        let mesh = grid(3, 3, triangles, dome);
+        let now = if triangles { 4 } else { 2 };
+        Pair::in_planes(&mesh, Smoothing::Nagata, [now, now], &planes[..count])
+    };
+    let of_planes =
+        [(false, 1), (true, 1), (false, 2), (true, 2)].map(|(triangles, count)| in_planes(triangles, count));
+    let smooth = pairs().into_iter().filter(|pair| !pair.patches[pair.now].normals.is_empty());
+    let over = |pair: Pair| {
+        let (size, Corner { place, turn, .. }) = (pair.size(), pair.corner());
+        let slave = place + turn * Vec3::new(-0.02, 0.05, -0.01) * size;
+        Pair { beside: Some(Vec3::new(0.04, -0.03, 0.01) * size), slave, ..pair }
+    };
+    smooth.chain(of_planes).map(over).collect()
+}
+
 #[test]
 fn the_tangent_from_node_to_node_is_the_derivative_of_the_residual() {
-    for (k, pair) in pairs().into_iter().enumerate().filter(|(_, pair)| !pair.patches[pair.now].normals.is_empty()) {
-        let size = pair.size();
-        let beside = Vec3::new(0.04, -0.03, 0.01) * size;
-        let (place, frame) = pair.corner();
-        let slave = place + frame * Vec3::new(-0.02, 0.05, -0.01) * size;
-        let pair = Pair { beside: Some(beside), slave, ..pair };
+    for (k, pair) in from_node_to_node().into_iter().enumerate() {
         for status in [Status::Gap, Status::Stick, Status::Slip] {
             let pair = pair.clone().with_status(status);
             assert_eq!(pair.element(3, Transfer::Bilinear, Tangent::Exact).0, status);
             let error = error(&pair, 3, Transfer::Bilinear);
             assert!(error < 1e-8, "{k} {status:?}: {error:e}");
         }
+        let kind: fn(Vec3) -> Multiplier =
+            |force| Multiplier::Held { gap: -0.15, tangential: Vec3::new(0.3, -0.2, 0.4), force };
+        for friction in [0.03, 50.0] {
+            let pair = Pair { kind, carried: Vec3::new(0.6, -0.4, 0.2), friction, ..pair.clone() }.settled(3);
+            let error = reduced_error(&pair, 3, Transfer::Bilinear);
+            assert!(error < 1e-7, "{k} {friction}: {error:e}");
+        }
         let pair = Pair { multiplier: Vec3::new(-7.0, 0.0, 0.0), ..pair };
         let error = error(&pair, 1, Transfer::Bilinear);
         assert!(error < 1e-8, "{k}: {error:e}");
+    }
+}
+
+/// How a node turns depends neither on the order of facets nor on where their corners begin; in the mirror it is the mirror image, and
+/// of half a surface up to a plane of symmetry that of the whole.
+#[test]
+fn a_corner_turns_alike_however_facets_are_written() {
+    let place = |p: &[f64; 3]| Vec3::new(p[0], p[1], 0.1 * (p[0] - 1.5).powi(2) + 0.05 * p[1]);
+    let moved = |x: Vec3| {
+        let twist = Rotation3::new(Vec3::new(0.3, -0.2, 0.5));
+        twist * (x + Vec3::new(0.4 * x.y + 0.1 * x.y * x.x, 0.05 * x.x * x.x, 0.1 * x.x * x.y))
+    };
+    let turn_at = |mesh: &Mesh, node: usize, planes: &[(Vec3, Vec3)], moved: &dyn Fn(Vec3) -> Vec3| {
+        let numbers: Vec<u64> = (0..mesh.points.len() as u64).collect();
+        let patches = MovingPatch::all(mesh, &numbers, Smoothing::Nagata, 50.0, planes, &Controls::default()).unwrap();
+        let of_node = |patch: &MovingPatch| {
+            let corner = patch.nodes[..patch.count as usize].iter().position(|n| *n == node as u64)?;
+            let then: Vec<Vec3> = patch.nodes.iter().map(|n| mesh.points[*n as usize].into()).collect();
+            let now: Vec<Vec3> = then.iter().map(|x| moved(*x)).collect();
+            Some(Corner::new(patch, corner, [&then, &now]).unwrap().turn)
+        };
+        let turns: Vec<Mat3> = patches.iter().filter_map(of_node).collect();
+        assert!(turns.iter().all(|turn| (turn - turns[0]).amax() < 1e-13), "{turns:?}");
+        turns[0]
+    };
+    for (triangles, node) in [(false, 5), (true, 5), (false, 4), (true, 4), (false, 0), (true, 0)] {
+        let mut mesh = grid(3, 3, triangles, |s, t| [3.0 * s + 0.3 * t * t, 3.0 * t, 0.0]);
+        mesh.points.iter_mut().for_each(|p| *p = place(p).into());
+        let turn = turn_at(&mesh, node, &[], &moved);
+        assert!((turn.determinant() - 1.0).abs() < 1e-13 && (turn - Mat3::identity()).amax() > 0.1);
+        let mut other = mesh.clone();
+        other.facets.reverse();
+        other.facets.iter_mut().for_each(|facet| facet.nodes[..facet.count as usize].rotate_left(1));
+        assert!((turn_at(&other, node, &[], &moved) - turn).amax() < 1e-13);
+
+        let mirror = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
+        let mut other = mesh.clone();
+        other.points.iter_mut().for_each(|p| *p = (mirror * Vec3::from(*p)).into());
+        other.facets.iter_mut().for_each(|facet| facet.nodes[..facet.count as usize].reverse());
+        let image = turn_at(&other, node, &[], &|x| mirror * moved(mirror * x));
+        assert!((image - mirror * turn * mirror).amax() < 1e-13, "{node} {triangles}");
+    }
+    let even = |x: Vec3| x + Vec3::new(0.3 * x.x * x.y * x.y, 0.2 * x.y * x.x, 0.2 * x.x * x.x + 0.3 * x.y * x.y);
+    let mesh = |columns: usize, from: f64| grid(columns, 3, false, |s, t| [3.0 * t, (3.0 - from) * s + from, 0.0]);
+    let (half, whole) = (mesh(3, 0.0), mesh(6, -3.0));
+    let at =
+        |mesh: &Mesh, x: f64| mesh.points.iter().position(|p| (Vec3::from(*p) - Vec3::x() * x).norm() < 1e-9).unwrap();
+    for x in [0.0, 1.0] {
+        let turn = turn_at(&half, at(&half, x), &[(Vec3::zeros(), Vec3::y())], &even);
+        assert!((turn_at(&whole, at(&whole, x), &[], &even) - turn).amax() < 1e-13, "{x}");
     }
 }
 
