@@ -18,7 +18,7 @@ pub enum Cause {
     Contradiction,
     /// Rounding leaves too much of the forces.
     Rounding,
-    /// It converged to what cannot be, a node in or behind a master: only shorter increments help.
+    /// It converged to what cannot be, a node in or behind a master: shorter increments help, or, with friction, a jump.
     Watch,
     /// It converged to an equilibrium that is not stable: shorter increments follow the way to another.
     Unstable,

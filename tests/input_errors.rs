@@ -97,6 +97,25 @@ fn a_misspelt_key() {
     refuses_scene("material = ", "materail = ", "scene.toml:2:1: ", &words);
 }
 
+/// Gmsh writes elements without their groups where it is told to save all in format 2.2, though its header names these.
+#[test]
+fn groups_that_gmsh_has_left_out() {
+    let nodes = "1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1";
+    let text = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"bottom\"\n3 2 \"slab\"\n$EndPhysicalNames\n\
+         $Nodes\n8\n{nodes}\n$EndNodes\n$Elements\n1\n1 5 2 0 1 1 2 3 4 5 6 7 8\n$EndElements\n"
+    );
+    let help = "help: it has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1";
+    for (more, place) in [
+        ("\ngroup = \"slab\"", "scene.toml:4:9: 'all.msh' has no group 'slab'"),
+        ("\nmaterials = { slab = \"rubber\" }", "scene.toml:4:15: body `slab` has no group `slab` of elements"),
+    ] {
+        let bench = bench("\"slab.inp\"", &format!("\"all.msh\"{more}"));
+        bench.write("all.msh", &text);
+        refuses(&bench, &[], place, &[help]);
+    }
+}
+
 #[test]
 fn a_value_of_the_wrong_type() {
     let words = ["must be a number, not a string", "| young = \"soft\"", "for example `young = 1.0`"];

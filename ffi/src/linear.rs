@@ -24,7 +24,7 @@ use crate::runtime::Petsc;
 use crate::sys;
 use crate::vector::{Vector, norm2};
 
-/// The largest ||b - A x|| / ||b|| of a solution that is not refined.
+/// The largest ||b - A x|| / ||b|| of a solution that is not refined, and that counts unless more is [accepted](LinearSolver::accept).
 pub const RESIDUAL_TOLERANCE: f64 = 1e-6;
 /// Steps of iterative refinement, after which a solution is as good as it gets.
 const MAX_REFINEMENTS: usize = 2;
@@ -262,7 +262,7 @@ pub struct LinearSolver<'p> {
     /// Systems in a row that multigrid did not solve.
     in_vain: usize,
     /// The largest ||b - A x|| / ||b|| of a solution by factors without null pivots.
-    accepts: f64,
+    pub(crate) accepts: f64,
     statistics: LinearStatistics,
 }
 
@@ -541,7 +541,10 @@ impl<'p> LinearSolver<'p> {
         let rows = matrix.local_rows();
         let (mut b, mut y) = (Vector::zeros(self.petsc, rows)?, Vector::zeros(self.petsc, rows)?);
         matrix.multiply(z, &mut b)?;
-        match self.solve(matrix, &b, &mut y) {
+        let accepts = std::mem::replace(&mut self.accepts, RESIDUAL_TOLERANCE);
+        let solved = self.solve(matrix, &b, &mut y);
+        self.accepts = accepts;
+        match solved {
             Ok(()) => {}
             Err(LinearError::Failure(_)) => return Ok(None),
             Err(LinearError::Error(error)) => return Err(error),

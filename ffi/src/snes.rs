@@ -542,7 +542,7 @@ impl Context<'_, '_> {
         if direct != 0 && ours != 0 {
             return Ok(true);
         }
-        let limit = if direct != 0 { RESIDUAL_TOLERANCE } else { RESIDUAL_TOLERANCE.max(ROOM * tolerance) };
+        let limit = if direct != 0 { self.linear.accepts } else { RESIDUAL_TOLERANCE.max(ROOM * tolerance) };
         let r = Vector::zeros(self.petsc, self.matrix.local_rows())?;
         // SAFETY: live objects of one layout, the vectors distinct.
         let relative_residual = unsafe {

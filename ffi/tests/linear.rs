@@ -120,6 +120,37 @@ fn factors_are_reused() {
     });
 }
 
+/// A cantilever of 1000 springs, loaded everywhere: rounding leaves more of b than is usual, which counts where it is accepted.
+#[test]
+fn what_rounding_leaves_counts_where_it_is_accepted() {
+    with_petsc("what_rounding_leaves_counts_where_it_is_accepted", &[1, 2], "", |petsc| {
+        let n = 1000;
+        let mut dense = vec![vec![0.0; n]; n];
+        // Second differences of node i with those before it, which are held where there are none.
+        for i in 0..n {
+            let terms = [(i as isize - 2, 1.0), (i as isize - 1, -2.0), (i as isize, 1.0)];
+            let terms: Vec<_> = terms.into_iter().filter(|(j, _)| *j >= 0).map(|(j, a)| (j as usize, a)).collect();
+            for (j, a) in &terms {
+                terms.iter().for_each(|(k, b)| dense[*j][*k] += a * b);
+            }
+        }
+        let mut solver = LinearSolver::new(petsc, Factorization::Lu);
+        let a = matrix(petsc, &dense);
+        match failure(petsc, &mut solver, &a, 1.0) {
+            LinearFailure::Inaccurate { relative_residual, null_pivots: 0 } => {
+                assert!(relative_residual > 1e-6 && relative_residual < 1e-2, "{relative_residual:e}");
+            }
+            other => panic!("{other}"),
+        }
+        solver.accept(1e-2);
+        let (b, mut x) = (vector(petsc, &vec![1.0; n]), vector(petsc, &vec![0.0; n]));
+        solver.solve(&a, &b, &mut x).unwrap();
+        assert!(solver.statistics().relative_residual > 1e-6 && solver.statistics().refinements > 0);
+        // An end that sinks by some n^4/8.
+        assert!((x.norm_inf().unwrap() / (n as f64).powi(4) - 0.125).abs() < 2e-3);
+    });
+}
+
 #[test]
 fn an_empty_system_is_solved() {
     with_petsc("an_empty_system_is_solved", &[1, 2], "", |petsc| {

@@ -49,7 +49,8 @@
 //!    forces that friction follows are not known otherwise, and the iteration goes to and fro in increments of any length. Where
 //!    bodies lie on each other, as in a stack of sheets that is bent, that is tried by active sets, too.
 //! 4. A jump, in an increment so short that the tools hardly move in it: friction then follows their way, not that of the
-//!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too.
+//!    jump. Close to where equilibrium ends little drives a jump, and longer increments are tried, too. So is what the watch refuses
+//!    in the shortest increment, where contacts settle: what friction had pushed along lets go.
 //!
 //! No increment is shorter than the scene's minimum, and a path of little but jumps ends the run; so do jumps that the watch
 //! refuses again and again.
@@ -433,12 +434,12 @@ impl Ladder {
         self.shorten(increments, end, cause)
     }
 
-    /// The watch has refused the increment. One that is as short as it may be can but be jumped over: what friction has pushed along
-    /// lets go at once.
+    /// The watch has refused the increment. Where contacts settle, one that is as short as it may be is jumped over: what friction has
+    /// pushed along lets go at once.
     fn refuse(&mut self, increments: &mut Increments, end: f64) -> Option<Remedy> {
         let (jumped, last) = (self.tries.way == Way::Jump, increments.is_shortest(end));
         self.refused += usize::from(jumped);
-        if last && !jumped && self.means.jumps > 0 && !self.jumps_on() {
+        if last && !jumped && self.means.settle && self.means.jumps > 0 && !self.jumps_on() {
             (self.tries.way, self.tries.jumps.failed) = (Way::Jump, 0);
             return Some(Remedy::Jump);
         }
@@ -646,6 +647,27 @@ mod tests {
             ladder.fail(&mut increments, end, cause).is_none()
         });
         assert!(ended);
+    }
+
+    /// What the watch refuses in the shortest increment is jumped over where there is friction, once: refused there, too, it ends.
+    #[test]
+    fn what_is_refused_in_the_shortest_increment_is_jumped_over() {
+        let bounds = Increment { initial: 0.5, min: 0.1, max: 0.5, limits: Limits::default() };
+        for settle in [true, false] {
+            let mut increments = Increments::new(&bounds, 1.0, &Controls::default());
+            let mut ladder = begin(Means { settle, ..means() });
+            let mut told = Vec::new();
+            loop {
+                let end = increments.next().unwrap();
+                match ladder.fail(&mut increments, end, Cause::Watch) {
+                    Some(remedy) => told.push(remedy),
+                    None => break,
+                }
+            }
+            let jumps = usize::from(settle);
+            assert_eq!(told.iter().filter(|remedy| **remedy == Remedy::Jump).count(), jumps, "{told:?}");
+            assert!(told[..told.len() - jumps].iter().all(|remedy| *remedy == Remedy::Cut) && told.len() > 1);
+        }
     }
 
     /// What other penalties and active sets do not help is tried along the central path before it is cut, each time; where that

@@ -403,9 +403,12 @@ impl Workspace {
                 true => element.spread_tangent(method, multiplier, (spread.as_ref(), ground), guide),
             };
         }
-        let corner = match ground {
-            Ground::Surface(surface, _) => slave.mate.and_then(|mate| mate.corner(surface)),
-            Ground::Tool(_) => None,
+        let corner = match (ground, &meeting.contact) {
+            // Of what does not slide only the tangent needs it.
+            (Ground::Surface(surface, _), Some(_)) if with_tangent || method.law.friction > 0.0 => {
+                slave.mate.and_then(|mate| mate.corner(surface))
+            }
+            _ => None,
         };
         let contact = meeting.contact.as_ref().and_then(|(projection, touch)| {
             let Touch::Node(from) = touch else { return None };

@@ -24,6 +24,9 @@ pub(crate) fn and_more(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" and {count} more") }
 }
 
+/// Help where a mesh has no groups at all.
+pub const NO_GROUPS: &str = "it has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1";
+
 /// "did you mean 'top'? there is: bottom, top" for a name that is not among `names`.
 pub(crate) fn near<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<&str> = names.collect();

@@ -50,7 +50,11 @@ fn fitting(file: &FileMesh, purpose: Purpose) -> impl Iterator<Item = &str> {
 
 fn unknown(file: &FileMesh, name: &str, wish: &Wish) -> Error {
     let what = format!("'{}' has no group '{name}'", file.mesh.source);
-    Error::input(wish.at, what, message::near(name, fitting(file, wish.purpose)))
+    let help = match file.groups.is_empty() {
+        true => message::NO_GROUPS.into(),
+        false => message::near(name, fitting(file, wish.purpose)),
+    };
+    Error::input(wish.at, what, help)
 }
 
 fn empty(file: &FileMesh, wish: &Wish) -> Error {

@@ -4,7 +4,7 @@ use super::bodies::{self, Meshed};
 use super::sections::Sections;
 use crate::Vec3;
 use crate::error::{Error, Faults, Result};
-use crate::mesh::{Mesh, SolidShape, join};
+use crate::mesh::{Mesh, SolidShape, join, message::NO_GROUPS};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, OfFile};
 use crate::scene::{self, Discretization, Located, Scene, body_of, did_you_mean};
 use std::collections::BTreeSet;
@@ -153,7 +153,7 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     let Some(found) = mesh.groups.get(group) else {
         let what = format!("body `{body}` has no group `{group}`");
         let help = match mesh.groups.is_empty() {
-            true => "its mesh has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1".to_string(),
+            true => NO_GROUPS.into(),
             false => did_you_mean(group, mesh.groups.keys().map(String::as_str)),
         };
         return Err(Error::input(&name.at, what, help));

@@ -1,7 +1,7 @@
 //! Which elements and nodes of a body are of which of its materials, and what elements they have.
 
 use crate::error::{Error, Result};
-use crate::mesh::{Mesh, SolidShape};
+use crate::mesh::{Mesh, SolidShape, message::NO_GROUPS};
 use crate::parallel::max;
 use crate::partition::Part;
 use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
@@ -83,7 +83,11 @@ fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
         let elements = mesh.groups.get(&name.value).map_or(&[][..], |group| &group.solids);
         if elements.is_empty() {
             let what = format!("body `{}` has no group `{}` of elements", body.name.value, name.value);
-            return Err(Error::input(&name.at, what, did_you_mean(&name.value, with_elements().map(String::as_str))));
+            let help = match mesh.groups.is_empty() {
+                true => NO_GROUPS.into(),
+                false => did_you_mean(&name.value, with_elements().map(String::as_str)),
+            };
+            return Err(Error::input(&name.at, what, help));
         }
         for &element in elements {
             let known = std::mem::replace(&mut sections[element as usize], section);

@@ -436,6 +436,16 @@ pub struct Around {
     pub by: Vec3,
 }
 
+impl Around {
+    /// The distance of a place from the axis, and r, t and z there; on the axis r and t are 0.
+    pub fn frame(&self, place: &Vec3) -> (f64, [Vec3; 3]) {
+        let arm = place - self.point;
+        let across = arm - self.axis * self.axis.dot(&arm);
+        let outward = across.try_normalize(0.0).unwrap_or_default();
+        (across.norm(), [outward, self.axis.cross(&outward), self.axis])
+    }
+}
+
 /// Moves a tool or the nodes of a set over the step.
 #[derive(Clone, Debug)]
 pub struct Move {

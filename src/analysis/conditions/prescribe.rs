@@ -120,17 +120,14 @@ impl Conditions {
         way: &Way<'s>,
         inclined: &mut Inclined<'s>,
     ) -> Result<()> {
-        let Around { point, axis, directions, .. } = around;
+        let directions = around.directions;
         for &n in &model.set(&way.set.value).nodes {
-            let arm = model.part.points[n as usize] - point;
-            let outward = arm - axis * axis.dot(&arm);
-            if outward.norm() <= ON_AXIS * model.size && (directions[0] || directions[1]) {
+            let (radius, frame) = around.frame(&model.part.points[n as usize]);
+            if radius <= ON_AXIS * model.size && (directions[0] || directions[1]) {
                 let what = format!("node {} of `{}` is on the axis of `around`", node_name(model, n), way.set.value);
                 let help = "take it out of the set: no direction leads away from the axis there; or keep \"z\" alone";
                 return Err(Error::input(&way.set.at, what, help));
             }
-            let outward = outward.try_normalize(0.0).unwrap_or_default();
-            let frame = [outward, axis.cross(&outward), *axis];
             for d in (0..3).filter(|&d| directions[d]) {
                 match inclined::axis_of(&frame[d]) {
                     Some(along) => {

@@ -77,7 +77,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     locking::check(comm, scene, model)?;
     repeated::check(comm, scene, model)?;
     turns(scene, model);
-    anew::freed(comm, scene, model, &steps);
+    let freed = anew::freed(comm, scene, model, &steps);
     anew::turned(scene, model);
     bystanders(scene, model);
     let still = vec![Vec3::zeros(); model.part.points.len()];
@@ -97,7 +97,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     stuck::rigid(comm, scene, model, &steps);
     tied::check(comm, scene, model, &steps)?;
     tied::pressed(comm, model);
-    support::check(comm, scene, model, (&steps, &sights))?;
+    support::check(comm, scene, model, (&steps, &sights), &freed)?;
     pressed::check(comm, scene, model, (&steps, &sights))?;
     idle::check(comm, scene, model, &steps);
     astride::check(comm, model, (&steps, &sights));

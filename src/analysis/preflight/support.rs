@@ -33,6 +33,7 @@ pub fn check(
     scene: &Scene,
     model: &mut Model,
     (steps, sights): (&[Conditions], &[Vec<Standing>]),
+    freed: &[(&Step, &str)],
 ) -> Result<()> {
     let component = &model.part.component;
     let masters = master_components(comm, scene, model);
@@ -59,7 +60,7 @@ pub fn check(
         }
         let free = held.free(comm);
         if !free.is_empty() {
-            return Err(loose(scene, model, step, &free, k));
+            return Err(loose(scene, model, (step, k), &free, freed));
         }
         if k > 0 {
             continue;
@@ -182,17 +183,16 @@ const MERGE: &str = "merge the nodes where it should be one with the rest (Gmsh:
                      else ";
 
 /// What is free even if all contacts touch.
-fn loose(scene: &Scene, model: &Model, step: &Step, free: &[Free], k: usize) -> Error {
+fn loose(scene: &Scene, model: &Model, (step, k): (&Step, usize), free: &[Free], freed: &[(&Step, &str)]) -> Error {
     let what = format!("step `{}`: {}: no support and no contact could hold that", step.name.value, told(free));
     let lists = |fix: &Fix| step.fix.iter().any(|own| own.set.value == fix.set.value);
     let dropped = k > 0 && !scene.steps[k - 1].fix.iter().all(lists);
-    let of_these = |fix: &&Fix| {
-        let is_of = |f: &Free| !f.is_tool && model.bodies[f.index].name == body_of(&fix.set.value);
-        free.iter().any(is_of)
+    let of_these = |(of, set): &&(&Step, &str)| {
+        let is_of = |f: &Free| !f.is_tool && model.bodies[f.index].name == body_of(set);
+        std::ptr::eq(*of, step) && free.iter().any(is_of)
     };
-    let forgotten = match step.replaced.iter().find(of_these) {
-        Some(fix) => {
-            let set = &fix.set.value;
+    let forgotten = match freed.iter().find(of_these) {
+        Some((_, set)) => {
             format!("; the step lists `{set}` anew, and that takes the place of all that held it: list that, too")
         }
         None if dropped => {

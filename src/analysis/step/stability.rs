@@ -7,14 +7,14 @@
 //! than at the last time: then one eigenvalue, or three, have changed theirs. An attempt that is refused for something else is
 //! made again in shorter ones, which are judged anew.
 //!
-//! Where the tangent would not be symmetric with all that touches sticking either, the sign of its determinant tells alone: of a pair
-//! of eigenvalues that are negative nothing is known.
+//! With F-bar, pressures that follow, and from node to node the tangent is far from symmetric with all that touches sticking, too: the
+//! sign of its determinant tells alone, and of two eigenvalues that are negative nothing is known.
 //!
 //! A body that contacts alone hold may be free to move, and a motion that no force acts against is not unstable: it is judged on
 //! the weakest springs of what lingers.
 
 use super::super::newton::{Newton, System};
-use crate::contact::{Enforcement, Pair, Slave};
+use crate::contact::{Pair, Slave};
 use crate::error::Result;
 use crate::parallel::any;
 use petsc::{Factorization, LinearStatistics, Negative, Snes};
@@ -35,13 +35,10 @@ pub fn negative(newton: &mut Newton, snes: &mut Snes, hangs: bool, judged: &mut 
     }
     let LinearStatistics { negative: factors, null_pivots, .. } = snes.linear_statistics();
     let slips = || any(comm, model.pairs.iter().flat_map(|pair| &pair.slaves).any(Slave::rubs));
-    // That of F-bar, of a pressure that follows, or of forces on a master without a potential has no symmetric part to judge by:
-    // where no multiplier stands between them, that of a penalty ε is -ε |w - b|²/4 on what feels the gap by b and bears by w.
-    let is_bare = |pair: &Pair| matches!(pair.rules.method, Enforcement::Penalty | Enforcement::Uzawa);
-    let has_potential = |pair: &Pair| model.masters.of(pair.master).has_potential(pair.rules.tangent);
-    let is_skew = |pair: &Pair| (is_bare(pair) || pair.is_by_nodes()) && !has_potential(pair);
-    let by_sign =
-        !conditions.has_symmetric_bodies(model) || !conditions.pressures.is_empty() || model.pairs.iter().any(is_skew);
+    // That of F-bar, of a pressure that follows, or from node to node has no symmetric part to judge by: what feels the gap there by b
+    // and bears by w has a work of -ε |w - b|²/4 in it, whatever is stable.
+    let has_potential = conditions.has_symmetric_bodies(model) && !model.pairs.iter().any(Pair::is_by_nodes);
+    let by_sign = !has_potential || !conditions.pressures.is_empty();
     let tells = conditions.is_symmetric(model) || by_sign && !slips();
     if tells && factors != Negative::Unknown && !hangs {
         return Ok(factors);

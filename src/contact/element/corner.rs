@@ -9,7 +9,8 @@
 //! ```
 //!
 //! is the rotation in the surface that takes the e_j' nearest to the e_j in least squares. It depends neither on t' nor on how facets
-//! are ordered, and of a mirror image it is the mirror image. In a symmetry plane t stays across the plane.
+//! are ordered, and of a mirror image it is the mirror image. Of a node whose edges go on in their mirror images d is the direction
+//! across the plane of symmetry.
 //!
 //! Slip counts from x̃ = x_m + r, r = R (x_s' - x_m'):
 //!
