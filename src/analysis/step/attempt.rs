@@ -214,7 +214,10 @@ impl<'a> Simulation<'a> {
             }) {
                 break Err(error);
             }
-            let ControlFlow::Break(end) = judge(&mut newton, &outcome.reason, x, max_iterations)? else { continue };
+            let is_accurate = snes.linear_statistics().relative_residual <= petsc::RESIDUAL_TOLERANCE;
+            let ControlFlow::Break(end) = judge(&mut newton, (&outcome.reason, is_accurate), x, max_iterations)? else {
+                continue;
+            };
             if end.is_some() || !lingers {
                 break Ok(end);
             }
@@ -301,11 +304,16 @@ fn grow<'a>(
 }
 
 /// Whether the iteration goes on after Newton's method has ended for a reason; if not, why there is no solution, if there is
-/// none. Collective.
-fn judge(newton: &mut Newton, reason: &Reason, x: &Vector, max_iterations: usize) -> Result<ControlFlow<Ended>> {
+/// none; its last linear solution was accurate, or what rounding left of it. Collective.
+fn judge(
+    newton: &mut Newton,
+    (reason, is_accurate): (&Reason, bool),
+    x: &Vector,
+    max_iterations: usize,
+) -> Result<ControlFlow<Ended>> {
     if *reason != Reason::Converged {
         let singular_residual = newton.system.model.controls.singular_residual;
-        let cause = cause(reason, newton.course.trace.len() <= 1, singular_residual);
+        let cause = cause((reason, is_accurate), newton.course.trace.len() <= 1, singular_residual);
         return Ok(ControlFlow::Break(Some((cause, None, told(reason, max_iterations)))));
     }
     newton.course.iterated = 0;
@@ -390,14 +398,15 @@ fn failed(newton: Newton, why: Why, extrapolated: bool) -> Failed {
 }
 
 /// Why Newton's method ended without convergence. There are equations that determine nothing where MUMPS found them, or what
-/// it solved is no solution.
-fn cause(reason: &Reason, at_once: bool, singular_residual: f64) -> Cause {
+/// it solved is no solution, or nearly none.
+fn cause((reason, is_accurate): (&Reason, bool), at_once: bool, singular_residual: f64) -> Cause {
     let singular = match reason {
         Reason::Linear(LinearFailure::Singular(..)) => true,
         Reason::Linear(LinearFailure::Inaccurate { relative_residual, null_pivots }) => {
             *null_pivots > 0 || *relative_residual > singular_residual
         }
-        _ => return Cause::Iteration,
+        _ if is_accurate => return Cause::Iteration,
+        _ => false,
     };
     if singular && at_once { Cause::Singular } else { Cause::Degenerate }
 }
