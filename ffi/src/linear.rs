@@ -174,6 +174,8 @@ pub struct LinearStatistics {
     pub reused: usize,
     /// Systems that the iterative solver was tried on in vain, and that were factored.
     pub unsolved: usize,
+    /// Systems whose solution was let through although rounding leaves more of them than [`RESIDUAL_TOLERANCE`].
+    pub rough: usize,
     /// Factors are kept in files, for memory does not suffice for them.
     pub out_of_core: bool,
     /// Time for setting multigrid up, and for iterating, applications of factors excepted, s.
@@ -198,6 +200,7 @@ impl LinearStatistics {
             krylov_iterations: self.krylov_iterations + later.krylov_iterations,
             reused: self.reused + later.reused,
             unsolved: self.unsolved + later.unsolved,
+            rough: self.rough + later.rough,
             out_of_core: self.out_of_core || later.out_of_core,
             set_up_s: self.set_up_s + later.set_up_s,
             iterate_s: self.iterate_s + later.iterate_s,
@@ -798,6 +801,7 @@ impl<'p> Factor<'p> {
             }
         }
         if statistics.relative_residual <= accepts {
+            statistics.rough += 1;
             return Ok(());
         }
         let (relative_residual, null_pivots) = (statistics.relative_residual, statistics.null_pivots);

@@ -201,6 +201,7 @@ impl<'a> Simulation<'a> {
         }
         // It may converge without any system.
         snes.forget_pivots();
+        let rough = snes.linear_statistics().rough;
         let ended = loop {
             let outcome = snes.solve(x, &mut newton)?;
             self.summary.counts.iterations += outcome.iterations;
@@ -214,7 +215,7 @@ impl<'a> Simulation<'a> {
             }) {
                 break Err(error);
             }
-            let is_accurate = snes.linear_statistics().relative_residual <= petsc::RESIDUAL_TOLERANCE;
+            let is_accurate = snes.linear_statistics().rough == rough;
             let ControlFlow::Break(end) = judge(&mut newton, (&outcome.reason, is_accurate), x, max_iterations)? else {
                 continue;
             };
@@ -304,7 +305,7 @@ fn grow<'a>(
 }
 
 /// Whether the iteration goes on after Newton's method has ended for a reason; if not, why there is no solution, if there is
-/// none; its last linear solution was accurate, or what rounding left of it. Collective.
+/// none; all its linear solutions were accurate, or some what rounding left of them. Collective.
 fn judge(
     newton: &mut Newton,
     (reason, is_accurate): (&Reason, bool),
