@@ -64,7 +64,7 @@ class Sphere(Problem):
 
 
 class Cylinder(Problem):
-    contact, column, share = "strip", "roller.back.fy", 1.0
+    contact, column, share = "strip", "roller.back.fy", 1.0  # thickness of the layer
 
     def size(self, force):
         b = 2 * np.sqrt(force * self.radius / (np.pi * self.modulus))
@@ -84,6 +84,13 @@ CYLINDER = Cylinder(210e3, 50.0, 6.0, 6.0)
 FRICTION = 0.3
 
 
+def layer(thickness):
+    """The roller, of which a layer so thick is modelled."""
+    problem = Cylinder(CYLINDER.young, CYLINDER.radius, CYLINDER.side, CYLINDER.height)
+    problem.share = thickness
+    return problem
+
+
 class Result:
     """The end of a run: force, approach, and pressure and shear traction over the distance from the middle."""
 
@@ -92,7 +99,7 @@ class Result:
         with open(folder / "history.csv", newline="") as file:
             row = list(csv.DictReader(file))[-1]
         self.force = -float(row[problem.column]) / problem.share
-        self.shear_force = float(row[problem.column[:-1] + "x"])
+        self.shear_force = float(row[problem.column[:-1] + "x"]) / problem.share
         self.approach = -float(row[problem.column.replace(".f", ".u")])
         with h5py.File(folder / "fields.h5") as file:
             grid = f"contact_{problem.contact}"
@@ -100,7 +107,7 @@ class Result:
             fields = file[f"increments/{max(file['increments'])}/{grid}/node"]
             pressure = fields["pressure"][:]
             traction, normal = (fields[name][:].reshape(-1, 3) for name in ("traction", "normal"))
-        spherical = problem is SPHERE
+        spherical = isinstance(problem, Sphere)
         place = np.hypot(points[:, 0], points[:, 1]) if spherical else points[:, 0]
         order = np.flatnonzero(spherical | (points[:, 2] == 0))
         order = order[np.argsort(place[order])]

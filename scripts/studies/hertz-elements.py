@@ -1,9 +1,13 @@
 #!/usr/bin/python3 -B
-"""Runs the ball on a block of inputs/hertz-sphere.toml with elements of several kinds, on about as many nodes as the
-scene's own mesh has, from node to surface and from segment to segment, and prints as a Markdown table by how much
-force, radius and pressures are off, as scripts/studies/hertz.py does. Tetrahedra are cut from the hexahedra, each side
-along the diagonal from its lowest node; nodes in the middles of edges lie on the ball where their ends do."""
+"""Runs the ball on a block and the rollers, pressed and with friction, of inputs/hertz-sphere.toml,
+hertz-cylinder.toml and cattaneo-mindlin.toml with elements of several kinds, on about as many nodes as the scenes' own
+meshes have, from node to surface and from segment to segment, and prints as Markdown tables by how much the results are
+off, as scripts/studies/hertz.py does. Rollers and their blocks are one layer in space, without u_z on both its sides,
+an eighth of the half-width of the contact thick. Tetrahedra are cut from the hexahedra, each side along the diagonal
+from its lowest node; wedges are two of each, upright on the block of the ball, along the axes of the rollers; pyramids
+are six about a node in the middle. Nodes in the middles of edges lie on ball and rollers where their ends do."""
 
+import math
 import sys
 import tempfile
 from importlib import import_module
@@ -12,9 +16,13 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from shared import INPUTS, ROOT, arguments, gmsh, hertz, say, study
 
-# Elements of the block over the radius of the contact.
-ELEMENTS = {"hex8": 8, "hex8-fbar": 8, "tet4": 8, "hex27": 4, "tet10": 4, "tet10-sri": 4}
-HEAD = ["element", "discretization", "dofs", "iterations", "force", "radius", "highest pressure", "pressure, rms"]
+# Elements of the block over the radius or half-width of the contact, over those of the scenes' own meshes.
+ELEMENTS = {"hex8": 1, "hex8-fbar": 1, "hex8-sri": 1, "hex8-eas": 1, "wedge6": 1, "pyramid5": 1, "tet4": 1, "hex27": 2,
+            "wedge18": 2, "tet10": 2, "tet10-sri": 2}
+SCENES = {"hertz-sphere": 8, "hertz-cylinder": 12, "cattaneo-mindlin": 16}
+HEAD = ["element", "discretization", "dofs", "increments / iterations", "force", "radius", "highest pressure",
+        "pressure, rms", "half-width that sticks", "shear traction, rms", "at most"]
+THICKNESS = 0.025
 
 
 def tetrahedra(nodes):
@@ -29,74 +37,119 @@ def tetrahedra(nodes):
             yield from ([a, c, b, apex], [a, d, c, apex])
 
 
-def cells(hexahedra, group, sets, is_cut, middle):
+def parts(nodes, shape, middle):
+    """What a hexahedron is cut into."""
+    if shape == "tet":
+        return list(tetrahedra(nodes))
+    if shape == "wedge":
+        return [[nodes[k] for k in half] for half in ((0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7))]
+    if shape == "pyramid":
+        apex = middle(*nodes)
+        return [[nodes[k] for k in side[::-1]] + [apex] for side in gmsh.FACES]
+    return [nodes]
+
+
+def cells(hexahedra, group, sets, shape, is_second, middle):
     """Of a body: its elements, and the sides with all nodes in a set."""
-    for nodes in (t for h in hexahedra for t in (tetrahedra(h) if is_cut else [h])):
-        ends = gmsh.EDGES[len(nodes)] if middle else ()
+    for nodes in (part for h in hexahedra for part in parts(h, shape, middle)):
+        ends = gmsh.EDGES[len(nodes)] if is_second else ()
         yield 3, group, nodes + [middle(nodes[i], nodes[j]) for i, j in ends]
-        for side in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)) if is_cut else gmsh.FACES:
+        for side in gmsh.SIDES[len(nodes)]:
             corners = [nodes[k] for k in side]
-            halves = zip(corners, corners[1:] + corners[:1]) if middle else ()
+            halves = zip(corners, corners[1:] + corners[:1]) if is_second else ()
             between = [middle(i, j) for i, j in halves]
             yield from ((2, name, corners + between) for name, members in sets.items() if members.issuperset(corners))
 
 
-def mesh(element, count):
-    """Both bodies of `count` elements over the radius, as a Gmsh file."""
+def bodies(scene, count):
+    """Flat bodies with `count` elements of the lower one over the contact: name, points, hexahedra, sets, and where
+    points are lifted to."""
     sys.path.insert(0, str(ROOT / "scripts" / "meshes"))
     make = import_module("hertz")
+    is_ball = scene == "hertz-sphere"
+    problem, upper = (hertz.SPHERE, "ball") if is_ball else (hertz.CYLINDER, "roller")
+    share = 1 if scene == "cattaneo-mindlin" else 2
+    far = round(0.75 * count) if share == 1 else count
+    for name, n, way in (("block", count, -1), (upper, count // share, 1)):
+        build = make.ball_body if is_ball else make.roller_body
+        points, hexahedra, contact = build(n, far, way, lambda r: 0.0)
+        names = ("top", "base", upper) if way < 0 else ("underside", "back", upper)
+        sets = make.groups(points, contact, names)
+        if not is_ball:
+            sets |= {key: {n for n, p in enumerate(points) if p[2] == at} for key, at in (("zmin", 0.0), ("zmax", 1.0))}
+            points = [(x, y, THICKNESS * z) for x, y, z in points]
 
-    def lift(x, y, z):
-        return x, y, z + (make.BALL - (make.BALL**2 - x * x - y * y) ** 0.5) * (1 - z / 8.0)
+        def lift(x, y, z, way=way):
+            across, up = (math.hypot(x, y), z) if is_ball else (x, y)
+            sag = problem.radius - math.sqrt(problem.radius**2 - across**2) if way > 0 else 0.0
+            sag *= 1 - up / problem.height
+            return (x, y, z + sag) if is_ball else (x, y + sag, z)
 
-    is_cut, is_second = element.startswith("tet"), element in ("hex27", "tet10", "tet10-sri")
-    # As flat bodies, which are lifted onto the ball with all nodes.
+        yield name, points, hexahedra, sets, lift
+
+
+def mesh(scene, element, count):
+    """Both bodies, as a Gmsh file; they are flat as they are cut, and lifted with all nodes."""
+    shape, is_second = element.rstrip("0123456789-abfirs"), element in ("hex27", "wedge18", "tet10", "tet10-sri")
     points, all_cells = [], []
-    for name, n, way in (("block", count, -1), ("ball", count // 2, 1)):
-        flat, hexahedra, contact = make.ball_body(n, 0, way, lambda r: 0.0)
-        names = ("top", "base", "ball") if way < 0 else ("underside", "back", "ball")
-        sets, middles, start = make.groups(flat, contact, names), {}, len(points) + 1
+    for name, flat, hexahedra, sets, lift in bodies(scene, count):
+        middles, start = {}, len(points) + 1
 
-        def middle(i, j, flat=flat, middles=middles):
-            if (key := (min(i, j), max(i, j))) not in middles:
+        def middle(*ends, flat=flat, middles=middles):
+            if (key := tuple(sorted(ends))) not in middles:
                 middles[key] = len(flat)
-                flat.append(tuple((a + b) / 2 for a, b in zip(flat[i], flat[j])))
+                flat.append(tuple(sum(a) / len(ends) for a in zip(*(flat[k] for k in ends))))
             return middles[key]
 
-        found = cells(hexahedra, name, sets, is_cut, middle if is_second else None)
+        found = cells(hexahedra, name, sets, shape, is_second, middle)
         all_cells += [(dimension, group, [start + k for k in nodes]) for dimension, group, nodes in found]
-        points += [lift(*p) if way > 0 else p for p in flat]
+        points += [lift(*p) for p in flat]
     return gmsh.text(points, all_cells)
+
+
+def row(scene, run, out):
+    """By how much the results are off."""
+    problem = hertz.SPHERE if scene == "hertz-sphere" else hertz.layer(THICKNESS)
+    result = hertz.Result(out, problem)
+    (a, p0), (fitted, _) = result.hertz, result.fitted()
+    errors = [None if scene == "cattaneo-mindlin" else result.force / problem.force_at(result.approach) - 1,
+              fitted / a - 1, result.pressure.max() / p0 - 1, result.pressure_error()]
+    if scene == "cattaneo-mindlin":
+        found, exact = result.stick()
+        errors += [found / exact - 1, *result.shear_errors()]
+    return [run.summary["dofs"], run.effort, *("" if e is None else f"{e:+.2%}" for e in errors)]
 
 
 def main():
     parser = arguments(__doc__)
+    parser.add_argument("--scenes", nargs="+", default=list(SCENES), choices=SCENES)
     parser.add_argument("--elements", nargs="+", default=list(ELEMENTS), choices=ELEMENTS)
     parser.add_argument("--finer", type=int, default=1, metavar="N", help="times the elements (%(default)s)")
     parser.add_argument("--ranks", type=int, default=2, metavar="N", help="(%(default)s)")
+    parser.add_argument("--limit", type=int, default=1800, metavar="S", help="seconds for a run (%(default)s)")
     args = parser.parse_args()
     study.setup()
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        for element in args.elements:
-            path = Path(folder) / f"{element}.msh"
-            path.write_text(mesh(element, args.finer * ELEMENTS[element]))
-            sets = [f"--set=body.{body}.{key}" for body in ("block", "ball") for key in
-                    (f"mesh={path}", f"element={element}")]
-            for discretization in ("one-pass", "segment"):
-                say(f"{element}, {discretization}")
-                out = Path(folder) / f"{element}-{discretization}"
-                way = f"--set=contact.spot.discretization={discretization}"
-                run = study.Run(INPUTS / "hertz-sphere.toml", out, args.ranks, way, *sets)
-                if run.code != 0:
-                    sys.exit(run.code)
-                result = hertz.Result(out, hertz.SPHERE)
-                (a, p0), (fitted, _) = result.hertz, result.fitted()
-                errors = [result.force / hertz.SPHERE.force_at(result.approach) - 1, fitted / a - 1,
-                          result.pressure.max() / p0 - 1, result.pressure_error()]
-                cost = [run.summary["dofs"], run.summary["iterations"]]
-                rows.append([f"`{element}`", discretization, *cost, *(f"{e:+.2%}" for e in errors)])
-    study.table(HEAD, rows)
+    for scene in args.scenes:
+        rows = []
+        upper = "ball" if scene == "hertz-sphere" else "roller"
+        with tempfile.TemporaryDirectory() as folder:
+            for element in args.elements:
+                path = Path(folder) / f"{element}.msh"
+                path.write_text(mesh(scene, element, args.finer * SCENES[scene] // ELEMENTS[element]))
+                keys = [f"mesh={path}", f"element={element}"]
+                if upper == "roller":
+                    keys += ["plane_strain=false", 'symmetry=["zmin", "zmax"]']
+                sets = [f"--set=body.{body}.{key}" for body in ("block", upper) for key in keys]
+                for discretization in ("one-pass", "segment"):
+                    say(f"{scene}, {element}, {discretization}")
+                    out = Path(folder) / f"{element}-{discretization}"
+                    contact = "spot" if upper == "ball" else "strip"
+                    way = f"--set=contact.{contact}.discretization={discretization}"
+                    run = study.Run(INPUTS / f"{scene}.toml", out, args.ranks, way, *sets, limit=args.limit)
+                    found = row(scene, run, out) if run.code == 0 else [f"exit code {run.code}"]
+                    rows.append([f"`{element}`", discretization, *found, *[""] * (len(HEAD) - 2 - len(found))])
+        print(f"\n{scene}\n")
+        study.table(HEAD, rows)
 
 
 if __name__ == "__main__":
