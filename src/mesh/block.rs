@@ -3,10 +3,10 @@
 //! Along each direction the sizes of the n elements form a geometric series whose last over first is the grading g,
 //! so node i of n + 1 is at (q^i - 1) / (q^n - 1) of the way with q = g^(1 / (n - 1)).
 
-use super::{Group, Mesh, Solid, SolidShape, message};
+use super::{Group, Mesh, Solid, SolidShape};
 use crate::Vec3;
 use crate::error::{Error, Result};
-use crate::scene::{Block, BlockShape, Located};
+use crate::scene::{Block, BlockShape, Located, did_you_mean};
 use std::collections::BTreeMap;
 
 /// Default names of the six sides of a box and of a sector, and the local face of an element that lies on each.
@@ -179,7 +179,7 @@ fn add_names(mesh: &mut Mesh, faces: &[(Located<String>, Vec<Located<String>>)],
         let mut union = Group::default();
         for member in members {
             let Some(side) = mesh.groups.get(&member.value) else {
-                let help = message::near(&member.value, sides.iter().copied());
+                let help = did_you_mean(&member.value, sides.iter().copied());
                 return Err(Error::input(&member.at, format!("this block has no side '{}'", member.value), help));
             };
             union.nodes.extend(&side.nodes);
@@ -323,7 +323,7 @@ mod tests {
         };
         assert_eq!(
             with("a", &["rmin", "rmx"]),
-            "this block has no side 'rmx'\n  help: did you mean 'rmax'? there is: rmin, rmax, zmin, zmax"
+            "this block has no side 'rmx'\n  help: did you mean `rmax`? (known: rmin, rmax, zmin, zmax)"
         );
         assert!(with("a", &["amin"]).starts_with("this block has no side 'amin'"));
         assert!(with("a", &[]).starts_with("the face 'a' has no sides\n  help: the sides are rmin"));

@@ -5,7 +5,7 @@ use super::select::{self, Selected, Wish};
 use super::{Mesh, Purpose, abaqus, block, check, gmsh, message, middles, orient, stl};
 use crate::encoding;
 use crate::error::{Error, Result};
-use crate::scene::{Located, MeshSource};
+use crate::scene::{Located, MeshSource, did_you_mean};
 use std::path::{Path, PathBuf};
 
 /// Reads or generates a mesh, takes what `purpose` needs of it, orients its facets outward and checks it.
@@ -105,7 +105,7 @@ fn neighbours(path: &Path) -> String {
     let wanted = path.file_name().unwrap_or_default().to_string_lossy();
     match names.is_empty() {
         true => format!("there is no mesh file in '{}'", folder.display()),
-        false => message::near(&wanted, names.iter().map(String::as_str)),
+        false => did_you_mean(&wanted, names.iter().map(String::as_str)),
     }
 }
 
@@ -283,18 +283,18 @@ mod tests {
         std::fs::write(folder.path().join("slab.msh"), GMSH).unwrap();
         let text = open("slap.msh");
         assert!(text.starts_with("scene.toml:7:1: cannot read the mesh '"), "{text}");
-        assert!(text.contains("help: did you mean 'slab.msh'? there is: slab.msh"), "{text}");
+        assert!(text.contains("help: did you mean `slab.msh`? (known: slab.msh)"), "{text}");
     }
 
     #[test]
     fn wrong_groups_are_located_in_the_scene() {
         let text = message(body(GMSH, Some("rigt")));
         assert!(text.starts_with("scene.toml:8:1: '") && text.contains("' has no group 'rigt'"), "{text}");
-        assert!(text.ends_with("help: did you mean 'right'? there is: left, right"), "{text}");
+        assert!(text.ends_with("help: did you mean `right`? (known: left, right)"), "{text}");
         let text = message(body(GMSH, Some("bottom")));
         assert!(text.contains("group 'bottom' of '") && text.contains("has no volume elements"), "{text}");
         let text = message(tool(GMSH, Some("left")));
-        assert!(text.contains("has no surface elements") && text.contains("there is: bottom, middle, plate"), "{text}");
+        assert!(text.contains("has no surface elements") && text.contains("known: bottom, middle, plate"), "{text}");
         let none = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n$Elements\n0\n$EndElements\n";
         let text = message(body(none, None));
         assert!(text.starts_with("scene.toml:7:1: ") && text.contains("has no volume elements"), "{text}");

@@ -1,6 +1,8 @@
 //! Wording that the errors of meshes share.
 
 use crate::error::{Error, Location};
+use crate::scene::did_you_mean;
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 /// An error about a file as a whole.
@@ -24,21 +26,16 @@ pub(crate) fn and_more(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" and {count} more") }
 }
 
-/// Help where a mesh has no groups at all.
-pub const NO_GROUPS: &str = "it has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1";
-
-/// "did you mean 'top'? there is: bottom, top" for a name that is not among `names`.
-pub(crate) fn near<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
-    let names: Vec<&str> = names.collect();
-    if names.is_empty() {
-        return "there is none".into();
+/// Help for a group `name` that is not among a mesh's `groups`, of which these `fit`.
+pub(crate) fn unknown_group<'a, G>(
+    name: &str,
+    groups: &'a BTreeMap<String, G>,
+    fits: impl Fn(&G) -> bool + 'a,
+) -> String {
+    match groups.is_empty() {
+        true => "it has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1".into(),
+        false => did_you_mean(name, groups.iter().filter(|(_, group)| fits(group)).map(|(name, _)| name.as_str())),
     }
-    let lower = name.to_lowercase();
-    let likeness = |other: &str| strsim::jaro_winkler(&lower, &other.to_lowercase());
-    let best = names.iter().map(|other| (likeness(other), *other)).max_by(|a, b| a.0.total_cmp(&b.0));
-    let hint = best.filter(|best| best.0 > 0.75).map_or(String::new(), |best| format!("did you mean '{}'? ", best.1));
-    let shown = names.len().min(20);
-    format!("{hint}there is: {}{}", names[..shown].join(", "), and_more(names.len() - shown))
 }
 
 /// At most `limit` characters of raw text.
@@ -60,10 +57,9 @@ mod tests {
     }
 
     #[test]
-    fn near_names() {
-        let names = || ["bottom", "top"].into_iter();
-        assert_eq!(near("Botom", names()), "did you mean 'bottom'? there is: bottom, top");
-        assert_eq!(near("xyz", names()), "there is: bottom, top");
-        assert_eq!(near("xyz", std::iter::empty()), "there is none");
+    fn groups_that_fit() {
+        let groups = [("bottom", 0), ("top", 1)].map(|(name, facets)| (name.to_string(), facets)).into();
+        assert_eq!(unknown_group("tpo", &groups, |facets| *facets > 0), "did you mean `top`? (known: top)");
+        assert!(unknown_group("tpo", &BTreeMap::<String, usize>::new(), |_| true).starts_with("it has none; "));
     }
 }

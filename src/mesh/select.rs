@@ -39,21 +39,17 @@ pub(super) fn select(mut file: FileMesh, wish: &Wish) -> Result<Selected> {
     Ok(Selected { mesh: taken.restrict(file), outward })
 }
 
-/// The groups that could have been meant.
-fn fitting(file: &FileMesh, purpose: Purpose) -> impl Iterator<Item = &str> {
-    let fits = move |group: &Group| match purpose {
+/// Whether a group could have been meant.
+fn fits(group: &Group, purpose: Purpose) -> bool {
+    match purpose {
         Purpose::Body => !group.solids.is_empty(),
         Purpose::Tool => !group.facets.is_empty(),
-    };
-    file.groups.iter().filter(move |(_, found)| fits(&found.group)).map(|(name, _)| name.as_str())
+    }
 }
 
 fn unknown(file: &FileMesh, name: &str, wish: &Wish) -> Error {
     let what = format!("'{}' has no group '{name}'", file.mesh.source);
-    let help = match file.groups.is_empty() {
-        true => message::NO_GROUPS.into(),
-        false => message::near(name, fitting(file, wish.purpose)),
-    };
+    let help = message::unknown_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
     Error::input(wish.at, what, help)
 }
 
@@ -64,7 +60,7 @@ fn empty(file: &FileMesh, wish: &Wish) -> Error {
     };
     match wish.group {
         Some(name) => {
-            let help = message::near(name, fitting(file, wish.purpose));
+            let help = message::unknown_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
             Error::input(wish.at, format!("group '{name}' of '{}' has no {what}", file.mesh.source), help)
         }
         None => {

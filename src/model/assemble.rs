@@ -4,9 +4,9 @@ use super::bodies::{self, Meshed};
 use super::sections::Sections;
 use crate::Vec3;
 use crate::error::{Error, Faults, Result};
-use crate::mesh::{Mesh, SolidShape, join, message::NO_GROUPS};
+use crate::mesh::{Mesh, SolidShape, join, message};
 use crate::partition::{GlobalFacet, GlobalMesh, GlobalSet, OfFile};
-use crate::scene::{self, Discretization, Located, Scene, body_of, did_you_mean};
+use crate::scene::{self, Discretization, Located, Scene, body_of};
 use std::collections::BTreeSet;
 
 /// Every set that the scene names, in the order in which they are first named.
@@ -152,10 +152,7 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     };
     let Some(found) = mesh.groups.get(group) else {
         let what = format!("body `{body}` has no group `{group}`");
-        let help = match mesh.groups.is_empty() {
-            true => NO_GROUPS.into(),
-            false => did_you_mean(group, mesh.groups.keys().map(String::as_str)),
-        };
+        let help = message::unknown_group(group, &mesh.groups, |_| true);
         return Err(Error::input(&name.at, what, help));
     };
     if found.nodes.is_empty() {

@@ -1,10 +1,10 @@
 //! Which elements and nodes of a body are of which of its materials, and what elements they have.
 
 use crate::error::{Error, Result};
-use crate::mesh::{Mesh, SolidShape, message::NO_GROUPS};
+use crate::mesh::{Mesh, SolidShape, message};
 use crate::parallel::max;
 use crate::partition::Part;
-use crate::scene::{Body, Formulation, MaterialModel, Scene, did_you_mean};
+use crate::scene::{Body, Formulation, MaterialModel, Scene};
 use crate::solid::element::{hex8, hex8_shell, hex27, plane4, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::solid::material::Material;
 use mpi::topology::SimpleCommunicator;
@@ -78,15 +78,11 @@ impl Sections {
 /// A group that the mesh has not, without elements, or one that shares elements with another.
 fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
     let mut sections = vec![0; mesh.solids.len()];
-    let with_elements = || mesh.groups.iter().filter(|(_, group)| !group.solids.is_empty()).map(|(name, _)| name);
     for (section, (name, _)) in (1..).zip(&body.materials) {
         let elements = mesh.groups.get(&name.value).map_or(&[][..], |group| &group.solids);
         if elements.is_empty() {
             let what = format!("body `{}` has no group `{}` of elements", body.name.value, name.value);
-            let help = match mesh.groups.is_empty() {
-                true => NO_GROUPS.into(),
-                false => did_you_mean(&name.value, with_elements().map(String::as_str)),
-            };
+            let help = message::unknown_group(&name.value, &mesh.groups, |group| !group.solids.is_empty());
             return Err(Error::input(&name.at, what, help));
         }
         for &element in elements {

@@ -5,6 +5,7 @@ use super::super::raw::{FileGroup, FileMesh, Ids, Slot};
 use super::super::{Group, Middles, faces, message};
 use super::{Deck, Kind, LOWEST, Member, Side, Surface, Unread};
 use crate::error::{Error, Location, Result};
+use crate::scene::did_you_mean;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Appends all scopes to one mesh and makes the groups.
@@ -217,7 +218,7 @@ impl<'a> Placed<'a> {
                     let key = (of(*scope), name.to_uppercase());
                     let sets = self.deck.scopes[key.0].sets(kind);
                     let Some(set) = sets.get(&key.1) else {
-                        let help = message::near(name, sets.values().map(|set| set.name.as_str()));
+                        let help = did_you_mean(name, sets.values().map(|set| set.name.as_str()));
                         return Err(Error::input(at, format!("there is no {what} set '{name}'"), help));
                     };
                     if seen.insert(key.clone()) {

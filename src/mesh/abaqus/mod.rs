@@ -18,6 +18,7 @@ use super::message;
 use super::raw::{Cell, CellShape, FileMesh};
 use crate::Vec3;
 use crate::error::{Error, Location, Result};
+use crate::scene::did_you_mean;
 use lines::Lines;
 pub(crate) use lines::{Keyword, fields};
 pub(crate) use section::{DRAWN, LOWEST};
@@ -336,7 +337,7 @@ impl Deck {
             let found = self.parts.iter().find(|scope| scope.name.eq_ignore_ascii_case(part));
             scope = found.cloned().ok_or_else(|| {
                 let names = self.parts.iter().map(|scope| scope.name.as_str());
-                lines.error(format!("there is no part '{part}' above"), &message::near(part, names))
+                lines.error(format!("there is no part '{part}' above"), &did_you_mean(part, names))
             })?;
         } else if keyword.has("LIBRARY") {
             return Err(lines.error("instances of another job's results are not read", ""));
@@ -351,7 +352,7 @@ impl Deck {
     fn instance(&self, name: &str, lines: &Lines) -> Result<usize> {
         self.find_instance(name).ok_or_else(|| {
             let names = self.scopes.iter().skip(1).map(|scope| scope.name.as_str());
-            lines.error(format!("there is no instance '{name}' above"), &message::near(name, names))
+            lines.error(format!("there is no instance '{name}' above"), &did_you_mean(name, names))
         })
     }
 
