@@ -234,6 +234,31 @@ fn facets_of_a_tool() {
     assert!(estimate(&exact)["tools"].as_object().unwrap().is_empty());
 }
 
+/// A slave bulges as far as the master in a plane of symmetry, too: a press fit of 30 degrees of rings is estimated as one of 60.
+#[test]
+fn planes_of_symmetry_are_no_ends() {
+    let fit = |parts: usize| {
+        let ring = |name: &str, radii: &str, across: usize| {
+            format!(
+                "[body.{name}]\nblock = {{ sector = {{ radii = {radii}, angles = [0.0, {}.0], length = 3.0 }}, \
+                 elements = [{across}, {}, 1] }}\nmaterial = \"m\"\nsymmetry = [\"amin\", \"amax\", \"zmin\", \"zmax\"]\n",
+                30 * parts,
+                6 * parts
+            )
+        };
+        let bench = Bench::new(
+            &(ring("shaft", "[20.0, 30.02]", 4)
+                + &ring("hub", "[30.0, 60.0]", 6)
+                + "[material.m]\nmodel = \"hooke\"\nyoung = 2e5\npoisson = 0.3\n\
+                   [contact.c]\nslave = \"shaft.rmax\"\nmaster = \"hub.rmin\"\n[[step]]\nincrements = 2\n"),
+        );
+        estimate(&bench.solve(1, &[]))["contacts"]["c"]["force"].as_f64().unwrap()
+    };
+    let (one, two) = (fit(1), fit(2));
+    assert!(two < 0.01, "{two}");
+    assert_close("force", one, two, 0.02);
+}
+
 /// What a second run differs by is the error of the first: half of it with half the increments.
 #[test]
 fn increments_by_a_second_run() {

@@ -664,6 +664,26 @@ increments = 4
 "#,
     );
     warned(&plug, &["start inside"]);
+    // A node in a plane of symmetry was carried along by the punch, and is not where it was meshed, which the punch is deep in by then.
+    let bench = Bench::new(
+        r#"
+body.b = { material = "rubber", symmetry = ["xmin", "ymin"], block = { box = { size = [6.0, 6.0, 3.0] }, elements = [6, 6, 3] } }
+material.rubber = { model = "neo-hookean", young = 100.0, poisson = 0.3 }
+tool.p = { profile = { points = [[0.0, 3.0], [1.5, 3.0], [1.5, 9.0]], fillets = [0.0, 0.5, 0.0], revolve = { point = [0.0, 0.0, 0.0], axis = [0.0, 0.0, 1.0] } } }
+contact.c = { slave = "b.zmax", master = "p" }
+[[step]]
+name = "press"
+increments = 10
+fix = [{ set = "b.xmax" }, { set = "b.ymax" }]
+move = [{ target = "p", by = [0.0, 0.0, -2.0] }]
+[[step]]
+name = "retract"
+increments = 5
+fix = [{ set = "b.xmax" }, { set = "b.ymax" }]
+move = [{ target = "p", by = [0.0, 0.0, 1.0] }]
+"#,
+    );
+    accepted(&bench, "touch");
 }
 
 /// Unit cubes of one mesh, each with nodes of its own and the surfaces `base0`, `lid0`, and so on.
@@ -960,6 +980,31 @@ fn what_is_flush_with_a_wall_is_not_below_its_top() {
         let before = run(0.5 - 1e-6);
         assert_close(force, run(0.5), before, 1e-3);
         assert!(before.abs() > 1e-3, "{before}");
+    }
+}
+
+/// What stands exactly on an edge of a tool is behind neither of its sides, whatever rounding makes of the distance: a punch with a
+/// draft, its corners over nodes, presses these from the beginning, as one that comes from a little above.
+#[test]
+fn what_stands_on_an_edge_is_behind_none_of_its_sides() {
+    let punch = |draft: f64, above: f64| {
+        let out = 4.9 * draft.to_radians().tan();
+        let [low, high] = [4.1 + above, 9.0 + above];
+        let bench = Bench::new(&format!(
+            "[body.b]\nblock = {{ box = {{ origin = [0.1, 0.1, 0.0], size = [8.0, 4.0, 0.5] }}, elements = [16, 8, 1] }}\n\
+             material = \"m\"\nplane_strain = true\n[material.m]\nmodel = \"hooke\"\nyoung = 1000.0\npoisson = 0.3\n\
+             [tool.punch]\nprofile = {{ points = [[{:?}, {high:?}], [3.1, {low:?}], [5.1, {low:?}], [{:?}, {high:?}]], \
+             extrude = {{ origin = [0, 0, -1], length = 3.0 }} }}\n[contact.c]\nslave = \"b.ymax\"\nmaster = \"punch\"\n\
+             [[step]]\nincrements = 2\nfix = [{{ set = \"b.ymin\" }}]\n\
+             move = [{{ target = \"punch\", by = [0.0, {:?}, 0.0] }}]\n",
+            3.1 - out,
+            5.1 + out,
+            -0.1 - above
+        ));
+        bench.solve(1, &[]).history().last("punch.fy")
+    };
+    for draft in [2.0, 6.0, 10.0, 15.0, 20.0] {
+        assert_close(&format!("draft {draft}"), punch(draft, 0.0), punch(draft, 1e-4), 1e-9);
     }
 }
 

@@ -706,3 +706,27 @@ fn a_torque_turns_a_profile_that_ends_on_nodes() {
         assert_close(column, on.last(column), beyond.last(column), 1e-8);
     }
 }
+
+/// The tip of a V on a node of a round back, which is in the plane of symmetry of its half: the half bears half, and nothing pushes
+/// it along.
+#[test]
+fn a_tip_in_a_plane_of_symmetry() {
+    let pressed = |to: f64, symmetry: &str| {
+        let bench = Bench::new(&format!(
+            "[body.b]\nblock = {{ sector = {{ radii = [2.0, 4.0], angles = [60.0, {to:?}], length = 0.5 }}, \
+             elements = [4, {}, 1] }}\nmaterial = \"m\"\nplane_strain = true\n{symmetry}\
+             [material.m]\nmodel = \"hooke\"\nyoung = 1000.0\npoisson = 0.3\n\
+             [tool.v]\nprofile = {{ points = [[-2.0, 7.4641016151377535], [0.0, 4.0], [2.0, 7.4641016151377535]], \
+             extrude = {{ origin = [0, 0, -1], length = 3.0 }} }}\n\
+             [contact.c]\nslave = \"b.rmax\"\nmaster = \"v\"\nfriction = 0.3\n\
+             [[step]]\nincrements = 3\nfix = [{{ set = \"b.rmin\" }}]\nmove = [{{ target = \"v\", by = [0.0, -0.1, 0.0] }}]\n",
+            ((to - 60.0) / 7.5).round()
+        ));
+        let history = bench.solve(1, &[]).history();
+        ["v.fx", "v.fy", "c.max_pressure"].map(|column| history.last(column))
+    };
+    let ([x, y, pressure], whole) = (pressed(90.0, "symmetry = [\"amax\"]\n"), pressed(120.0, ""));
+    assert_close("force", 2.0 * y, whole[1], 1e-9);
+    assert_close("pressure", pressure, whole[2], 1e-9);
+    assert!(y < -1.0 && x.abs() < 1e-9 * y.abs() && whole[0].abs() < 1e-9 * y.abs(), "{x} {y} {whole:?}");
+}

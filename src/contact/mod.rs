@@ -67,6 +67,9 @@ pub struct Side {
     pub set: usize,
     /// Sections that its nodes count as.
     pub sections: Vec<usize>,
+    /// Its owned nodes at which it goes on as its mirror image, with unit normals of the planes, at right angles where a node is in
+    /// several.
+    pub mirrored: Vec<(u32, Vec3)>,
 }
 
 /// What the scene says of a contact, and how far it is kept to.

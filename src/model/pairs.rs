@@ -71,6 +71,7 @@ impl Model {
             body: index(name).unwrap_or_default(),
             set: self.set_index[name],
             sections: self.sections_of(comm, self.set(name)),
+            mirrored: self.mirrored(name),
         };
         let mut pair = Pair {
             name: contact.name.value.clone(),

@@ -1,5 +1,6 @@
 //! The planes of symmetry of bodies, found from the groups that lie in them.
 
+use super::Model;
 use crate::Vec3;
 use crate::error::{Error, Result};
 use crate::mesh::flat::Moments;
@@ -32,6 +33,8 @@ impl SymmetryPlane {
 /// How far nodes may be off a plane, over the size of their body, and over its extent across the plane, if that is less.
 const FLAT: f64 = 1e-6;
 const THIN: f64 = 1e-3;
+/// Sine of the angle between planes below which they are one.
+const ALIKE: f64 = 1e-6;
 
 /// The planes of symmetry of all bodies. Collective.
 ///
@@ -93,6 +96,29 @@ fn heights(comm: &SimpleCommunicator, points: impl Iterator<Item = Vec3>, normal
     }
     max(comm, &mut ends);
     [-ends[0], ends[1]]
+}
+
+impl Model {
+    /// Where a surface of a body goes on as its mirror image: in planes of symmetry, and around the axis. The owned nodes there, with
+    /// unit normals, at right angles where a node is in several planes.
+    pub(super) fn mirrored(&self, surface: &str) -> Vec<(u32, Vec3)> {
+        let of_body = self.symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(surface));
+        let planes: Vec<(Vec3, &[u32])> =
+            of_body.map(|plane| (plane.normal, &self.set(&plane.set.value).nodes[..])).collect();
+        let mut mirrored = Vec::new();
+        for &n in &self.set(surface).nodes {
+            let is_on_axis = self.is_axisymmetric() && self.part.points[n as usize].x == 0.0;
+            let is_in = |(_, nodes): &&(Vec3, &[u32])| nodes.contains(&n);
+            let normals = is_on_axis.then(Vec3::x).into_iter().chain(planes.iter().filter(is_in).map(|plane| plane.0));
+            let mut own: Vec<Vec3> = Vec::new();
+            for normal in normals {
+                let rest = own.iter().fold(normal, |rest, other| rest - other * other.dot(&normal));
+                own.extend(rest.try_normalize(ALIKE));
+            }
+            mirrored.extend(own.into_iter().map(|normal| (n, normal)));
+        }
+        mirrored
+    }
 }
 
 /// The planes (point, normal) of the symmetry of the body of `master` in which its faces with these nodes end.

@@ -55,10 +55,10 @@ impl Standing {
         self.contact.filter(|at| at.gap <= rounding && self.outward.dot(&at.normal) > LOOKS)
     }
 
-    /// Whether it is behind a face there, and an end of the master is nearer: it is past that end, as what is flush with a wall, below
-    /// it, is below its top.
-    fn is_past_an_end(&self, at: &Projection) -> bool {
-        at.gap < 0.0 && self.nearest.is_some_and(|(_, distance)| distance < -at.gap * NEARER)
+    /// Whether it is behind a face there, by more than a `rounding`, and an end of the master is nearer: it is past that end, as what is
+    /// flush with a wall, below it, is below its top. What is on an edge is behind neither of its sides.
+    fn is_past_an_end(&self, at: &Projection, rounding: f64) -> bool {
+        at.gap < -rounding && self.nearest.is_some_and(|(_, distance)| distance < -at.gap * NEARER)
     }
 
     /// Distance from the master, below zero inside.
@@ -101,7 +101,7 @@ pub fn look(comm: &SimpleCommunicator, model: &mut Model) -> Vec<Vec<Standing>> 
         let under = under(comm, model, pair, sights, &behind);
         for ((s, at), is_under) in behind.into_iter().zip(under) {
             let sight = &mut sights[s];
-            if is_under || sight.is_past_an_end(&at) {
+            if is_under || sight.is_past_an_end(&at, rounding) {
                 (sight.contact, sight.is_aside) = (None, true);
             }
         }
@@ -165,7 +165,7 @@ fn widen(
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
 fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
-    let outward = outward_of(part, pair.side.set, |n| part.points[n as usize]);
+    let outward = outward_of(part, &pair.side, |n| part.points[n as usize]);
     let mut depths = vec![f64::INFINITY; part.points.len()];
     for solid in &part.solids {
         for &n in solid.nodes() {

@@ -117,6 +117,12 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                     let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
                     let node = pair.slaves[k].node as usize;
                     let began = start.inward(&at(node, &before[node]));
+                    // Where it would be inside already, equilibrium has carried it along, and it is not there.
+                    let is_deep = |p: &Projection| p.gap < -DEPTH * pair.facet_size;
+                    let stood = || tool.project(&tool.trial.outward(&began), reach, (None, false));
+                    if before[node].iter().any(|u| u.is_nan()) && stood().as_ref().is_some_and(is_deep) {
+                        continue;
+                    }
                     // How deep it is, if it is held there, and on the side that it came through, too.
                     let is_held = |p: &Projection| {
                         let normal = conditions.axes.inward(node, &p.normal);
@@ -125,7 +131,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                     let depth = |x: &Vec3| {
                         let p = tool.project(x, reach, (None, false))?;
                         let came = tool.entrance(x, &p, (&began, None), pair.sides());
-                        let held = p.gap < -DEPTH * pair.facet_size && is_held(&p) && came.is_none_or(|p| is_held(&p));
+                        let held = is_deep(&p) && is_held(&p) && came.is_none_or(|p| is_held(&p));
                         held.then_some(-p.gap)
                     };
                     let steps = (0..3).filter(|d| !known(*d)).flat_map(|d| [Vec3::ith(d, aside), Vec3::ith(d, -aside)]);
