@@ -947,6 +947,43 @@ fn slaves_that_are_moved_as_a_whole_are_told_of() {
     }
 }
 
+/// Two cantilevers on each other, both clamped at one end: from segment to segment smoothed faces press each other apart there, and
+/// it is told; on facets, and where one of them is free, there is nothing to tell.
+#[test]
+fn ends_at_which_both_bodies_are_held_are_told_of() {
+    let beams = |how: &str, fixed: &str| {
+        let beam = |name: &str, low: f64| {
+            format!(
+                "[body.{name}]\nblock = {{ box = {{ origin = [0.0, {low:?}, 0.0], size = [20.0, 0.5, 1.0] }}, elements = [40, 2, 1] }}\n\
+                 material = \"m\"\nelement = \"hex8-eas\"\nplane_strain = true\n"
+            )
+        };
+        Bench::new(
+            &(beam("lo", -0.5)
+                + &beam("up", 0.0)
+                + &format!(
+                    "[material.m]\nmodel = \"hooke\"\nyoung = 1e5\npoisson = 0.0\n\
+                     [tool.t]\ncylinder = {{ point = [19.0, 1.5, 0.0], axis = [0, 0, 1], radius = 1.0 }}\n\
+                     [contact.t]\nslave = \"up.ymax\"\nmaster = \"t\"\n\
+                     [contact.c]\nslave = \"up.ymin\"\nmaster = \"lo.ymax\"\n{how}\n\
+                     [[step]]\nincrements = 2\nfix = [{{ set = \"lo.xmin\" }}{fixed}]\n\
+                     move = [{{ target = \"t\", by = [0.0, -0.2, 0.0] }}]\n"
+                )),
+        )
+    };
+    let (segment, both) = ("discretization = \"segment\"", ", { set = \"up.xmin\" }");
+    let facets = format!("{segment}\nsmoothing = \"facet\"");
+    warned(&beams(segment, both), &["`up.ymin` and of `lo.ymax`, at the end of contact `c`, are held on each other"]);
+    for bench in [beams(&facets, both), beams("", both), beams(segment, ", { set = \"up.ymax\", directions = \"x\" }")]
+    {
+        let (_, text) = verdict(&bench, 2);
+        assert!(!text.contains("held on each other"), "{text}");
+    }
+    // Each bears half of the force.
+    let history = beams(&facets, both).solve(1, &[]).history();
+    assert_close("half", history.last("c.fy").abs(), 0.5 * history.last("t.fy").abs(), 0.02);
+}
+
 /// What is flush with the wall of a guide, its lowest nodes past the end of it, is not below the guide's top, which is the master, too:
 /// the force is that of the same a rounding before the wall; of a profile within reach of the top, and of a body far from it.
 #[test]

@@ -220,12 +220,20 @@ pub fn out_of_core(step: &str) -> String {
     )
 }
 
-/// Warns of an equilibrium that the least push would end.
-pub fn unstable(step: &str, time: f64) -> String {
+/// Warns of an equilibrium that the least push would end; there may be solid-shells that are pressed.
+pub fn unstable(step: &str, time: f64, has_shells: bool) -> String {
+    let more = match has_shells {
+        true => {
+            ". Sheets of `hex8-shell` that are pressed through their thickness come to be so by turns of their walls that alternate \
+             from node to node: between unlike meshes forces may be half of what is right; take `hex8-eas` there, or \
+             discretization = \"segment\""
+        }
+        false => "",
+    };
     format!(
         "step `{step}`: the equilibrium at time {time:.6} is not stable: a body would buckle or snap from it, and forces from \
          there on may be those of a way that it does not take. Take smaller increments; where the scene is symmetric, give it \
-         an imperfection"
+         an imperfection{more}"
     )
 }
 

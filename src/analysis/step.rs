@@ -25,7 +25,7 @@ use crate::interrupt;
 use crate::model::{Model, elements};
 use crate::output::phases::Phase;
 use crate::parallel::{agree, any, first_word, word_of_largest};
-use crate::scene::{Linear, Step};
+use crate::scene::{Formulation, Linear, Step};
 use crate::system::near::{self, Near};
 use crate::system::{DofMap, Pattern};
 use attempt::Failed;
@@ -290,7 +290,8 @@ impl<'a> Simulation<'a> {
                     }
                     if is_unstable {
                         frame.is_unstable = true;
-                        self.warn(describe::unstable(frame.name(), self.state.time), observer)?;
+                        let has_shells = self.model.sections.iter().any(|s| s.element == Formulation::Hex8Shell);
+                        self.warn(describe::unstable(frame.name(), self.state.time, has_shells), observer)?;
                     }
                     self.tell_of_strangers(observer)?;
                     observer(&Event::Increment(&increment))?;

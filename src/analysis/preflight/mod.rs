@@ -95,6 +95,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     mirrored::check(comm, scene, model, (&steps, &sights));
     stuck::check(comm, scene, model, &steps)?;
     stuck::rigid(comm, scene, model, &steps);
+    stuck::clamped(comm, scene, model, &steps);
     tied::check(comm, scene, model, &steps)?;
     tied::pressed(comm, model);
     support::check(comm, scene, model, (&steps, &sights), &freed)?;

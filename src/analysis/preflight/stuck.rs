@@ -11,11 +11,12 @@ use crate::Vec3;
 use crate::contact::{Pair, Pose};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::parallel::{any, max};
-use crate::scene::{Amplitude, Scene, Step};
+use crate::parallel::{any, exchange, max};
+use crate::scene::{Amplitude, Scene, Smoothing, Step};
 use crate::surface::Projection;
 use crate::system::Axes;
 use mpi::topology::SimpleCommunicator;
+use mpi::traits::Communicator;
 
 /// Fractions of a step that are looked at, evenly.
 const LOOKS: usize = 8;
@@ -46,6 +47,45 @@ pub fn rigid(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 "step `{}`: all nodes of `{set}`, a slave of contact `{}`, are held or moved, and cannot give way to what touches \
                  them: make it the master, in one pass",
                 scene.steps[k].name.value, contact.name.value
+            ));
+        }
+    }
+    model.warnings.extend(warnings);
+}
+
+/// Warns of contacts from segment to segment at whose end both bodies are held, one on the other: where they bend, the smoothed master
+/// bulges over the slave's flat faces by a twelfth of curvature times length squared, and beside nodes that are held nothing gives
+/// way to that. Collective.
+pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
+    let mut warnings = Vec::new();
+    for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
+        let is_smooth = contact.surface.is_some_and(|surface| surface.smoothing == Smoothing::Nagata);
+        let Some(other) = pair.master_side.as_ref().filter(|_| is_smooth && pair.faces.is_some() && !pair.is_self())
+        else {
+            continue;
+        };
+        let along = if model.bodies[pair.side.body].is_layer() { 2 } else { 3 };
+        let clamps = |conditions: &Conditions| {
+            let held = |n: &u32| (0..along).all(|d| conditions.prescribed[3 * *n as usize + d].is_some());
+            let places = |set: usize| -> Vec<Vec3> {
+                let nodes = model.part.sets[set].nodes.iter().filter(|n| held(n));
+                nodes.map(|&n| model.part.points[n as usize]).collect()
+            };
+            let flat: Vec<f64> = places(other.set).iter().flatten().copied().collect();
+            let to_all = (0..comm.size() as usize).map(|rank| (rank, flat.clone())).collect();
+            let others: Vec<f64> = exchange(comm, &to_all).into_values().flatten().collect();
+            let meets = |x: &Vec3| {
+                let is_near = |y: &[f64; 3]| (x - Vec3::from(*y)).norm() <= ASIDE * pair.facet_size;
+                others.as_chunks::<3>().0.iter().any(is_near)
+            };
+            any(comm, places(pair.side.set).iter().any(meets))
+        };
+        if let Some(k) = steps.iter().position(clamps) {
+            warnings.push(format!(
+                "step `{}`: nodes of `{}` and of `{}`, at the end of contact `{}`, are held on each other: where the bodies bend beside \
+                 them, smoothed faces press each other apart, on coarse meshes by several times what the contact bears; \
+                 smoothing = \"facet\", or one pass, does not",
+                scene.steps[k].name.value, contact.slave.value, contact.master.value, contact.name.value
             ));
         }
     }
