@@ -406,7 +406,9 @@ pub fn outward_of(part: &Part, side: &Side, place: impl Fn(u32) -> Vec3) -> Vec<
     }
     for (n, normal) in &side.mirrored {
         let sum = &mut outward[*n as usize];
-        *sum -= normal * normal.dot(sum);
+        let rest = *sum - normal * normal.dot(sum);
+        // What looks across the plane has nothing in it but rounding.
+        *sum = if rest.norm() > 1e-6 * sum.norm() { rest } else { Vec3::zeros() };
     }
     outward.iter_mut().for_each(|sum| *sum = sum.try_normalize(f64::MIN_POSITIVE).unwrap_or_default());
     outward

@@ -174,7 +174,7 @@ pub struct LinearStatistics {
     pub reused: usize,
     /// Systems that the iterative solver was tried on in vain, and that were factored.
     pub unsolved: usize,
-    /// Systems whose solution was let through although rounding leaves more of them than [`RESIDUAL_TOLERANCE`].
+    /// Systems solved by factors whose solution was let through although rounding leaves more than [`RESIDUAL_TOLERANCE`].
     pub rough: usize,
     /// Factors are kept in files, for memory does not suffice for them.
     pub out_of_core: bool,
@@ -396,10 +396,11 @@ impl<'p> LinearSolver<'p> {
         self.statistics
     }
 
-    /// Counts a system that another solver solved.
-    pub(crate) fn record(&mut self, relative_residual: f64) {
+    /// Counts a system that another solver tried, or solved by factors.
+    pub(crate) fn record(&mut self, relative_residual: f64, by_factors: bool) {
         self.statistics.solves += 1;
         self.statistics.relative_residual = relative_residual;
+        self.statistics.rough += usize::from(by_factors && relative_residual > RESIDUAL_TOLERANCE);
     }
 
     /// Solves A x = b. Collective.

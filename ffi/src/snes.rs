@@ -549,8 +549,9 @@ impl Context<'_, '_> {
             check(sys::MatResidual(operator, b, step, r.raw()))?;
             norm2(r.raw())? / norm2(b)?.max(f64::MIN_POSITIVE)
         };
-        self.linear.record(relative_residual);
-        if relative_residual <= limit {
+        let is_solved = relative_residual <= limit;
+        self.linear.record(relative_residual, direct != 0 && is_solved);
+        if is_solved {
             return Ok(true);
         }
         self.linear_failure = Some(LinearFailure::Inaccurate { relative_residual, null_pivots: 0 });

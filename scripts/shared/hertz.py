@@ -84,7 +84,7 @@ CYLINDER = Cylinder(210e3, 50.0, 6.0, 6.0)
 FRICTION = 0.3
 
 
-def layer(thickness):
+def roller_layer(thickness):
     """The roller, of which a layer so thick is modelled."""
     problem = Cylinder(CYLINDER.young, CYLINDER.radius, CYLINDER.side, CYLINDER.height)
     problem.share = thickness

@@ -225,7 +225,7 @@ pub fn unstable(step: &str, time: f64, has_shells: bool) -> String {
     let more = match has_shells {
         true => {
             ". Sheets of `hex8-shell` that are pressed through their thickness come to be so by turns of their walls that alternate \
-             from node to node: between unlike meshes forces may be half of what is right; take `hex8-eas` there, or \
+             from node to node: between unlike meshes in one pass forces may be half of what is right; take `hex8-eas` there, or \
              discretization = \"segment\""
         }
         false => "",

@@ -8,7 +8,9 @@ pub(super) struct Amplitude {
     pub at: Location,
     /// Of the whole analysis, not of the step.
     pub total: bool,
-    /// Time and factor.
+    /// Some card names it.
+    pub is_named: bool,
+    /// Time and factor; none where nothing names it.
     points: Vec<[f64; 2]>,
 }
 
@@ -24,7 +26,7 @@ pub(super) fn read(cards: &[Card]) -> Result<Vec<Amplitude>> {
             return Err(card.error(format!("two amplitudes are named '{name}'"), "rename one"));
         }
         let total = card.keyword.get("TIME").is_some_and(|time| time.eq_ignore_ascii_case("TOTAL TIME"));
-        amplitudes.push(Amplitude { name, at: card.at.clone(), total, points });
+        amplitudes.push(Amplitude { name, at: card.at.clone(), total, is_named, points });
     }
     Ok(amplitudes)
 }

@@ -32,7 +32,7 @@ mod supports;
 mod tables;
 
 use crate::error::{Error, Faults, Result};
-use crate::mesh::abaqus::{Card, Whole, read_whole};
+use crate::mesh::abaqus::{Whole, read_whole};
 use crate::output::replace;
 use bodies::Bodies;
 use cards::Notes;
@@ -173,11 +173,8 @@ fn tell_of_unused(whole: &Whole, model: &steps::Model, notes: &mut Notes) {
     for (_, material) in model.materials.iter().enumerate().filter(|(number, _)| !used.contains(number)) {
         notes.at(&material.at, format!("the material '{}' is of no body: it is passed over", material.deck));
     }
-    for amplitude in model.amplitudes {
-        let names = |card: &Card| card.keyword.get("AMPLITUDE").is_some_and(|name| amplitude.is(name));
-        if !whole.cards.iter().any(names) {
-            notes.at(&amplitude.at, format!("nothing has the amplitude '{}': it is passed over", amplitude.name));
-        }
+    for amplitude in model.amplitudes.iter().filter(|amplitude| !amplitude.is_named) {
+        notes.at(&amplitude.at, format!("nothing has the amplitude '{}': it is passed over", amplitude.name));
     }
     let has = |name: &str| whole.cards.iter().find(|card| card.keyword.name == name);
     if let Some(card) = has("ELASTIC") {

@@ -26,8 +26,8 @@ pub(crate) fn and_more(count: usize) -> String {
     if count == 0 { String::new() } else { format!(" and {count} more") }
 }
 
-/// Help for a group `name` that is not among a mesh's `groups`, of which these `fit`.
-pub(crate) fn unknown_group<'a, G>(
+/// Help for a group `name` that is not among those of a mesh's `groups` which `fit`.
+pub(crate) fn help_on_group<'a, G>(
     name: &str,
     groups: &'a BTreeMap<String, G>,
     fits: impl Fn(&G) -> bool + 'a,
@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn groups_that_fit() {
         let groups = [("bottom", 0), ("top", 1)].map(|(name, facets)| (name.to_string(), facets)).into();
-        assert_eq!(unknown_group("tpo", &groups, |facets| *facets > 0), "did you mean `top`? (known: top)");
-        assert!(unknown_group("tpo", &BTreeMap::<String, usize>::new(), |_| true).starts_with("it has none; "));
+        assert_eq!(help_on_group("tpo", &groups, |facets| *facets > 0), "did you mean `top`? (known: top)");
+        assert!(help_on_group("tpo", &BTreeMap::<String, usize>::new(), |_| true).starts_with("it has none; "));
     }
 }

@@ -49,7 +49,7 @@ fn fits(group: &Group, purpose: Purpose) -> bool {
 
 fn unknown(file: &FileMesh, name: &str, wish: &Wish) -> Error {
     let what = format!("'{}' has no group '{name}'", file.mesh.source);
-    let help = message::unknown_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
+    let help = message::help_on_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
     Error::input(wish.at, what, help)
 }
 
@@ -60,7 +60,7 @@ fn empty(file: &FileMesh, wish: &Wish) -> Error {
     };
     match wish.group {
         Some(name) => {
-            let help = message::unknown_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
+            let help = message::help_on_group(name, &file.groups, |found| fits(&found.group, wish.purpose));
             Error::input(wish.at, format!("group '{name}' of '{}' has no {what}", file.mesh.source), help)
         }
         None => {

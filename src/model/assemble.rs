@@ -152,7 +152,7 @@ fn resolve(body: &str, mesh: &Mesh, name: &Located<String>) -> Result<Option<Glo
     };
     let Some(found) = mesh.groups.get(group) else {
         let what = format!("body `{body}` has no group `{group}`");
-        let help = message::unknown_group(group, &mesh.groups, |_| true);
+        let help = message::help_on_group(group, &mesh.groups, |_| true);
         return Err(Error::input(&name.at, what, help));
     };
     if found.nodes.is_empty() {

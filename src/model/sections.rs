@@ -82,7 +82,7 @@ fn of_solids(body: &Body, mesh: &Mesh) -> Result<Vec<u32>> {
         let elements = mesh.groups.get(&name.value).map_or(&[][..], |group| &group.solids);
         if elements.is_empty() {
             let what = format!("body `{}` has no group `{}` of elements", body.name.value, name.value);
-            let help = message::unknown_group(&name.value, &mesh.groups, |group| !group.solids.is_empty());
+            let help = message::help_on_group(&name.value, &mesh.groups, |group| !group.solids.is_empty());
             return Err(Error::input(&name.at, what, help));
         }
         for &element in elements {

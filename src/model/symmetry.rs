@@ -9,6 +9,7 @@ use crate::partition::Part;
 use crate::partition::parcels::{bounds, hull};
 use crate::scene::{Located, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
+use std::collections::HashSet;
 
 /// A plane in which a body ends and goes on as its mirror image.
 #[derive(Clone, Debug)]
@@ -99,23 +100,27 @@ fn heights(comm: &SimpleCommunicator, points: impl Iterator<Item = Vec3>, normal
 }
 
 impl Model {
-    /// Where a surface of a body goes on as its mirror image: in planes of symmetry, and around the axis. The owned nodes there, with
-    /// unit normals, at right angles where a node is in several planes.
+    /// Where a surface of a body goes on as its mirror image: in planes of symmetry, and around the axis. The owned nodes there, one of
+    /// those that are tied into one, with unit normals, at right angles where a node is in several planes.
     pub(super) fn mirrored(&self, surface: &str) -> Vec<(u32, Vec3)> {
         let of_body = self.symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(surface));
-        let planes: Vec<(Vec3, &[u32])> =
-            of_body.map(|plane| (plane.normal, &self.set(&plane.set.value).nodes[..])).collect();
+        let nodes = |plane: &SymmetryPlane| self.set(&plane.set.value).nodes.iter().copied().collect();
+        let planes: Vec<(Vec3, HashSet<u32>)> = of_body.map(|plane| (plane.normal, nodes(plane))).collect();
         let mut mirrored = Vec::new();
         for &n in &self.set(surface).nodes {
-            let is_on_axis = self.is_axisymmetric() && self.part.points[n as usize].x == 0.0;
-            let is_in = |(_, nodes): &&(Vec3, &[u32])| nodes.contains(&n);
-            let normals = is_on_axis.then(Vec3::x).into_iter().chain(planes.iter().filter(is_in).map(|plane| plane.0));
+            let is_in = |(_, nodes): &&(Vec3, HashSet<u32>)| nodes.contains(&n);
+            let normals = self
+                .is_on_axis(n as usize)
+                .then(Vec3::x)
+                .into_iter()
+                .chain(planes.iter().filter(is_in).map(|plane| plane.0));
             let mut own: Vec<Vec3> = Vec::new();
             for normal in normals {
                 let rest = own.iter().fold(normal, |rest, other| rest - other * other.dot(&normal));
                 own.extend(rest.try_normalize(ALIKE));
             }
-            mirrored.extend(own.into_iter().map(|normal| (n, normal)));
+            let node = self.part.tie[n as usize];
+            mirrored.extend(own.into_iter().map(|normal| (node, normal)));
         }
         mirrored
     }

@@ -25,6 +25,8 @@ const DEPTH: f64 = 1e-3;
 /// How far aside of where a node is known to be, over the size of a slave facet, it must be held, too: where it goes there is not
 /// known, and on the axis of a tool the normal is any.
 const ASIDE: f64 = 0.1;
+/// How near to each other nodes stand on each other, over the size of a slave facet.
+const TOGETHER: f64 = 0.1;
 /// Components of a normal below this are none, as in [`crate::contact::law::Guide::gives_way`].
 const ACROSS: f64 = 1e-6;
 
@@ -53,10 +55,11 @@ pub fn rigid(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
     model.warnings.extend(warnings);
 }
 
-/// Warns of contacts from segment to segment at whose end both bodies are held, one on the other: where they bend, the smoothed master
-/// bulges over the slave's flat faces by a twelfth of curvature times length squared, and beside nodes that are held nothing gives
-/// way to that. Collective.
+/// Warns of contacts from segment to segment at whose end both bodies are held, one on the other, in the initial mesh: where they bend,
+/// the smoothed master bulges over the slave's flat faces by a twelfth of curvature times length squared, and beside nodes that are
+/// held nothing gives way to that. Collective.
 pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
+    let part = &model.part;
     let mut warnings = Vec::new();
     for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
         let is_smooth = contact.surface.is_some_and(|surface| surface.smoothing == Smoothing::Nagata);
@@ -64,27 +67,36 @@ pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, step
         else {
             continue;
         };
-        let along = if model.bodies[pair.side.body].is_layer() { 2 } else { 3 };
+        // Places of those that are held or moved along all directions that they have.
+        let held = |conditions: &Conditions, body: usize, nodes: &mut dyn Iterator<Item = u32>| -> Vec<[f64; 3]> {
+            let along = if model.bodies[body].is_layer() { 2 } else { 3 };
+            let is_held = |n: &u32| (0..along).all(|d| conditions.prescribed[3 * *n as usize + d].is_some());
+            nodes.filter(is_held).map(|n| part.points[n as usize].into()).collect()
+        };
+        let near = TOGETHER * pair.facet_size;
         let clamps = |conditions: &Conditions| {
-            let held = |n: &u32| (0..along).all(|d| conditions.prescribed[3 * *n as usize + d].is_some());
-            let places = |set: usize| -> Vec<Vec3> {
-                let nodes = model.part.sets[set].nodes.iter().filter(|n| held(n));
-                nodes.map(|&n| model.part.points[n as usize]).collect()
-            };
-            let flat: Vec<f64> = places(other.set).iter().flatten().copied().collect();
+            let own = held(conditions, pair.side.body, &mut pair.slaves.iter().map(|slave| slave.node));
+            let others = held(conditions, other.body, &mut part.sets[other.set].nodes.iter().copied());
+            if !any(comm, !own.is_empty()) || !any(comm, !others.is_empty()) {
+                return false;
+            }
+            let flat = others.concat();
             let to_all = (0..comm.size() as usize).map(|rank| (rank, flat.clone())).collect();
-            let others: Vec<f64> = exchange(comm, &to_all).into_values().flatten().collect();
-            let meets = |x: &Vec3| {
-                let is_near = |y: &[f64; 3]| (x - Vec3::from(*y)).norm() <= ASIDE * pair.facet_size;
-                others.as_chunks::<3>().0.iter().any(is_near)
+            let received: Vec<f64> = exchange(comm, &to_all).into_values().flatten().collect();
+            let mut others = received.as_chunks::<3>().0.to_vec();
+            others.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let meets = |x: &[f64; 3]| {
+                let from = others.partition_point(|y| y[0] < x[0] - near);
+                let beside = others[from..].iter().take_while(|y| y[0] <= x[0] + near);
+                beside.into_iter().any(|y| (Vec3::from(*x) - Vec3::from(*y)).norm() <= near)
             };
-            any(comm, places(pair.side.set).iter().any(meets))
+            any(comm, own.iter().any(meets))
         };
         if let Some(k) = steps.iter().position(clamps) {
             warnings.push(format!(
-                "step `{}`: nodes of `{}` and of `{}`, at the end of contact `{}`, are held on each other: where the bodies bend beside \
-                 them, smoothed faces press each other apart, on coarse meshes by several times what the contact bears; \
-                 smoothing = \"facet\", or one pass, does not",
+                "step `{}`: nodes of `{}` and of `{}`, at the end of contact `{}`, are held or moved, one on the other: where the \
+                 bodies bend beside them, smoothed faces press each other apart, on coarse meshes by several times what the contact \
+                 bears; smoothing = \"facet\", or one pass, does not",
                 scene.steps[k].name.value, contact.slave.value, contact.master.value, contact.name.value
             ));
         }
@@ -120,7 +132,7 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
         for (pair, contact) in model.pairs.iter().zip(&contacts) {
             let Some(t) = pair.master.tool() else { continue };
             let Some(start) = poses[t] else { continue };
-            let watched: Vec<usize> = (0..pair.slaves.len()).filter(|&s| is_held(pair, s, conditions)).collect();
+            let mut watched: Vec<usize> = (0..pair.slaves.len()).filter(|&s| is_held(pair, s, conditions)).collect();
             if !any(comm, !watched.is_empty()) {
                 continue;
             }
@@ -132,6 +144,25 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                 let known = u.map(|u| if u.is_nan() { 0.0 } else { u });
                 model.part.points[n] + conditions.axes.outward(n, &known)
             };
+            // What would be inside already as the step begins, equilibrium has carried along, and it is not there.
+            let is_deep = |p: &Projection| p.gap < -DEPTH * pair.facet_size;
+            let node = |k: usize| pair.slaves[k].node as usize;
+            let is_known = |k: usize| before[node(k)].iter().all(|u| !u.is_nan());
+            if any(comm, !watched.iter().all(|&k| is_known(k))) {
+                let places: Vec<Vec3> = watched.iter().map(|&k| start.inward(&at(node(k), &before[node(k)]))).collect();
+                let gone =
+                    |(&k, place): (&usize, &Vec3)| (place - tool.committed.inward(&model.part.points[node(k)])).norm();
+                let mut farthest = [watched.iter().zip(&places).map(gone).fold(0.0, f64::max)];
+                max(comm, &mut farthest);
+                let reach = pair.reach + farthest[0];
+                tool.trial = start;
+                tool.surface.watch(comm, &places, reach);
+                let stands = |k: &usize| {
+                    let stood = || tool.project(&at(node(*k), &before[node(*k)]), reach, (None, false));
+                    is_known(*k) || !stood().as_ref().is_some_and(is_deep)
+                };
+                watched.retain(stands);
+            }
             // The farthest between two looks, as they are at most 1/LOOKS apart.
             let farthest = |by: f64, course: u32| by.abs() * conditions.course(course).map_or(1.0, Amplitude::steepest);
             for &s in &looks {
@@ -157,12 +188,6 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps:
                     let known = |d: usize| is_set(pair, k, conditions, d) && !u[d].is_nan();
                     let node = pair.slaves[k].node as usize;
                     let began = start.inward(&at(node, &before[node]));
-                    // Where it would be inside already, equilibrium has carried it along, and it is not there.
-                    let is_deep = |p: &Projection| p.gap < -DEPTH * pair.facet_size;
-                    let stood = || tool.project(&tool.trial.outward(&began), reach, (None, false));
-                    if before[node].iter().any(|u| u.is_nan()) && stood().as_ref().is_some_and(is_deep) {
-                        continue;
-                    }
                     // How deep it is, if it is held there, and on the side that it came through, too.
                     let is_held = |p: &Projection| {
                         let normal = conditions.axes.inward(node, &p.normal);

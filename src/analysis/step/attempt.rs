@@ -305,7 +305,7 @@ fn grow<'a>(
 }
 
 /// Whether the iteration goes on after Newton's method has ended for a reason; if not, why there is no solution, if there is
-/// none; all its linear solutions were accurate, or some what rounding left of them. Collective.
+/// none; `is_accurate` if no linear solution of the attempt was rough. Collective.
 fn judge(
     newton: &mut Newton,
     (reason, is_accurate): (&Reason, bool),
