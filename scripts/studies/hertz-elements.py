@@ -90,6 +90,11 @@ def bodies(scene, count):
         yield name, points, hexahedra, sets, lift
 
 
+def mean(points, of):
+    """The middle of some points."""
+    return tuple(sum(a) / len(of) for a in zip(*(points[k] for k in of)))
+
+
 def mesh(scene, element, count):
     """Both bodies, as a Gmsh file; they are flat as they are cut, and lifted with all nodes."""
     shape, is_second = re.match("[a-z]+", element)[0], element in ("hex27", "wedge18", "tet10", "tet10-sri")
@@ -100,12 +105,16 @@ def mesh(scene, element, count):
         def middle(*ends, flat=flat, middles=middles):
             if (key := tuple(sorted(ends))) not in middles:
                 middles[key] = len(flat)
-                flat.append(tuple(sum(a) / len(ends) for a in zip(*(flat[k] for k in ends))))
+                flat.append(mean(flat, ends))
             return middles[key]
 
         found = cells(hexahedra, name, sets, shape, is_second, middle)
         all_cells += [(dimension, group, [start + k for k in nodes]) for dimension, group, nodes in found]
-        points += [lift(*p) for p in flat]
+        places = [lift(*p) for p in flat]
+        for ends, k in middles.items():
+            if len(ends) > 2:  # in hexahedra, which are long and bent far from the contact
+                places[k] = mean(places, ends)
+        points += places
     return gmsh.text(points, all_cells)
 
 
