@@ -59,7 +59,7 @@ mod tests {
     #[test]
     fn groups_that_fit() {
         let groups = [("bottom", 0), ("top", 1)].map(|(name, facets)| (name.to_string(), facets)).into();
-        assert_eq!(help_on_group("tpo", &groups, |facets| *facets > 0), "did you mean `top`? (known: top)");
-        assert!(help_on_group("tpo", &BTreeMap::<String, usize>::new(), |_| true).starts_with("it has none; "));
+        assert_eq!(help_on_group("topp", &groups, |facets| *facets > 0), "did you mean `top`? (known: top)");
+        assert!(help_on_group("topp", &BTreeMap::<String, usize>::new(), |_| true).starts_with("it has none; "));
     }
 }

@@ -226,7 +226,7 @@ fn errors_name_the_line() {
         ("type=C3D8R,", "", "*ELEMENT needs TYPE="),
         ("NSET=all", "SYSTEM=C", "only rectangular coordinates are read"),
         ("NSET=all", "INPUT=file", "*NODE, INPUT= is not read\n  | *Node, INPUT=file\n  help: use *INCLUDE"),
-        ("front, 12", "frond, 12", "there is no node set 'frond'\n  | frond, 12\n  help: did you mean 'front'?"),
+        ("front, 12", "frond, 12", "there is no node set 'frond'\n  | frond, 12\n  help: did you mean `front`?"),
         ("front, 12", "front, 13", "deck.inp: set 'both' names node 13, which does not exist"),
         (" 1, 3, 1", " 3, 1, 1", "expected first, last and increment"),
         ("cubes, S2", "cubes, S7", "expected a face S1 to S6, SPOS or SNEG, found 'S7'"),
