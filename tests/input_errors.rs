@@ -165,7 +165,7 @@ fn a_step_without_increments() {
 
 #[test]
 fn a_mesh_that_is_missing_or_no_mesh() {
-    let words = ["cannot read the mesh 'slob.inp'", "No such file", "did you mean 'slab.inp'?"];
+    let words = ["cannot read the mesh 'slob.inp'", "No such file", "did you mean `slab.inp`?"];
     refuses_scene("slab.inp", "slob.inp", "scene.toml:3:8: ", &words);
     let junk: Vec<u8> = (0..3000u32).map(|k| (k * k % 251) as u8 | 0x80).collect();
     refuses_mesh("junk.msh", &junk, "junk.msh:1:1: expected a section such as $Nodes", &[]);
