@@ -19,7 +19,7 @@ pub mod ties;
 pub mod tractions;
 
 use crate::Vec3;
-use crate::contact::{Avoided, BodySurface, Masters, Pair, Side, Tool, Within, guidance, self_contact};
+use crate::contact::{Avoided, BodySurface, Masters, Pair, Tool, Within, guidance, self_contact};
 use crate::controls::Controls;
 use crate::error::{Faults, Result};
 use crate::mesh::SolidShape;
@@ -273,7 +273,7 @@ impl Model {
     pub fn turn_slaves(&mut self, u: &[Vec3]) {
         let part = &self.part;
         for pair in &mut self.pairs {
-            let outward = outward_of(part, &pair.side, |n| part.points[n as usize] + u[n as usize]);
+            let outward = outward_of(part, pair, |n| part.points[n as usize] + u[n as usize]);
             pair.outward = pair.slaves.iter().map(|slave| outward[slave.node as usize]).collect();
         }
     }
@@ -394,17 +394,17 @@ impl Model {
     }
 }
 
-/// Unit normals of a surface at its owned nodes, by the areas of the facets around, their mirror images included, with nodes at
-/// `place`; zero elsewhere.
-pub fn outward_of(part: &Part, side: &Side, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+/// Unit normals of the slave of a pair at its owned nodes, by the areas of the facets around, their mirror images included, with
+/// nodes at `place`; zero elsewhere.
+pub fn outward_of(part: &Part, pair: &Pair, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
     let mut outward = vec![Vec3::zeros(); part.points.len()];
-    for facet in part.pieces(&part.sets[side.set].facets).iter() {
+    for facet in part.pieces(&part.sets[pair.side.set].facets).iter() {
         let nodes = &facet.nodes[..facet.count as usize];
         let at = |k: usize| place(nodes[k % nodes.len()]);
         let area = (at(2) - at(0)).cross(&(at(3) - at(1)));
         nodes.iter().for_each(|&n| outward[part.tie[n as usize] as usize] += area);
     }
-    for (n, normal) in &side.mirrored {
+    for (n, normal) in &pair.mirrored {
         let sum = &mut outward[*n as usize];
         let rest = *sum - normal * normal.dot(sum);
         // What looks across the plane has nothing in it but rounding.

@@ -21,6 +21,11 @@ class Problem:
     height: float
 
     @property
+    def body(self):
+        """The upper one."""
+        return self.column.partition(".")[0]
+
+    @property
     def modulus(self):
         return self.young / 2 / (1 - POISSON**2)
 
@@ -130,6 +135,17 @@ class Result:
         exact = cattaneo_mindlin(self.place, self)
         off = (self.shear - exact)[np.abs(self.place) < self.hertz[0]] / exact.max()
         return np.sqrt(np.mean(off**2)), np.abs(off).max()
+
+    def errors(self, with_shear):
+        """By how much they are off: force, fitted radius, highest pressure, pressures; with shear, and then without the
+        force, the half-width that sticks, shear tractions and the largest of their errors. None where there is none."""
+        (a, p0), (fitted, _) = self.hertz, self.fitted()
+        errors = [None if with_shear else self.force / self.problem.force_at(self.approach) - 1, fitted / a - 1,
+                  self.pressure.max() / p0 - 1, self.pressure_error()]
+        if not with_shear:
+            return errors + [None] * 3
+        found, exact = self.stick()
+        return [*errors, found / exact - 1, *self.shear_errors()]
 
     def fitted(self):
         """The same from the ellipse through the pressures."""

@@ -99,6 +99,11 @@ def example(name):
     return BUILT / "examples" / name
 
 
+def percents(errors):
+    """Cells of a table; empty for None."""
+    return ["" if e is None else f"{e:+.2%}" for e in errors]
+
+
 def table(head, rows):
     """Prints a Markdown table; columns are as wide as their widest cell."""
     cells = [[str(cell) for cell in row] for row in (head, *rows)]

@@ -24,7 +24,9 @@ ELEMENTS = {"hex8": 1, "hex8-fbar": 1, "hex8-sri": 1, "hex8-eas": 1, "wedge6": 1
 SCENES = {"hertz-sphere": 8, "hertz-cylinder": 12, "cattaneo-mindlin": 16}
 HEAD = ["element", "discretization", "dofs", "increments / iterations", "force", "radius", "highest pressure",
         "pressure, rms", "half-width that sticks", "shear traction, rms", "its largest error"]
-THICKNESS = 0.025
+THICKNESS = 0.025  # of the rollers
+ROLLER = hertz.roller_layer(THICKNESS)
+PROBLEMS = {"hertz-sphere": hertz.SPHERE, "hertz-cylinder": ROLLER, "cattaneo-mindlin": ROLLER}
 
 
 def tetrahedra(nodes):
@@ -69,7 +71,8 @@ def bodies(scene, count):
     sys.path.insert(0, str(ROOT / "scripts" / "meshes"))
     make = import_module("hertz")
     is_ball = scene == "hertz-sphere"
-    problem, upper = (hertz.SPHERE, "ball") if is_ball else (hertz.CYLINDER, "roller")
+    problem = PROBLEMS[scene]
+    upper = problem.body
     share = 1 if scene == "cattaneo-mindlin" else 2
     far = round(0.75 * count) if share == 1 else count
     for name, n, way in (("block", count, -1), (upper, count // share, 1)):
@@ -118,19 +121,6 @@ def mesh(scene, element, count):
     return gmsh.text(points, all_cells)
 
 
-def row(scene, run, out):
-    """By how much the results are off."""
-    problem = hertz.SPHERE if scene == "hertz-sphere" else hertz.roller_layer(THICKNESS)
-    result = hertz.Result(out, problem)
-    (a, p0), (fitted, _) = result.hertz, result.fitted()
-    errors = [None if scene == "cattaneo-mindlin" else result.force / problem.force_at(result.approach) - 1,
-              fitted / a - 1, result.pressure.max() / p0 - 1, result.pressure_error()]
-    if scene == "cattaneo-mindlin":
-        found, exact = result.stick()
-        errors += [found / exact - 1, *result.shear_errors()]
-    return [run.summary["dofs"], run.effort, *("" if e is None else f"{e:+.2%}" for e in errors)]
-
-
 def main():
     parser = arguments(__doc__)
     parser.add_argument("--scenes", nargs="+", default=list(SCENES), choices=SCENES)
@@ -143,24 +133,26 @@ def main():
     codes = []
     for scene in args.scenes:
         rows = []
-        upper = "ball" if scene == "hertz-sphere" else "roller"
+        problem = PROBLEMS[scene]
         with tempfile.TemporaryDirectory() as folder:
             for element in args.elements:
                 path = Path(folder) / f"{element}.msh"
                 path.write_text(mesh(scene, element, args.finer * SCENES[scene] // ELEMENTS[element]))
                 keys = [f"mesh={path}", f"element={element}"]
-                if upper == "roller":
+                if problem is not hertz.SPHERE:
                     keys += ["plane_strain=false", 'symmetry=["zmin", "zmax"]']
-                sets = [f"--set=body.{body}.{key}" for body in ("block", upper) for key in keys]
+                sets = [f"--set=body.{body}.{key}" for body in ("block", problem.body) for key in keys]
                 for discretization in ("one-pass", "segment"):
                     say(f"{scene}, {element}, {discretization}")
                     out = Path(folder) / f"{element}-{discretization}"
-                    contact = "spot" if upper == "ball" else "strip"
-                    way = f"--set=contact.{contact}.discretization={discretization}"
+                    way = f"--set=contact.{problem.contact}.discretization={discretization}"
                     run = study.Run(INPUTS / f"{scene}.toml", out, args.ranks, way, *sets, limit=args.limit)
                     codes.append(run.code)
-                    found = row(scene, run, out) if run.code == 0 else [f"exit code {run.code}"]
-                    rows.append([f"`{element}`", discretization, *found, *[""] * (len(HEAD) - 2 - len(found))])
+                    found = [f"exit code {run.code}", *[""] * (len(HEAD) - 3)]
+                    if run.code == 0:
+                        errors = hertz.Result(out, problem).errors(scene == "cattaneo-mindlin")
+                        found = [run.summary["dofs"], run.effort, *study.percents(errors)]
+                    rows.append([f"`{element}`", discretization, *found])
         print(f"\n{scene}\n")
         study.table(HEAD, rows)
     sys.exit(max(codes))

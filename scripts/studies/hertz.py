@@ -22,14 +22,8 @@ HEAD = ["scene", "elements over the radius", "dofs", "increments / iterations", 
 
 def row(scene, factor, result, run):
     """A row under HEAD."""
-    problem, _, elements = SCENES[scene]
-    (a, p0), (fitted, _) = result.hertz, result.fitted()
-    errors = [result.force / problem.force_at(result.approach) - 1 if scene != "cattaneo-mindlin" else None,
-              fitted / a - 1, result.pressure.max() / p0 - 1, result.pressure_error()]
-    if scene == "cattaneo-mindlin":
-        found, exact = result.stick()
-        errors += [found / exact - 1, *result.shear_errors()]
-    cells = ["" if e is None else f"{e:+.2%}" for e in errors + [None] * (7 - len(errors))]
+    elements = SCENES[scene][2]
+    cells = study.percents(result.errors(scene == "cattaneo-mindlin"))
     return [scene, 4 * round(elements / 4 * factor), run.summary["dofs"], run.effort, *cells]
 
 

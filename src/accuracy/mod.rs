@@ -24,7 +24,7 @@ mod table;
 use crate::Vec3;
 use crate::error::Result;
 use crate::output::OutputFolder;
-use crate::parallel::{agree, exchange, sum};
+use crate::parallel::{agree, sum, to_all};
 use crate::stdout::print_from_root;
 use crate::tool::Shape;
 use described::Described;
@@ -205,10 +205,4 @@ fn project_all(comm: &SimpleCommunicator, surface: &dyn Described, points: &[Vec
 fn share(comm: &SimpleCommunicator, count: usize) -> Range<usize> {
     let (rank, size) = (comm.rank() as usize, comm.size() as usize);
     rank * count / size..(rank + 1) * count / size
-}
-
-/// The rows of all ranks, in the order of the ranks, on all ranks. Collective.
-fn to_all<const N: usize>(comm: &SimpleCommunicator, rows: &[[f64; N]]) -> Vec<[f64; N]> {
-    let parcels = (0..comm.size() as usize).map(|rank| (rank, rows.as_flattened().to_vec())).collect();
-    exchange(comm, &parcels).values().flat_map(|flat| flat.as_chunks::<N>().0.to_vec()).collect()
 }

@@ -18,7 +18,7 @@ pub(super) fn in_seam(model: &Model, u: &[Vec3]) -> Option<(usize, usize, Findin
     }
     pairs().find_map(|(p, pair)| {
         let place = |n: u32| model.part.points[n as usize] + u[n as usize];
-        let outward = LazyCell::new(|| outward_of(&model.part, &pair.side, place));
+        let outward = LazyCell::new(|| outward_of(&model.part, pair, place));
         let is_held = |slave: &Slave, at: &Projection| {
             let covers = |(q, other): (usize, &Pair)| {
                 let ground = model.masters.of(other.master);

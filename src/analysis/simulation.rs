@@ -343,7 +343,7 @@ impl<'a> Simulation<'a> {
         for (pair, aside) in pairs.iter_mut().zip(aside) {
             let ground = masters.of(pair.master);
             let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
-            let (outward, is_self) = (outward_of(part, &pair.side, place), pair.is_self());
+            let (outward, is_self) = (outward_of(part, pair, place), pair.is_self());
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;
                 let position = place(node);

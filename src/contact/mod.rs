@@ -67,9 +67,6 @@ pub struct Side {
     pub set: usize,
     /// Sections that its nodes count as.
     pub sections: Vec<usize>,
-    /// Its owned nodes at which it goes on as its mirror image, with unit normals of the planes, at right angles where a node is in
-    /// several.
-    pub mirrored: Vec<(u32, Vec3)>,
 }
 
 /// What the scene says of a contact, and how far it is kept to.
@@ -144,7 +141,10 @@ pub struct Pair {
     pub pass: Pass,
     pub within: Option<Within>,
     pub slaves: Vec<Slave>,
-    /// Where these looked at the last converged increment: unit normals, by the areas of the facets around.
+    /// Owned nodes at which the slave goes on as its mirror image, with unit normals of the planes, at right angles where a node is in
+    /// several.
+    pub mirrored: Vec<(u32, Vec3)>,
+    /// Where the slave nodes looked at the last converged increment: unit normals, by the areas of the facets around.
     pub outward: Vec<Vec3>,
     /// From segment to segment the slave's faces.
     pub faces: Option<Faces>,

@@ -125,7 +125,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.penalties.automatic;
         }
     }
-    let mut outward = outward_of(part, &pair.side, |n| part.points[n as usize]);
+    let mut outward = outward_of(part, pair, |n| part.points[n as usize]);
     nodes.share_vectors(&mut normals);
     nodes.share_vectors(&mut outward);
     nodes.share(&mut gaps);

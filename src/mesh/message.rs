@@ -27,11 +27,7 @@ pub(crate) fn and_more(count: usize) -> String {
 }
 
 /// Help for a group `name` that is not among those of a mesh's `groups` which `fit`.
-pub(crate) fn help_on_group<'a, G>(
-    name: &str,
-    groups: &'a BTreeMap<String, G>,
-    fits: impl Fn(&G) -> bool + 'a,
-) -> String {
+pub(crate) fn help_on_group<G>(name: &str, groups: &BTreeMap<String, G>, fits: impl Fn(&G) -> bool) -> String {
     match groups.is_empty() {
         true => "it has none; Gmsh writes none in format 2.2 with Mesh.SaveAll = 1".into(),
         false => did_you_mean(name, groups.iter().filter(|(_, group)| fits(group)).map(|(name, _)| name.as_str())),

@@ -71,7 +71,6 @@ impl Model {
             body: index(name).unwrap_or_default(),
             set: self.set_index[name],
             sections: self.sections_of(comm, self.set(name)),
-            mirrored: self.mirrored(name),
         };
         let mut pair = Pair {
             name: contact.name.value.clone(),
@@ -90,6 +89,7 @@ impl Model {
             },
             pass: Pass::Only,
             within,
+            mirrored: self.mirrored(&contact.slave.value),
             outward: vec![Vec3::zeros(); slaves.len()],
             slaves,
             faces,

@@ -76,6 +76,12 @@ pub fn exchange<T: Equivalence + Clone>(comm: &SimpleCommunicator, parcels: &Par
     received
 }
 
+/// The rows of all ranks, in the order of the ranks, on all ranks. Collective.
+pub fn to_all<const N: usize>(comm: &SimpleCommunicator, rows: &[[f64; N]]) -> Vec<[f64; N]> {
+    let parcels = (0..comm.size() as usize).map(|rank| (rank, rows.as_flattened().to_vec())).collect();
+    exchange(comm, &parcels).values().flat_map(|flat| flat.as_chunks::<N>().0.to_vec()).collect()
+}
+
 /// What rank 0 has for this rank. Collective.
 pub fn scatter<T: Equivalence + Clone>(comm: &SimpleCommunicator, parcels: &Parcels<T>) -> Vec<T> {
     exchange(comm, parcels).remove(&0).unwrap_or_default()

@@ -5,7 +5,7 @@
 
 mod messages;
 
-pub use messages::{Parcels, Route, Sent, exchange, scatter, sent, serve};
+pub use messages::{Parcels, Route, Sent, exchange, scatter, sent, serve, to_all};
 
 use crate::error::{Error, Location, Result};
 use crate::failure::Cause;

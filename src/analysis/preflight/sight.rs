@@ -165,7 +165,7 @@ fn widen(
 
 /// What slave nodes know of their own side: normals by the areas of the slave faces around, and the depth of the elements.
 fn own_side(part: &Part, pair: &Pair) -> Vec<Standing> {
-    let outward = outward_of(part, &pair.side, |n| part.points[n as usize]);
+    let outward = outward_of(part, pair, |n| part.points[n as usize]);
     let mut depths = vec![f64::INFINITY; part.points.len()];
     for solid in &part.solids {
         for &n in solid.nodes() {

@@ -4,6 +4,8 @@
 //!
 //! Motions of such nodes and tools are known beforehand, as far as no force or equilibrium has had a part in them; where
 //! one had, nothing is said here. They are looked at in [`LOOKS`] places of each step, and where tables turn.
+//!
+//! Of such nodes on a body it is told: whole slaves, and ends of a contact at which both bodies are held.
 
 use super::super::conditions::Conditions;
 use super::worst;
@@ -11,12 +13,11 @@ use crate::Vec3;
 use crate::contact::{Pair, Pose};
 use crate::error::{Error, Result};
 use crate::model::Model;
-use crate::parallel::{any, exchange, max};
+use crate::parallel::{any, max, to_all};
 use crate::scene::{Amplitude, Scene, Smoothing, Step};
 use crate::surface::Projection;
 use crate::system::Axes;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::Communicator;
 
 /// Fractions of a step that are looked at, evenly.
 const LOOKS: usize = 8;
@@ -34,8 +35,7 @@ const ACROSS: f64 = 1e-6;
 /// leave all that must give way to the other side. Collective.
 pub fn rigid(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, steps: &[Conditions]) {
     let is_free = |pair: &Pair, conditions: &Conditions| {
-        let along = if model.bodies[pair.side.body].is_layer() { 2 } else { 3 };
-        (0..pair.slaves.len()).any(|s| (0..along).any(|d| !is_set(pair, s, conditions, d)))
+        pair.slaves.iter().any(|slave| !is_led(model, pair.side.body, conditions, slave.node))
     };
     let mut warnings = Vec::new();
     for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
@@ -67,28 +67,24 @@ pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, step
         else {
             continue;
         };
-        // Places of those that are held or moved along all directions that they have.
-        let held = |conditions: &Conditions, body: usize, nodes: &mut dyn Iterator<Item = u32>| -> Vec<[f64; 3]> {
-            let along = if model.bodies[body].is_layer() { 2 } else { 3 };
-            let is_held = |n: &u32| (0..along).all(|d| conditions.prescribed[3 * *n as usize + d].is_some());
-            nodes.filter(is_held).map(|n| part.points[n as usize].into()).collect()
-        };
+        let nodes: [Vec<u32>; 2] =
+            [pair.slaves.iter().map(|slave| slave.node).collect(), part.sets[other.set].nodes.clone()];
         let near = TOGETHER * pair.facet_size;
         let clamps = |conditions: &Conditions| {
-            let own = held(conditions, pair.side.body, &mut pair.slaves.iter().map(|slave| slave.node));
-            let others = held(conditions, other.body, &mut part.sets[other.set].nodes.iter().copied());
+            let places = |body: usize, nodes: &[u32]| -> Vec<[f64; 3]> {
+                let led = nodes.iter().filter(|&&n| is_led(model, body, conditions, n));
+                led.map(|&n| part.points[n as usize].into()).collect()
+            };
+            let (own, others) = (places(pair.side.body, &nodes[0]), places(other.body, &nodes[1]));
             if !any(comm, !own.is_empty()) || !any(comm, !others.is_empty()) {
                 return false;
             }
-            let flat = others.concat();
-            let to_all = (0..comm.size() as usize).map(|rank| (rank, flat.clone())).collect();
-            let received: Vec<f64> = exchange(comm, &to_all).into_values().flatten().collect();
-            let mut others = received.as_chunks::<3>().0.to_vec();
+            let mut others = to_all(comm, &others);
             others.sort_by(|a, b| a[0].total_cmp(&b[0]));
             let meets = |x: &[f64; 3]| {
                 let from = others.partition_point(|y| y[0] < x[0] - near);
-                let beside = others[from..].iter().take_while(|y| y[0] <= x[0] + near);
-                beside.into_iter().any(|y| (Vec3::from(*x) - Vec3::from(*y)).norm() <= near)
+                let mut beside = others[from..].iter().take_while(|y| y[0] <= x[0] + near);
+                beside.any(|y| (Vec3::from(*x) - Vec3::from(*y)).norm() <= near)
             };
             any(comm, own.iter().any(meets))
         };
@@ -233,6 +229,12 @@ fn looks(step: &Step) -> Vec<f64> {
     let mut looks: Vec<f64> = (0..=LOOKS).map(|look| look as f64 / LOOKS as f64).chain(step.corners()).collect();
     looks.sort_by(f64::total_cmp);
     looks
+}
+
+/// Whether supports set where a node of a body is along all directions that it has.
+fn is_led(model: &Model, body: usize, conditions: &Conditions, node: u32) -> bool {
+    let along = if model.bodies[body].is_layer() { 2 } else { 3 };
+    conditions.prescribed[3 * node as usize..][..along].iter().all(Option::is_some)
 }
 
 /// Whether a support sets where slave node `s` of a pair is along a direction.
