@@ -81,6 +81,8 @@ pub struct Model {
     pub stiffness: f64,
     /// Typical size of an element, the cube root of the mean element volume.
     pub size: f64,
+    /// Whether bodies in space have few elements across.
+    pub is_thin: bool,
     /// What the user should know of the contacts.
     pub warnings: Vec<String>,
     pub controls: Controls,
@@ -157,6 +159,7 @@ impl Model {
             set_index,
             stiffness: 0.0,
             size: 0.0,
+            is_thin: false,
             warnings: found.lines().map(str::to_string).collect(),
             controls: scene.controls,
         };
@@ -209,6 +212,9 @@ impl Model {
     fn measure(&mut self, comm: &SimpleCommunicator) -> Result<()> {
         let stiffness = agree(comm, elements::nodal_stiffness(self))?;
         self.size = (self.volume(comm) / self.part.whole.solids as f64).cbrt();
+        let mut nodes = [self.part.solids.iter().filter(|s| s.mine).map(|s| 1.0 / elements_a_node(s.shape)).sum::<f64>()];
+        sum(comm, &mut nodes);
+        self.is_thin = !self.is_plane() && nodes[0] < self.part.whole.nodes as f64;
         let mut largest = vec![0.0f64; self.sections.len()];
         for (k, section) in stiffness.iter().zip(&self.part.section) {
             largest[*section as usize] = largest[*section as usize].max(*k);
@@ -305,6 +311,11 @@ impl Model {
         self.bodies.iter().all(Body::is_layer)
     }
 
+    /// Whether meshes are those of planes or sheets, of which factors are cheap.
+    pub fn is_flat(&self) -> bool {
+        self.is_plane() || self.is_thin
+    }
+
     /// Whether the bodies are axisymmetric: all are, or none.
     pub fn is_axisymmetric(&self) -> bool {
         self.bodies.iter().any(|body| body.reduction == Some(Reduction::Axisymmetric))
@@ -391,6 +402,21 @@ impl Model {
     /// Slave nodes of all ranks, for each pair. Collective.
     pub fn slave_counts(&self, comm: &SimpleCommunicator) -> Vec<u64> {
         self.pairs.iter().map(|p| number(comm, p.slaves.len() as u64).1).collect()
+    }
+}
+
+/// Elements a node below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three 3/4, of wedges
+/// twice as many, of pyramids three times. Of quadratic tetrahedra there are 0.75 a node in large bodies, of quadratic hexahedra
+/// an eighth as many as of linear ones, of such wedges twice as many.
+fn elements_a_node(shape: SolidShape) -> f64 {
+    match shape {
+        SolidShape::Hex8 => 0.75,
+        SolidShape::Wedge6 => 1.5,
+        SolidShape::Pyramid5 => 2.25,
+        SolidShape::Tet4 => 3.5,
+        SolidShape::Tet10 => 0.5,
+        SolidShape::Hex27 => 0.09,
+        SolidShape::Wedge18 => 0.18,
     }
 }
 

@@ -98,7 +98,7 @@ fn equations_of(step: &Step, model: &Model, dofs: &DofMap, systems: &Systems) ->
         true => ("symmetric indefinite", "MUMPS LDL^T"),
         false => ("unsymmetric", "MUMPS LU"),
     };
-    let solver = match cost::solver(systems.linear, dofs.total, model.is_plane()) {
+    let solver = match cost::solver(systems.linear, dofs.total, model.is_flat()) {
         Linear::Iterative => "FGMRES with multigrid",
         _ => factors,
     };

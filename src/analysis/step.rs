@@ -180,7 +180,7 @@ impl<'a> Simulation<'a> {
         self.summary.systems.count(dofs.total, dofs.total_multipliers, systems.entries as u64);
         // Whatever is near now: the same in all steps.
         let most = dofs.total + dofs.spared;
-        let solver = cost::solver(linear, most, self.model.is_plane());
+        let solver = cost::solver(linear, most, self.model.is_flat());
         match solver {
             Linear::Iterative => {
                 let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];

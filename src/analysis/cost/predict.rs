@@ -177,7 +177,7 @@ impl Prediction {
 impl Course {
     fn new(size: &Size, increments: Increments, systems: &Systems) -> Self {
         let unknowns = systems.unknowns as u64;
-        let solver = solver(systems.linear, unknowns, size.plane);
+        let solver = solver(systems.linear, unknowns, size.plane || size.thin);
         let cycles = CYCLES[if size.thin { 2 } else { usize::from(size.meets_bodies) }];
         let reuses = match solver {
             Linear::Direct => false,

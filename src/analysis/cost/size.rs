@@ -73,10 +73,8 @@ impl Size {
         let works: Vec<Option<[Work; SHAPES.len()]>> = model.sections.iter().zip(scene.sections()).map(work).collect();
         let all = Work::all();
         let mut counts = vec![0.0; all.len()];
-        let mut nodes = 0.0;
         for solid in &model.part.solids {
             let shape = SHAPES.iter().position(|shape| *shape == solid.shape).unwrap_or_default();
-            nodes += if solid.mine { 1.0 / THIN[shape] } else { 0.0 };
             let (work, section) = (works[solid.section as usize].map(|of| of[shape]), model.section(solid));
             // Time goes with the points through the thickness; the rates are of as many as are usual.
             let times = match section.element {
@@ -91,11 +89,10 @@ impl Size {
             (Some(_), None) => OF_SEGMENTS[if model.is_plane() { 1 } else { 2 }],
         };
         let slaves: f64 = model.pairs.iter().map(|pair| times(pair) * pair.slaves.len() as f64).sum();
-        let (mut sums, mut most) = ([nodes, resident_mb()], [slaves, seconds]);
-        sum(comm, &mut sums);
+        let (mut megabytes, mut most) = ([resident_mb()], [slaves, seconds]);
+        sum(comm, &mut megabytes);
         max(comm, &mut most);
         max(comm, &mut counts);
-        let [nodes, megabytes] = sums;
         let some = |is: &dyn Fn(&Pair) -> bool| model.pairs.iter().any(is);
         Self {
             ranks: f64::from(comm.size()),
@@ -106,8 +103,8 @@ impl Size {
             meets_bodies: some(&|pair| pair.master.surface().is_some()),
             meets_itself: some(&|pair| pair.is_self()),
             plane: model.is_plane(),
-            thin: !model.is_plane() && nodes < model.part.whole.nodes as f64,
-            megabytes,
+            thin: model.is_thin,
+            megabytes: megabytes[0],
             seconds: most[1],
         }
     }
@@ -125,10 +122,6 @@ const SHAPES: [SolidShape; 7] = [
     SolidShape::Hex27,
     SolidShape::Wedge18,
 ];
-/// Elements a node, of each shape, below which bodies are thin: sheets of two elements have 2/3 hexahedra a node, ones of three
-/// 3/4, of wedges twice as many, of pyramids three times. Of quadratic tetrahedra there are 0.75 a node in large bodies, of quadratic
-/// hexahedra an eighth as many as of linear ones, of such wedges twice as many.
-const THIN: [f64; SHAPES.len()] = [0.75, 1.5, 2.25, 3.5, 0.5, 0.09, 0.18];
 
 impl Systems {
     /// Of a step with these equations, not analysed. Collective.
@@ -156,7 +149,7 @@ impl Systems {
     /// A failing library.
     pub fn analysed(&self, petsc: &Petsc, model: &Model, (dofs, pattern): Equations) -> Result<Option<Factors>> {
         let unknowns = self.unknowns as u64;
-        let is_asked = solver(self.linear, unknowns, model.is_plane()) != Linear::Iterative
+        let is_asked = solver(self.linear, unknowns, model.is_flat()) != Linear::Iterative
             || patience(self.linear, unknowns) < usize::MAX;
         if unknowns > MOST_ANALYSED || !is_asked {
             return Ok(None);
