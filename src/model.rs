@@ -212,7 +212,8 @@ impl Model {
     fn measure(&mut self, comm: &SimpleCommunicator) -> Result<()> {
         let stiffness = agree(comm, elements::nodal_stiffness(self))?;
         self.size = (self.volume(comm) / self.part.whole.solids as f64).cbrt();
-        let mut nodes = [self.part.solids.iter().filter(|s| s.mine).map(|s| 1.0 / elements_a_node(s.shape)).sum::<f64>()];
+        let mut nodes =
+            [self.part.solids.iter().filter(|s| s.mine).map(|s| 1.0 / elements_a_node(s.shape)).sum::<f64>()];
         sum(comm, &mut nodes);
         self.is_thin = !self.is_plane() && nodes[0] < self.part.whole.nodes as f64;
         let mut largest = vec![0.0f64; self.sections.len()];

@@ -167,7 +167,7 @@ impl<'a> Placed<'a> {
             let (scope, range) = match member {
                 Member::One { scope, id } => (of(*scope), (*id, *id, 1)),
                 Member::Range { scope, first, last, step } => (of(*scope), (*first, *last, *step)),
-                Member::Set { scope, name, .. } => {
+                Member::Set { scope, name, .. } | Member::Corners { scope, name, .. } => {
                     let key = (of(*scope), name.to_uppercase());
                     let set = self.deck.scopes[key.0].sets(Kind::Element).get(&key.1);
                     if let Some(set) = set.filter(|_| seen.insert(key.clone())) {
@@ -225,6 +225,14 @@ impl<'a> Placed<'a> {
                         stack.extend(set.members.iter().map(|member| (key.0, member)));
                     }
                 }
+                Member::Corners { scope, name, at } => {
+                    let members = [Member::Set { scope: 0, name: name.clone(), at: at.clone() }];
+                    if let Some(error) = self.unread(of(*scope), &members) {
+                        return Err(error);
+                    }
+                    let elements = self.resolve(Kind::Element, of(*scope), &members, name, source)?;
+                    found.extend(elements.iter().flat_map(|&element| self.corners(element)));
+                }
             }
         }
         if let Some(id) = missing.last() {
@@ -238,6 +246,13 @@ impl<'a> Placed<'a> {
         found.sort_unstable();
         found.dedup();
         Ok(found)
+    }
+
+    /// The nodes of an element that the deck names.
+    fn corners(&self, element: u32) -> impl Iterator<Item = u32> {
+        let scope = self.starts.partition_point(|&start| start <= element as usize) - 1;
+        let cell = &self.deck.scopes[scope].cells[element as usize - self.starts[scope]];
+        cell.nodes.iter().filter_map(move |id| self.nodes[scope].get(*id))
     }
 
     /// Adds the nodes that are made in the middle of what the others are all around.

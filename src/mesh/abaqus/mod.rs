@@ -41,6 +41,7 @@ enum Reading {
     Nothing,
     Nodes {
         set: Option<String>,
+        is_cylindrical: bool,
     },
     Elements {
         shape: CellShape,
@@ -178,9 +179,27 @@ struct Set {
 /// A member of a set; `scope` 0 is the scope of the set itself, others are instances.
 #[derive(Clone)]
 enum Member {
-    One { scope: usize, id: u64 },
-    Range { scope: usize, first: u64, last: u64, step: u64 },
-    Set { scope: usize, name: String, at: Location },
+    One {
+        scope: usize,
+        id: u64,
+    },
+    Range {
+        scope: usize,
+        first: u64,
+        last: u64,
+        step: u64,
+    },
+    Set {
+        scope: usize,
+        name: String,
+        at: Location,
+    },
+    /// In a set of nodes, those of the elements of a set.
+    Corners {
+        scope: usize,
+        name: String,
+        at: Location,
+    },
 }
 
 /// A surface as listed.
@@ -278,11 +297,19 @@ impl Deck {
     }
 
     fn open_nodes(&mut self, keyword: &Keyword, lines: &Lines) -> Result<Reading> {
-        if keyword.get("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
-            return Err(lines.error("only rectangular coordinates are read", "write the nodes with SYSTEM=R"));
-        }
+        let is_cylindrical = match keyword.get("SYSTEM").map(str::to_uppercase).as_deref() {
+            None | Some("R") => false,
+            Some("C") => true,
+            Some(_) => {
+                let what = "only rectangular and cylindrical coordinates are read";
+                return Err(lines.error(what, "write the nodes with SYSTEM=R, or radius, degrees and z with SYSTEM=C"));
+            }
+        };
         refuse_input(keyword, lines)?;
-        Ok(Reading::Nodes { set: keyword.get("NSET").map(|name| self.here().declare(Kind::Node, name)) })
+        Ok(Reading::Nodes {
+            set: keyword.get("NSET").map(|name| self.here().declare(Kind::Node, name)),
+            is_cylindrical,
+        })
     }
 
     fn open_elements(&mut self, keyword: &Keyword, lines: &Lines) -> Result<Reading> {
@@ -300,16 +327,19 @@ impl Deck {
 
     fn open_set(&mut self, kind: Kind, key: &str, keyword: &Keyword, lines: &Lines) -> Result<Reading> {
         let name = keyword.require(key, lines)?;
-        if kind == Kind::Node && keyword.has("ELSET") {
-            return Err(lines.error("a node set of an element set is not read", "list its nodes"));
-        }
         let scope = match keyword.get("INSTANCE") {
             Some(instance) => self.instance(instance, lines)?,
             None => 0,
         };
+        let of_elements = keyword.get("ELSET").filter(|_| kind == Kind::Node);
+        let corners = of_elements.map(|elements| {
+            let (scope, name) = self.place_of(scope, elements);
+            Member::Corners { scope, name: name.to_string(), at: lines.at() }
+        });
         let key = self.here().declare(kind, name);
         if let Some(set) = self.here().set(kind, &key) {
             set.internal |= keyword.has("INTERNAL");
+            set.members.extend(corners);
         }
         Ok(Reading::Set { kind, key, scope, generate: keyword.has("GENERATE") })
     }
@@ -373,7 +403,7 @@ impl Deck {
                 self.keep_row(lines);
                 Ok(())
             }
-            Reading::Nodes { set } => self.take_node(set.as_deref(), lines),
+            Reading::Nodes { set, is_cylindrical } => self.take_node(set.as_deref(), *is_cylindrical, lines),
             Reading::Elements { shape, set, partial } => self.take_element(*shape, set.as_deref(), partial, lines),
             Reading::Set { kind, key, scope, generate } => self.take_set(*kind, key, *scope, *generate, lines),
             Reading::Surface { index, nodes } => self.take_surface(*index, *nodes, lines),
@@ -405,12 +435,17 @@ impl Deck {
         Ok(())
     }
 
-    fn take_node(&mut self, set: Option<&str>, lines: &Lines) -> Result<()> {
+    fn take_node(&mut self, set: Option<&str>, is_cylindrical: bool, lines: &Lines) -> Result<()> {
         let mut fields = fields(&lines.text);
         let id = lines.id(fields.next().unwrap_or_default(), "a node number")?;
         let mut point = [0.0; 3];
         for (coordinate, field) in point.iter_mut().zip(&mut fields) {
             *coordinate = lines.real(field, "a coordinate")?;
+        }
+        if is_cylindrical {
+            let [radius, degrees, z] = point;
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            point = [radius * cos, radius * sin, z];
         }
         let scope = self.here();
         scope.point_ids.push(id);
@@ -498,17 +533,20 @@ impl Deck {
     }
 
     /// A number or the name of a set, either with an instance in front: `12`, `top`, `instance.12`, `instance.top`.
-    fn member(&self, mut scope: usize, field: &str, lines: &Lines) -> Member {
-        let mut name = field.trim_matches('"');
-        if let Some((instance, rest)) = name.split_once('.').filter(|_| self.level == Level::Root)
-            && let Some(found) = self.find_instance(instance)
-        {
-            (scope, name) = (found, rest);
-        }
+    fn member(&self, scope: usize, field: &str, lines: &Lines) -> Member {
+        let (scope, name) = self.place_of(scope, field);
         match name.parse() {
             Ok(id) => Member::One { scope, id },
             Err(_) => Member::Set { scope, name: name.to_string(), at: lines.at() },
         }
+    }
+
+    /// The scope of what a field names, in `scope` unless it has an instance in front, and its name there.
+    fn place_of<'a>(&self, scope: usize, field: &'a str) -> (usize, &'a str) {
+        let name = field.trim_matches('"');
+        let parts = name.split_once('.').filter(|_| self.level == Level::Root);
+        let found = parts.and_then(|(instance, rest)| Some((self.find_instance(instance)?, rest)));
+        found.unwrap_or((scope, name))
     }
 
     /// The position of an instance: first a translation, then a rotation about the axis through two points, in degrees.

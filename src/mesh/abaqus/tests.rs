@@ -224,7 +224,7 @@ fn errors_name_the_line() {
         ("102, 2,3", "101, 2,3", "deck.inp: element 101 is defined twice"),
         ("12, 2, 1, 1", "11, 2, 1, 1", "deck.inp: node 11 is defined twice"),
         ("type=C3D8R,", "", "*ELEMENT needs TYPE="),
-        ("NSET=all", "SYSTEM=C", "only rectangular coordinates are read"),
+        ("NSET=all", "SYSTEM=S", "only rectangular and cylindrical coordinates are read"),
         ("NSET=all", "INPUT=file", "*NODE, INPUT= is not read\n  | *Node, INPUT=file\n  help: use *INCLUDE"),
         ("front, 12", "frond, 12", "there is no node set 'frond'\n  | frond, 12\n  help: did you mean `front`?"),
         ("front, 12", "front, 13", "deck.inp: set 'both' names node 13, which does not exist"),
@@ -238,7 +238,11 @@ fn errors_name_the_line() {
         ("*NODE OUTPUT", "*SYSTEM", "coordinate systems of nodes are not read"),
         ("*NODE OUTPUT", "*INSTANCE, NAME=i, PART=p", "there is no part 'p' above"),
         ("*NODE OUTPUT", "*NSET, NSET=n, INSTANCE=i", "there is no instance 'i' above"),
-        ("*NODE OUTPUT", "*NSET, NSET=n, ELSET=cubes", "a node set of an element set is not read"),
+        (
+            "*NODE OUTPUT",
+            "*NSET, NSET=n, ELSET=cub\n*NODE OUTPUT",
+            "there is no element set 'cub'\n  | *NSET, NSET=n, ELSET=cub\n  help: did you mean `cubes`?",
+        ),
         ("*NODE OUTPUT", "*SURFACE, NAME=s, COMBINE=UNION", "combined surfaces are not read"),
         ("*NODE OUTPUT", "*PART, NAME=a\n*PART, NAME=b", "is still open"),
     ];
@@ -260,6 +264,33 @@ fn elements_of_other_types_are_left_to_who_takes_them() {
     assert!(told(&file.unread));
     for (group, takes) in [("Left", true), ("cubes", true), ("front", true), ("right", false)] {
         assert_eq!(told(&file.groups[group].unread), takes, "{group}");
+    }
+}
+
+#[test]
+fn sets_of_the_nodes_of_elements() {
+    let sets = "*NSET, NSET=n, ELSET=left\n*NSET, NSET=m, ELSET=right\n1, 4\n*NODE OUTPUT";
+    let file = parse(&DECK.replacen("*NODE OUTPUT", sets, 1)).unwrap();
+    let ids = |file: &FileMesh, group: &str| -> Vec<u64> {
+        file.groups[group].group.nodes.iter().map(|&n| file.mesh.point_ids[n as usize]).collect()
+    };
+    assert_eq!(ids(&file, "n"), [1, 2, 4, 5, 7, 8, 10, 11]);
+    assert_eq!(ids(&file, "m"), [1, 2, 3, 4, 5, 6, 8, 9, 11, 12]);
+    let of_instances = "*NSET, NSET=n, ELSET=A.body\n*NSET, NSET=m, INSTANCE=B, ELSET=body\n*END ASSEMBLY";
+    let file = parse(&PARTS.replacen("*END ASSEMBLY", of_instances, 1)).unwrap();
+    assert_eq!(file.groups["n"].group.nodes, (1..=8).collect::<Vec<u32>>());
+    assert_eq!(file.groups["m"].group.nodes, (9..=16).collect::<Vec<u32>>());
+    // An element of a type that is not read has nodes that are not known.
+    let text = message_of(&DECK.replacen("type=C3D8R", "type=C3D13", 1).replacen("*NODE OUTPUT", sets, 1));
+    assert!(text.contains("element 101 has type C3D13, which is not read"), "{text}");
+}
+
+#[test]
+fn cylindrical_coordinates() {
+    let file = parse("*NODE, SYSTEM=C\n1, 2, 30, 5\n2, 2, 90\n*NODE\n3, 2, 30, 5\n").unwrap();
+    let wanted = [[3.0f64.sqrt(), 1.0, 5.0], [0.0, 2.0, 0.0], [2.0, 30.0, 5.0]];
+    for (found, wanted) in file.mesh.points.iter().flatten().zip(wanted.as_flattened()) {
+        assert!((found - wanted).abs() < 1e-15 * 8.0, "{found} {wanted}");
     }
 }
 
