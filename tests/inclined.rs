@@ -104,14 +104,19 @@ fn oblique() -> Rotation3<f64> {
     Rotation3::new(Vector3::new(1.0, 2.0, -0.5).normalize() * 37f64.to_radians())
 }
 
+/// Decimals that leave all of a number.
+const ALL: i32 = 15;
+
+/// With coordinates and vectors of so many decimals:
 /// ```text
 ///      ______       a lid, pressed down and drawn along
 ///     |      |      on two bodies, one on the other, both cut by a plane of symmetry
 ///    _|______|_
 ///   |__________|    fixed below
 /// ```
-fn drawn(turn: &Rotation3<f64>, more: &[&str], ranks: usize) -> Run {
-    let vector = |v: [f64; 3]| format!("{:?}", (turn * Vector3::from(v)).data.0[0]);
+fn drawn(turn: &Rotation3<f64>, digits: i32, more: &[&str], ranks: usize) -> Run {
+    let rounded = |x: f64| (x * 10f64.powi(digits)).round() / 10f64.powi(digits);
+    let vector = |v: [f64; 3]| format!("{:?}", (turn * Vector3::from(v)).map(rounded).data.0[0]);
     let scene = format!(
         r#"
         material.soft = {{ model = "neo-hookean", young = 10, poisson = 0.3 }}
@@ -140,7 +145,7 @@ fn drawn(turn: &Rotation3<f64>, more: &[&str], ranks: usize) -> Run {
     );
     let bench = Bench::new(&scene);
     let place = |low: [f64; 3], size: [f64; 3]| {
-        move |x: [f64; 3]| (turn * Vector3::from_fn(|d, _| low[d] + size[d] * x[d])).into()
+        move |x: [f64; 3]| (turn * Vector3::from_fn(|d, _| low[d] + size[d] * x[d])).map(rounded).into()
     };
     bench.write("base.msh", &msh::block([3, 4, 1], false, place([0.0, -2.0, 0.0], [3.0, 4.0, 1.0])));
     bench.write("block.msh", &msh::block([2, 2, 2], false, place([0.0, -1.0, 1.0], [2.0, 2.0, 2.0])));
@@ -168,7 +173,7 @@ fn difference(turned: &Run, turn: &Rotation3<f64>, still: &Run) -> f64 {
 
 #[test]
 fn a_turned_scene_is_the_unturned_one() {
-    let still = drawn(&Rotation3::identity(), &[], 1);
+    let still = drawn(&Rotation3::identity(), ALL, &[], 1);
     let history = still.history();
     let slips =
         |row: usize| ["lid", "joint"].iter().any(|contact| history.column(&format!("{contact}.slip"))[row] > 0.0);
@@ -180,11 +185,52 @@ fn a_turned_scene_is_the_unturned_one() {
         ("two ranks", &[], 2, 1e-8),
         ("multigrid", &["--set", "solver.linear=iterative"], 1, 1e-7),
     ] {
-        assert_small(what, difference(&drawn(&turn, more, ranks), &turn, &still), tolerance);
+        assert_small(what, difference(&drawn(&turn, ALL, more, ranks), &turn, &still), tolerance);
     }
     let uzawa = ["--set", "contact.lid.method=uzawa", "--set", "contact.joint.method=uzawa"];
-    let [turned, still] = [&turn, &Rotation3::identity()].map(|turn| drawn(turn, &uzawa, 1));
+    let [turned, still] = [&turn, &Rotation3::identity()].map(|turn| drawn(turn, ALL, &uzawa, 1));
     assert_small("Uzawa", difference(&turned, &turn, &still), 1e-7);
+}
+
+/// Planes that are one but for the decimals of meshes and vectors are one, and a tool that is drawn along them slips across none.
+#[test]
+fn planes_and_directions_are_meant_as_far_as_they_are_typed() {
+    let turn = oblique();
+    let exact = drawn(&turn, ALL, &[], 1);
+    for digits in 6..9 {
+        let rounded = drawn(&turn, digits, &[], 1);
+        assert_eq!(rounded.summary()["iterations"], exact.summary()["iterations"], "{digits} decimals");
+        assert_eq!(rounded.summary()["warnings"], serde_json::json!([]), "{digits} decimals");
+        assert_small("forces", difference(&rounded, &Rotation3::identity(), &exact), 20.0 * 10f64.powi(-digits));
+    }
+}
+
+/// What is computed is 0 to rounding where it is meant so, as by the sine of half a turn.
+#[test]
+fn a_motion_gives_way_to_what_holds_nodes_by_rounding_alone() {
+    let scene = |by: &str| {
+        format!(
+            r#"
+            material.m = {{ model = "hooke", young = 100, poisson = 0.3 }}
+            [body.b]
+            material = "m"
+            symmetry = ["ymin"]
+            [body.b.block]
+            box = {{ origin = [0, 0, 0], size = [1, 1, 1] }}
+            elements = [1, 1, 1]
+            [output]
+            history = ["b.zmax"]
+            [[step]]
+            increments = 1
+            fix = [{{ set = "b.zmin" }}]
+            move = [{{ target = "b.zmax", by = {by} }}]
+            "#
+        )
+    };
+    let [rounded, exact] = ["[0.1, 1e-17, 0]", "[0.1, 0, 0]"].map(|by| Bench::new(&scene(by)).solve(1, &[]).history());
+    assert_eq!(rounded.last("b.zmax.fx"), exact.last("b.zmax.fx"));
+    let told = Bench::new(&scene("[0.1, 1e-4, 0]")).run(1, &[]);
+    assert!(told.code == 2 && told.stderr.contains("moved otherwise along y"), "{}", told.stderr);
 }
 
 /// A roller on a block that a plane of symmetry across its axle cuts: nodes in that plane bear no friction along the axle, on which

@@ -626,8 +626,10 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let ground = model.masters.of(pair.master);
     let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
-    let unfelt =
-        motion.ended.filter(|_| motion.idle[p]).and_then(|(touches, last)| unfelt_from(pair, &touches[p], last));
+    // What a corner shares with another contact, that one may feel.
+    let alike = |other: &Pair| other.master == pair.master && other.side.body == pair.side.body;
+    let is_idle = model.pairs.iter().zip(motion.idle).all(|(other, idle)| *idle || !alike(other));
+    let unfelt = motion.ended.filter(|_| is_idle).and_then(|(touches, last)| unfelt_from(pair, &touches[p], last));
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));

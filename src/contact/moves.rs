@@ -4,8 +4,11 @@ use crate::{Mat3, Vec3};
 
 /// The bits of a way that tell courses from each other.
 const COURSES: u64 = 0xffff;
-/// Cosines, and differences of ways over these, below this are rounding; well above what a course changes a way by.
+/// Differences of ways over these below which they are the same; well above what a course changes a way by.
 const ROUNDING: f64 = 1e-9;
+/// Cosine below which directions are at right angles: vectors are typed with some six digits. What stands still across a plane
+/// but for these would slip there as far as it can, and friction have to be found from 1e-8 of a way.
+pub const RIGHT: f64 = 1e-5;
 
 /// How a step moves a point, along three directions at right angles to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,7 +28,7 @@ impl Movement {
     /// The way along any direction, a unit vector.
     pub fn along(&self, direction: &Vec3) -> f64 {
         let parts = self.axes.column_iter().map(|axis| axis.dot(direction)).zip(self.ways);
-        let parts = || parts.clone().filter(|(part, _)| part.abs() > ROUNDING);
+        let parts = || parts.clone().filter(|(part, _)| part.abs() > RIGHT);
         if parts().any(|(_, way)| way.is_nan()) {
             return f64::NAN;
         }
@@ -36,7 +39,7 @@ impl Movement {
         }
         let by = |(part, way): (f64, f64)| part * f64::from_bits(way.to_bits() & !COURSES);
         let (sum, most) = (parts().map(by).sum::<f64>(), parts().map(|at| by(at).abs()).sum::<f64>());
-        if sum.abs() <= ROUNDING * most { 0.0 } else { way(sum, course as u32) }
+        if sum.abs() <= RIGHT * most { 0.0 } else { way(sum, course as u32) }
     }
 }
 

@@ -9,6 +9,7 @@ use crate::partition::Part;
 use crate::partition::parcels::{bounds, hull};
 use crate::scene::{Located, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
+use std::cmp::Reverse;
 use std::collections::HashSet;
 
 /// A plane in which a body ends and goes on as its mirror image.
@@ -37,6 +38,25 @@ const THIN: f64 = 1e-3;
 /// Sine of the angle between planes below which they are one.
 const ALIKE: f64 = 1e-6;
 
+/// A group that is to lie in a plane of symmetry.
+struct Group<'a> {
+    body: usize,
+    set: &'a Located<String>,
+    points: Vec<Vec3>,
+    /// Corners of a box around its body.
+    hull: (Vec3, Vec3),
+}
+
+/// How a group lies in a plane.
+#[derive(Clone, Copy)]
+struct Flat {
+    normal: Vec3,
+    at: f64,
+    extent: f64,
+    /// The body is on both sides.
+    is_inside: bool,
+}
+
 /// The planes of symmetry of all bodies. Collective.
 ///
 /// # Errors
@@ -47,46 +67,66 @@ pub(super) fn planes(
     names: &[Located<String>],
     part: &Part,
 ) -> Result<Vec<SymmetryPlane>> {
+    let points_of = |set: &Located<String>| {
+        let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
+        nodes.iter().map(|n| part.points[*n as usize]).collect()
+    };
+    let mut groups = Vec::new();
+    for (body, given) in scene.bodies.iter().enumerate().filter(|(_, given)| !given.symmetry.is_empty()) {
+        let hull = hull(comm, bounds(part.owned_of(body).map(|n| part.points[n]))).unwrap_or_default();
+        groups.extend(given.symmetry.iter().map(|set| Group { body, set, points: points_of(set), hull }));
+    }
+    // What is flat along an axis has that for its normal, to rounding.
+    let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+    for group in &groups {
+        let (lowest, highest) = group.hull;
+        let mut moments = Moments::of(&(0.5 * (lowest + highest)), group.points.iter().copied());
+        sum(comm, &mut moments.0);
+        normals.extend(moments.normal());
+    }
+    let flat: Vec<Vec<Option<Flat>>> = groups.iter().map(|group| flats(comm, part, group, &normals)).collect();
+    // Bodies that end in one plane, each with coordinates that are rounded, have one normal: that of most of them.
+    let mut order: Vec<usize> = (0..normals.len()).collect();
+    order.sort_by_key(|&k| Reverse(flat.iter().filter(|of_group| of_group[k].is_some()).count()));
     let mut planes = Vec::new();
-    for (b, body) in scene.bodies.iter().enumerate() {
-        let owned = || part.owned_of(b).map(|n| part.points[n]);
-        let (lowest, highest) = hull(comm, bounds(owned())).unwrap_or_default();
-        // Coordinates are rounded.
-        let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
-        let size = (highest - lowest).norm();
-        for set in &body.symmetry {
-            let nodes = names.iter().position(|n| n.value == set.value).map_or(&[][..], |k| &part.sets[k].nodes);
-            let group = || nodes.iter().map(|n| part.points[*n as usize]);
-            // A plane orthogonal to an axis has exactly its normal.
-            let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
-            let middle = 0.5 * (lowest + highest);
-            let mut moments = Moments::of(&middle, group());
-            sum(comm, &mut moments.0);
-            normals.extend(moments.normal());
-            let mut flat = Vec::new();
-            for normal in normals {
-                let ([low, high], [least, most]) = (heights(comm, group(), &normal), heights(comm, owned(), &normal));
-                let slack = (FLAT * size).min(THIN * (most - least)) + rounding;
-                // What is flat along an axis has that for its normal, to rounding.
-                if high - low <= slack && !flat.iter().any(|(n, ..): &(Vec3, _, _, _)| n.dot(&normal).abs() > 0.5) {
-                    let at = 0.5 * (low + high);
-                    let extent = if most - at > at - least { most - at } else { least - at };
-                    flat.push((normal, at, extent, low > least + slack && high < most - slack));
-                }
+    for (Group { body, set, .. }, of_group) in groups.iter().zip(&flat) {
+        let mut own: Vec<Flat> = Vec::new();
+        for flat in order.iter().filter_map(|&k| of_group[k]) {
+            if !own.iter().any(|other| other.normal.dot(&flat.normal).abs() > 0.5) {
+                own.push(flat);
             }
-            let &[(normal, at, extent, is_inside)] = flat.as_slice() else {
-                let lies = if flat.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
-                let what = format!("`{}` {lies}", set.value);
-                return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
-            };
-            if is_inside {
-                let what = format!("body `{}` lies on both sides of `{}`", body.name.value, set.value);
-                return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
-            }
-            planes.push(SymmetryPlane { set: set.clone(), normal, at, extent });
         }
+        let &[Flat { normal, at, extent, is_inside }] = own.as_slice() else {
+            let lies = if own.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
+            let what = format!("`{}` {lies}", set.value);
+            return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
+        };
+        if is_inside {
+            let what = format!("body `{}` lies on both sides of `{}`", scene.bodies[*body].name.value, set.value);
+            return Err(Error::input(&set.at, what, "a plane of symmetry is where the mesh ends; mesh one side"));
+        }
+        planes.push(SymmetryPlane { set: (*set).clone(), normal, at, extent });
     }
     Ok(planes)
+}
+
+/// How a group lies in planes with these normals, if it does. Collective.
+fn flats(comm: &SimpleCommunicator, part: &Part, group: &Group, normals: &[Vec3]) -> Vec<Option<Flat>> {
+    let (lowest, highest) = group.hull;
+    // Coordinates are rounded.
+    let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
+    let size = (highest - lowest).norm();
+    let along = |&normal: &Vec3| {
+        let owned = part.owned_of(group.body).map(|n| part.points[n]);
+        let [low, high] = heights(comm, group.points.iter().copied(), &normal);
+        let [least, most] = heights(comm, owned, &normal);
+        let slack = (FLAT * size).min(THIN * (most - least)) + rounding;
+        let at = 0.5 * (low + high);
+        let extent = if most - at > at - least { most - at } else { least - at };
+        let is_inside = low > least + slack && high < most - slack;
+        (high - low <= slack).then_some(Flat { normal, at, extent, is_inside })
+    };
+    normals.iter().map(along).collect()
 }
 
 /// The least and the largest n·x of points of all ranks. Collective.
@@ -128,7 +168,8 @@ impl Model {
 
 /// The planes (point, normal) of the symmetry of the body of `master` in which its faces with these nodes end.
 pub(super) fn planes_of(symmetry: &[SymmetryPlane], master: &str, points: &[[f64; 3]]) -> Vec<(Vec3, Vec3)> {
-    const NEAR: f64 = 1e-6;
+    /// As far as the nodes of a surface may be off a plane in which it goes on.
+    const NEAR: f64 = 1e-5;
     let of_body = symmetry.iter().filter(|plane| body_of(&plane.set.value) == body_of(master));
     let ends = |plane: &&SymmetryPlane| {
         let heights = || points.iter().map(|x| (plane.normal.dot(&Vec3::from(*x)) - plane.at).abs());

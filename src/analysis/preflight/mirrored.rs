@@ -8,14 +8,13 @@ use super::super::conditions::{Conditions, ToolMotion};
 use super::sight::Standing;
 use crate::Vec3;
 use crate::contact::Pair;
+use crate::contact::moves::RIGHT;
 use crate::model::{Model, SymmetryPlane};
 use crate::parallel::any;
 use crate::scene::{Scene, Spin, body_of};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
-/// Share of a vector that does not count.
-const SLIGHT: f64 = 1e-6;
 /// Cosine between the normals of a tool and of a plane, above which what is in the plane looks past it at one of two tools.
 const PAST: f64 = 0.5;
 
@@ -35,8 +34,8 @@ pub fn check(
                 found.push("gravity has another mirror image".to_string());
             }
             let leans = |spin: &&Spin| {
-                let is_in = (plane.normal.dot(&spin.point) - plane.at).abs() <= SLIGHT * model.size;
-                let is_normal = spin.axis.cross(&plane.normal).norm() <= SLIGHT;
+                let is_in = (plane.normal.dot(&spin.point) - plane.at).abs() <= RIGHT * model.size;
+                let is_normal = spin.axis.cross(&plane.normal).norm() <= RIGHT;
                 !is_normal && (!is_in || is_across(&spin.axis, &plane.normal))
             };
             let of_body = |spin: &&Spin| body_of(&plane.set.value) == spin.body.value;
@@ -91,13 +90,13 @@ fn crossing(comm: &SimpleCommunicator, model: &Model, plane: &SymmetryPlane, sig
 }
 
 fn is_across(vector: &Vec3, normal: &Vec3) -> bool {
-    vector.dot(normal).abs() > SLIGHT * vector.norm()
+    vector.dot(normal).abs() > RIGHT * vector.norm()
 }
 
 /// What the mirror image of a tool does otherwise.
 fn way_across(motion: &ToolMotion, plane: &SymmetryPlane) -> Option<&'static str> {
-    let leans = |axis: &Vec3| axis.cross(&plane.normal).norm() > SLIGHT * axis.norm();
-    let is_free = (0..3).any(|d| motion.free[d] && plane.normal[d].abs() > SLIGHT);
+    let leans = |axis: &Vec3| axis.cross(&plane.normal).norm() > RIGHT * axis.norm();
+    let is_free = (0..3).any(|d| motion.free[d] && plane.normal[d].abs() > RIGHT);
     if is_across(&motion.by, &plane.normal) {
         Some("moves")
     } else if motion.rotation.is_some_and(|rotation| leans(&rotation.axis))

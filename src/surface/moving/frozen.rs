@@ -60,16 +60,19 @@ struct Fans<'a> {
     whole: &'a Whole,
     means: &'a Means,
     corners: Vec<Vec<[usize; 3]>>,
-    /// Whether the fan has images of corners, too.
-    is_mirrored: Vec<bool>,
+    /// Of each fan the normals of the symmetry planes of its node across which it goes on: not those in which a crease ends it.
+    mirrored: Vec<Vec<Vec3>>,
 }
 
 impl<'a> Fans<'a> {
     fn new(mesh: &Mesh, facets: &Facets, whole: &'a Whole, means: &'a Means) -> Result<Self> {
         let mut corners = vec![Vec::new(); means.fans.count];
-        let mut is_mirrored = vec![false; means.fans.count];
+        let mut mirrored: Vec<Vec<Vec3>> = vec![Vec::new(); means.fans.count];
         for (f, k) in whole.facets.corners().filter(|(f, _)| *f >= facets.nodes.len()) {
-            is_mirrored[means.fans.of(f, k)] = true;
+            let (_, linear) = whole.images[f - facets.nodes.len()];
+            let across = whole.across.get(whole.facets.node(f, k)).into_iter().flatten();
+            let planes = &mut mirrored[means.fans.of(f, k)];
+            planes.extend(across.filter(|normal| is_reflection(&linear, normal)));
         }
         for (f, k) in facets.corners().filter(|(f, k)| means.counts[*f][*k]) {
             let [next, last] = facets.beside(f, k);
@@ -81,14 +84,21 @@ impl<'a> Fans<'a> {
                 return Err(Error::input_anywhere(what, "mesh the surface with fewer facets around it"));
             }
         }
-        Ok(Self { whole, means, corners, is_mirrored })
+        Ok(Self { whole, means, corners, mirrored })
     }
 }
 
 impl Fans<'_> {
     /// The projector onto the symmetry planes across which the fan goes on.
     fn within(&self, fan: usize) -> Option<Mat3> {
-        self.whole.within(self.corners[fan][0][0]).filter(|_| self.is_mirrored[fan])
+        let mut within = Mat3::identity();
+        for plane in &self.mirrored[fan] {
+            // Nothing is left of a plane that the others hold.
+            if let Some(across) = (within * plane).try_normalize(1e-6) {
+                within -= across * across.transpose();
+            }
+        }
+        (!self.mirrored[fan].is_empty()).then_some(within)
     }
 
     /// What the normal of a fan at an end of the surface follows, and in how many directions. In a symmetry plane these are
@@ -153,6 +163,11 @@ impl Stencil {
         self.rules.push(rule);
         self.rules.len() as u32 - 1
     }
+}
+
+/// Whether a map is the reflection in a plane with this unit normal.
+fn is_reflection(linear: &Mat3, normal: &Vec3) -> bool {
+    (linear - (Mat3::identity() - 2.0 * normal * normal.transpose())).amax() < 1e-6
 }
 
 /// The place of `value` in `list`, at its end if it is new.

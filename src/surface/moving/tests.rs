@@ -435,6 +435,24 @@ fn in_symmetry_planes_patches_are_those_of_the_whole() {
     }
 }
 
+/// A ridge in a plane of symmetry is a crease as in the whole, also where it meets another plane: the faces beside it are flat.
+#[test]
+fn ridges_in_symmetry_planes_are_those_of_the_whole() {
+    let roof = |s: f64, t: f64| [3.0 * s, 3.0 * t, -0.3 * s.abs()];
+    let part = grid(3, 3, false, roof);
+    let whole = grid(6, 6, false, |s, t| roof(2.0 * s - 1.0, 2.0 * t - 1.0));
+    let planar =
+        MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES, &Controls::default()).unwrap();
+    let of_whole = patches(&whole, Smoothing::Nagata);
+    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+        let (here, there) = (&planar[3 * j + i], &of_whole[6 * (j + 3) + i + 3]);
+        for k in 0..4 {
+            let of = |patch: &MovingPatch, mesh: &Mesh| patch.shape(&positions(patch, mesh)).coefficients[k].norm();
+            assert!(of(here, &part).max(of(there, &whole)) < 1e-15, "{i} {j} {k}");
+        }
+    }
+}
+
 fn of_tool(mesh: &Mesh) -> Vec<Patch> {
     let options = NormalOptions { feature_angle: 50.0, ..NormalOptions::default() };
     patches_from_mesh(mesh, Smoothing::Nagata, &options, false).unwrap()

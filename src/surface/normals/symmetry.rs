@@ -62,19 +62,6 @@ impl Whole {
         f.checked_sub(self.facets.nodes.len() - self.images.len()).map_or(f, |image| self.images[image].0)
     }
 
-    /// The projector onto the planes in which a node of the mesh lies; `None` in no plane.
-    pub fn within(&self, node: usize) -> Option<Mat3> {
-        let planes = self.across.get(node).filter(|planes| !planes.is_empty())?;
-        let mut within = Mat3::identity();
-        for plane in planes {
-            // Nothing is left of a plane that the others hold.
-            if let Some(across) = (within * plane).try_normalize(1e-6) {
-                within -= across * across.transpose();
-            }
-        }
-        Some(within)
-    }
-
     /// Normals at the corners of all facets from those of the mesh.
     pub fn spread(&self, mut normals: Vec<[Vec3; 4]>) -> Vec<[Vec3; 4]> {
         for (f, linear) in &self.images {
