@@ -111,6 +111,40 @@ discretization = "segment"
     assert!(moved[2] < -0.05 && residual.iter().all(|r| *r == 0.0), "{moved:?}");
 }
 
+/// A block tips over its edge, at which the faces below and beside it have contacts of their own: what one does not feel at a corner
+/// that they share, the other does.
+#[test]
+fn a_corner_that_another_contact_holds_is_felt() {
+    let side = |name: &str, face: &str| {
+        format!("[contact.{name}]\nslave = \"w.{face}\"\nmaster = \"road\"\ndiscretization = \"segment\"\n")
+    };
+    let bench = Bench::new(&format!(
+        r#"[body.w]
+material = "r"
+plane_strain = true
+block = {{ box = {{ origin = [-1, 0, 0], size = [2, 2, 1] }}, elements = [2, 3, 1] }}
+[material.r]
+model = "neo-hookean"
+young = 6.0
+poisson = 0.45
+[tool.road]
+plane = {{ point = [0, 0, 0], normal = [0, 1, 0] }}
+{}{}
+[[step]]
+increments = 5
+move = [{{ target = "w.ymax", by = [0.0, -0.3, 0.0] }}]
+[[step]]
+increments = 30
+move = [{{ target = "w.ymax", rotate = {{ point = [0, 1, 0], axis = [0, 0, 1], angle = -60 }} }}]
+"#,
+        side("sole", "ymin"),
+        side("heel", "xmax"),
+    ));
+    let run = bench.solve(1, &[]);
+    let history = run.history();
+    assert!(history.last("heel.active") > 0.0 && history.last("sole.active") == 0.0);
+}
+
 /// An edge of a cube is driven past the diagonal of the faces beside it, where the Jacobian at its nodes, (1 - 2d) at a way of d
 /// along both sides, changes its sign; those at the integration points are positive still. Increments are cut down to where that
 /// begins, and the run goes on with a word.

@@ -635,6 +635,8 @@ fn conditions_that_a_mirror_turns() {
     );
     let turned = format!("{by}, rotate = {{ point = [0.0, 0.0, 1.0], axis = [0.0, 0.0, 1.0], angle = 5.0 }}");
     warned(&block(&[half, (by, &turned)]), &["the mirror image of tool `plate` turns the other way"]);
+    let pushed = format!("{FIX}\nbody_force = [{{ body = \"block\", per_volume = [0.01, 0.0, 0.0] }}]");
+    warned(&block(&[half, (FIX, &pushed)]), &["the body force of `block` has another mirror image"]);
     // The lower half of a block between two plates, whose sides may come to touch them.
     let lower = [
         ("material = \"soft\"\nblock", "material = \"soft\"\nsymmetry = [\"zmin\"]\nblock"),

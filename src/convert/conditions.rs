@@ -167,7 +167,9 @@ impl Conditions {
             let twice = self.supports.add(Wish { at: row.at.clone(), hint, nodes, dof, amplitude, value })?;
             if let Some(node) = twice {
                 let node = line.setting.groups.whole.mesh.point_ids[node as usize];
-                let what = format!("node {node} is held otherwise by an earlier line of this step: this line counts");
+                let what = format!(
+                    "node {node} is held otherwise by an earlier line that counts in this step: this one counts"
+                );
                 line.setting.notes.at(&row.at, what);
             }
             Ok::<(), Error>(())

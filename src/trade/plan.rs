@@ -219,9 +219,12 @@ fn of_words(text: &str) -> Result<Setting> {
     };
     let (keys, values) = text.split_once('=').ok_or_else(|| wrong("has no `=`"))?;
     let keys: Vec<String> = keys.split(',').map(|key| key.trim().to_string()).collect();
-    let values: Vec<String> = match values.trim().starts_with('[') {
+    // What has brackets or quotes is read as such.
+    let is_list = values.trim().starts_with('[');
+    let values: Vec<String> = match is_list || values.contains(['"', '\'']) {
         true => {
-            let table: toml::Table = format!("values = {values}").parse().map_err(|_| wrong("is no list"))?;
+            let list = if is_list { values.to_string() } else { format!("[{values}]") };
+            let table: toml::Table = format!("values = {list}").parse().map_err(|_| wrong("is no list"))?;
             table["values"].as_array().into_iter().flatten().map(ToString::to_string).collect()
         }
         false => values.split(',').map(|value| value.trim().to_string()).collect(),
@@ -269,6 +272,7 @@ mod tests {
         let both = ["contact.a.method=penalty", "contact.b.method=penalty"];
         assert_eq!(setting.clone().variants()[0].overrides, both);
         assert_eq!(labels("b.elements=[[2, 2, 1], [4, 4, 2]]"), ["b.elements=[2, 2, 1]", "b.elements=[4, 4, 2]"]);
+        assert_eq!(labels(r#"a.title="x, y", "z""#), [r#"a.title="x, y""#, r#"a.title="z""#]);
         for wrong in ["solver.pace", "solver.pace=", "=1", "a=1,,2", "a=[1", "a=[]"] {
             assert_eq!(of_words(wrong).unwrap_err().exit_code(), 2, "{wrong}");
         }

@@ -11,7 +11,7 @@ use crate::contact::Pair;
 use crate::contact::moves::RIGHT;
 use crate::model::{Model, SymmetryPlane};
 use crate::parallel::any;
-use crate::scene::{Scene, Spin, body_of};
+use crate::scene::{BodyForce, Scene, Spin, body_of};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
@@ -38,8 +38,13 @@ pub fn check(
                 let is_normal = spin.axis.cross(&plane.normal).norm() <= RIGHT;
                 !is_normal && (!is_in || is_across(&spin.axis, &plane.normal))
             };
-            let of_body = |spin: &&Spin| body_of(&plane.set.value) == spin.body.value;
-            let spins = step.spins.iter().filter(of_body).filter(leans);
+            let own = body_of(&plane.set.value);
+            let pushes = |force: &&BodyForce| force.body.value == own && is_across(&force.per_volume, &plane.normal);
+            let forces = step.body_forces.iter().filter(pushes);
+            found.extend(
+                forces.map(|force| format!("the body force of `{}` has another mirror image", force.body.value)),
+            );
+            let spins = step.spins.iter().filter(|spin| spin.body.value == own).filter(leans);
             found.extend(spins.map(|spin| format!("the spin of `{}` has another mirror image", spin.body.value)));
             let tools = model.masters.tools.iter().zip(&conditions.motions).zip(crossing);
             for ((tool, motion), _) in tools.filter(|(_, crosses)| **crosses) {

@@ -9,6 +9,7 @@
 //! At a pole, where a tangent vanishes, they are taken nearby and extended by Taylor's formula.
 
 use super::fit::{Jet, fit};
+use super::loops::at_a_seam;
 use crate::Vec3;
 use crate::surface::{Curve, CurveLocal, Local, Nurbs};
 use nalgebra::{Matrix2, Matrix3x2, Vector2};
@@ -78,7 +79,9 @@ fn invert_smooth(surface: &Nurbs, curve: &Curve<3>, guess: Option<Vec2>) -> Resu
     let is_close = |a: &Vec2, b: &Vec2| (point(a) - point(b)).norm() <= TOLERANCE * size;
     match fit([0.0, 1.0], [walk(0.0), walk(1.0)], sample, is_close) {
         Some(curve) => Ok(curve),
-        None if worst > most => Err(format!("the curve in space is {worst:.3e} away from the surface")),
+        None if worst > most => {
+            Err(format!("the curve in space is {worst:.3e} away from the surface{}", at_a_seam(surface)))
+        }
         None => Err("the curve in space cannot be followed in the parameters of the surface".into()),
     }
 }

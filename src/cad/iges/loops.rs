@@ -72,7 +72,7 @@ pub(super) fn close(parts: Vec<Part>, surface: &Nurbs) -> Result<Vec<Curve<2>>, 
         None => Ok(closed),
         Some(curve) => {
             let [x, y] = curve.local(0.5 * (curve.domain()[0] + curve.domain()[1])).point.into();
-            Err(format!("the loop leaves the parameters of the surface, near ({x}, {y})"))
+            Err(format!("the loop leaves the parameters of the surface, near ({x}, {y}){}", at_a_seam(surface)))
         }
     }
 }
@@ -154,6 +154,16 @@ fn is_closed(surface: &Nurbs) -> [bool; 2] {
     let within = |[a, b]: [f64; 2]| [0.0, 0.3, 0.7, 1.0].map(|t| a + (b - a) * t);
     let near = |a: [f64; 2], b: [f64; 2]| distance(surface, a, b) <= SAME;
     [within(v).iter().all(|&v| near([u[0], v], [u[1], v])), within(u).iter().all(|&u| near([u, v[0]], [u, v[1]]))]
+}
+
+/// What may be wrong with curves that go beyond a surface which meets itself.
+pub(super) fn at_a_seam(surface: &Nurbs) -> &'static str {
+    match is_closed(surface) {
+        [false, false] => "",
+        _ => {
+            ": where the surface meets itself, at its seam, a loop must be split, or the seam be turned out of its way"
+        }
+    }
 }
 
 /// True where the surface is one point all along the line from `a` to `b`: at a pole.
