@@ -312,7 +312,7 @@ impl Model {
         self.bodies.iter().all(Body::is_layer)
     }
 
-    /// Whether meshes are those of planes or sheets, of which factors are cheap.
+    /// Whether meshes are those of planes, sheets or bars, of which factors are cheap.
     pub fn is_flat(&self) -> bool {
         self.is_plane() || self.is_thin
     }

@@ -229,7 +229,7 @@ fn a_motion_gives_way_to_what_holds_nodes_by_rounding_alone() {
     };
     let [rounded, exact] = ["[0.1, 1e-17, 0]", "[0.1, 0, 0]"].map(|by| Bench::new(&scene(by)).solve(1, &[]).history());
     assert_eq!(rounded.last("b.zmax.fx"), exact.last("b.zmax.fx"));
-    let told = Bench::new(&scene("[0.1, 1e-4, 0]")).run(1, &[]);
+    let told = Bench::new(&scene("[0.1, 1e-7, 0]")).run(1, &[]);
     assert!(told.code == 2 && told.stderr.contains("moved otherwise along y"), "{}", told.stderr);
 }
 

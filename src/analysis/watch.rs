@@ -626,10 +626,16 @@ fn judge_pair(
     let place = |u: &[Vec3], n: u32| part.points[n as usize] + u[n as usize];
     let ground = model.masters.of(pair.master);
     let past = ground.past(comm, model.controls.watch_turn, |n| place(motion.before, n));
-    // What a corner shares with another contact, that one may feel.
-    let alike = |other: &Pair| other.master == pair.master && other.side.body == pair.side.body;
-    let is_idle = model.pairs.iter().zip(motion.idle).all(|(other, idle)| *idle || !alike(other));
-    let unfelt = motion.ended.filter(|_| is_idle).and_then(|(touches, last)| unfelt_from(pair, &touches[p], last));
+    let unfelt =
+        motion.ended.filter(|_| motion.idle[p]).and_then(|(touches, last)| unfelt_from(pair, &touches[p], last));
+    // At a corner that another contact with the master shares, that one may feel it.
+    let is_shared = |node: u32| {
+        let is_of = |other: &Pair| {
+            other.master == pair.master || other.master_body().is_some() && other.master_body() == pair.master_body()
+        };
+        let others = model.pairs.iter().zip(motion.idle);
+        others.filter(|(other, idle)| !**idle && is_of(other)).any(|(other, _)| other.index_of(node).is_some())
+    };
     let judge = |s: usize| {
         let slave = &pair.slaves[s];
         let [from, to] = [motion.before, motion.after].map(|u| place(u, slave.node));
@@ -641,7 +647,8 @@ fn judge_pair(
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
         let finding = finding.or(apart.map(Finding::Apart));
         let finding = finding.or_else(|| pushed(&ground, pair, s, [&from, &to], motion.residuals[p]));
-        let is_unfelt = |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained;
+        let is_unfelt =
+            |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained && !is_shared(slave.node);
         (sight, finding.or_else(|| unfelt.is_some_and(is_unfelt).then_some(Finding::Unfelt(sight.depth))))
     };
     (0..pair.slaves.len()).map(judge).collect()

@@ -37,8 +37,9 @@ impl Movement {
         if parts().any(|(_, way)| way.is_infinite()) || courses.any(|other| other != course) {
             return f64::INFINITY;
         }
-        let by = |(part, way): (f64, f64)| part * f64::from_bits(way.to_bits() & !COURSES);
-        let (sum, most) = (parts().map(by).sum::<f64>(), parts().map(|at| by(at).abs()).sum::<f64>());
+        let length = |way: f64| f64::from_bits(way.to_bits() & !COURSES);
+        let sum: f64 = parts().map(|(part, way)| part * length(way)).sum();
+        let most = self.ways.iter().filter(|way| way.is_finite()).map(|way| length(*way).abs()).fold(0.0, f64::max);
         if sum.abs() <= RIGHT * most { 0.0 } else { way(sum, course as u32) }
     }
 }
@@ -69,5 +70,10 @@ mod tests {
         assert_eq!(turning.along(&Vec3::z()), f64::INFINITY);
         assert_eq!(turning.along(&n), f64::INFINITY, "of two courses");
         assert_eq!(turning.along(&-Vec3::x()), way(-3.0, 1));
+        // As far as it is typed.
+        let drawn = Movement::along_axes([way(2e-7, 1), way(0.1, 1), f64::NAN]);
+        assert_eq!(drawn.along(&Vec3::x()), 0.0);
+        assert!(alike(drawn.along(&Vec3::new(1.0, 1e-6, 0.0).normalize()), 0.0));
+        assert!(Movement::along_axes([way(2e-5, 1), way(0.1, 1), 0.0]).along(&Vec3::x()) > 1e-5);
     }
 }

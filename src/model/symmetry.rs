@@ -9,7 +9,7 @@ use crate::partition::Part;
 use crate::partition::parcels::{bounds, hull};
 use crate::scene::{Located, Scene, body_of};
 use mpi::topology::SimpleCommunicator;
-use std::cmp::Reverse;
+use std::cmp::{Ordering, Reverse};
 use std::collections::HashSet;
 
 /// A plane in which a body ends and goes on as its mirror image.
@@ -37,6 +37,7 @@ const FLAT: f64 = 1e-6;
 const THIN: f64 = 1e-3;
 /// Sine of the angle between planes below which they are one.
 const ALIKE: f64 = 1e-6;
+const AXES: usize = 3;
 
 /// A group that is to lie in a plane of symmetry.
 struct Group<'a> {
@@ -55,6 +56,8 @@ struct Flat {
     extent: f64,
     /// The body is on both sides.
     is_inside: bool,
+    /// How far its nodes are off the plane over how far they may be.
+    off: f64,
 }
 
 /// The planes of symmetry of all bodies. Collective.
@@ -77,7 +80,7 @@ pub(super) fn planes(
         groups.extend(given.symmetry.iter().map(|set| Group { body, set, points: points_of(set), hull }));
     }
     // What is flat along an axis has that for its normal, to rounding.
-    let mut normals = vec![Vec3::x(), Vec3::y(), Vec3::z()];
+    let mut normals: Vec<Vec3> = (0..AXES).map(|d| Vec3::ith(d, 1.0)).collect();
     for group in &groups {
         let (lowest, highest) = group.hull;
         let mut moments = Moments::of(&(0.5 * (lowest + highest)), group.points.iter().copied());
@@ -85,9 +88,13 @@ pub(super) fn planes(
         normals.extend(moments.normal());
     }
     let flat: Vec<Vec<Option<Flat>>> = groups.iter().map(|group| flats(comm, part, group, &normals)).collect();
-    // Bodies that end in one plane, each with coordinates that are rounded, have one normal: that of most of them.
+    // Bodies that end in one plane, each with coordinates that are rounded, have one normal: an axis, or that of most of them.
+    let fit = |k: usize| {
+        let found = || flat.iter().filter_map(|of_group| of_group[k]);
+        (k >= AXES, Reverse(found().count()), found().map(|flat| flat.off).sum::<f64>())
+    };
     let mut order: Vec<usize> = (0..normals.len()).collect();
-    order.sort_by_key(|&k| Reverse(flat.iter().filter(|of_group| of_group[k].is_some()).count()));
+    order.sort_by(|&a, &b| fit(a).partial_cmp(&fit(b)).unwrap_or(Ordering::Equal));
     let mut planes = Vec::new();
     for (Group { body, set, .. }, of_group) in groups.iter().zip(&flat) {
         let mut own: Vec<Flat> = Vec::new();
@@ -96,7 +103,7 @@ pub(super) fn planes(
                 own.push(flat);
             }
         }
-        let &[Flat { normal, at, extent, is_inside }] = own.as_slice() else {
+        let &[Flat { normal, at, extent, is_inside, .. }] = own.as_slice() else {
             let lies = if own.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
             let what = format!("`{}` {lies}", set.value);
             return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
@@ -124,7 +131,7 @@ fn flats(comm: &SimpleCommunicator, part: &Part, group: &Group, normals: &[Vec3]
         let at = 0.5 * (low + high);
         let extent = if most - at > at - least { most - at } else { least - at };
         let is_inside = low > least + slack && high < most - slack;
-        (high - low <= slack).then_some(Flat { normal, at, extent, is_inside })
+        (high - low <= slack).then_some(Flat { normal, at, extent, is_inside, off: (high - low) / slack })
     };
     normals.iter().map(along).collect()
 }

@@ -211,7 +211,7 @@ fn movement(item: &Item, names: &Names, duration: f64) -> Result<Move> {
     if by.is_none() && rotate.is_none() {
         return Err(table.error("does not say how to move", "add `by = [0.0, 0.0, 1.0]`"));
     }
-    let mut by = by.unwrap_or_else(Vec3::zeros);
+    let mut by = without_rounding(by.unwrap_or_else(Vec3::zeros));
     let own = ["directions", "normal", "around"].into_iter().find_map(|key| table.get(key));
     if let (Target::Tool, Some(item)) = (kind, own) {
         return Err(item.error("is for sets; a tool moves in all three", "remove it"));
@@ -346,6 +346,12 @@ fn check_repeats(step: &Step) -> Result<()> {
     once("spins", step.spins.iter().map(|spin| &spin.body).collect())?;
     once("has springs on", step.springs.iter().map(|spring| &spring.set).collect())?;
     once("has dashpots on", step.dashpots.iter().map(|dashpot| &dashpot.set).collect())
+}
+
+/// A vector without components that are rounding, as the sine of half a turn is.
+fn without_rounding(vector: Vec3) -> Vec3 {
+    const ROUNDING: f64 = 1e-12;
+    vector.map(|x| if x.abs() <= ROUNDING * vector.norm() { 0.0 } else { x })
 }
 
 /// What to do about two conditions of one target, of which one may come from the step before.

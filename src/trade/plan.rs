@@ -219,15 +219,16 @@ fn of_words(text: &str) -> Result<Setting> {
     };
     let (keys, values) = text.split_once('=').ok_or_else(|| wrong("has no `=`"))?;
     let keys: Vec<String> = keys.split(',').map(|key| key.trim().to_string()).collect();
-    // What has brackets or quotes is read as such.
-    let is_list = values.trim().starts_with('[');
-    let values: Vec<String> = match is_list || values.contains(['"', '\'']) {
-        true => {
-            let list = if is_list { values.to_string() } else { format!("[{values}]") };
-            let table: toml::Table = format!("values = {list}").parse().map_err(|_| wrong("is no list"))?;
-            table["values"].as_array().into_iter().flatten().map(ToString::to_string).collect()
-        }
-        false => values.split(',').map(|value| value.trim().to_string()).collect(),
+    let list = |text: &str| -> Option<Vec<String>> {
+        let table: toml::Table = format!("values = {text}").parse().ok()?;
+        Some(table["values"].as_array()?.iter().map(ToString::to_string).collect())
+    };
+    let plain = || values.split(',').map(|value| value.trim().to_string()).collect();
+    let values: Vec<String> = match values.trim().starts_with('[') {
+        true => list(values).ok_or_else(|| wrong("is no list"))?,
+        // A comma in quotes is none between values.
+        false if values.contains('"') => list(&format!("[{values}]")).unwrap_or_else(plain),
+        false => plain(),
     };
     if values.is_empty() || values.iter().chain(&keys).any(String::is_empty) {
         return Err(wrong("has an empty key or value"));

@@ -2,7 +2,7 @@
 
 use super::inclined::{self, Inclined};
 use super::{AxisOfSet, Conditions, ToolMotion};
-use crate::contact::moves::{RIGHT, alike};
+use crate::contact::moves::alike;
 use crate::error::{Error, Result};
 use crate::model::Model;
 use crate::scene::{Around, Located, Reduction, Rotation, Step};
@@ -11,6 +11,7 @@ use crate::{AXIS_NAMES, Vec3};
 
 /// Over the size of the model, what is no distance from an axis.
 const ON_AXIS: f64 = 1e-12;
+
 /// How a set moves: where from, how far, on which course.
 #[derive(Clone, Copy)]
 struct Way<'a> {
@@ -52,9 +53,6 @@ impl Conditions {
                 (None, None) => self.prescribe_set(model, &fix.directions, &way)?,
             }
         }
-        for plane in &model.symmetry {
-            self.prescribe_along(model, &plane.normal, &Way::still(&plane.set, u), &mut inclined)?;
-        }
         for motion in &step.moves {
             let course = self.number(&motion.table);
             let rotation = motion.rotate.as_ref();
@@ -73,6 +71,9 @@ impl Conditions {
                     self.axes_of_sets.insert(motion.target.value.clone(), axis);
                 }
             }
+        }
+        for plane in &model.symmetry {
+            self.prescribe_along(model, &plane.normal, &Way::still(&plane.set, u), &mut inclined)?;
         }
         for n in 0..model.part.owned {
             if model.bodies[model.part.body[n] as usize].is_layer() {
@@ -154,7 +155,7 @@ impl Conditions {
                 Err(Error::input(at, format!("body `{}` is {}, {what}", body.name, reduction.words()), help))
             };
             let key = reduction.key();
-            if directions[2] && by.z.abs() > RIGHT * by.norm() {
+            if directions[2] && by.z != 0.0 {
                 return refuse(
                     "where nothing moves along z",
                     format!("take `{key}` out, or make the motion along z 0"),
@@ -166,7 +167,7 @@ impl Conditions {
                 return refuse("where nothing turns so", format!("take `{key}` out{help}"));
             }
         }
-        if model.is_on_axis(n) && directions[0] && by.x.abs() > RIGHT * by.norm() {
+        if model.is_on_axis(n) && directions[0] && by.x != 0.0 {
             let what = format!("node {} of `{set}` is on the axis, and cannot move along x", model.part.id[n]);
             let help = "leave x out of `directions`, or name a group that ends before the axis";
             return Err(Error::input(at, what, help));
@@ -176,11 +177,6 @@ impl Conditions {
         for d in (0..3).filter(|&d| directions[d]) {
             let motion = way.motion(model, one, d);
             let slot = &mut self.prescribed[3 * one + d];
-            // Vectors are computed, and typed, with some digits.
-            let is_held = slot.is_some_and(|other| other.turn.is_none() && other.by == 0.0);
-            if is_held && motion.turn.is_none() && by[d].abs() <= RIGHT * by.norm() {
-                continue;
-            }
             if slot.is_some_and(|other| !is_same(&other, &motion)) {
                 let (node, axis) = (model.part.id[n], AXIS_NAMES[d]);
                 let what = format!(

@@ -34,7 +34,8 @@ pub fn check(
                 found.push("gravity has another mirror image".to_string());
             }
             let leans = |spin: &&Spin| {
-                let is_in = (plane.normal.dot(&spin.point) - plane.at).abs() <= RIGHT * model.size;
+                let off = (plane.normal.dot(&spin.point) - plane.at).abs();
+                let is_in = off <= RIGHT * plane.extent.abs();
                 let is_normal = spin.axis.cross(&plane.normal).norm() <= RIGHT;
                 !is_normal && (!is_in || is_across(&spin.axis, &plane.normal))
             };

@@ -252,7 +252,8 @@ impl<'a> Placed<'a> {
     fn corners(&self, element: u32) -> impl Iterator<Item = u32> {
         let scope = self.starts.partition_point(|&start| start <= element as usize) - 1;
         let cell = &self.deck.scopes[scope].cells[element as usize - self.starts[scope]];
-        cell.nodes.iter().filter_map(move |id| self.nodes[scope].get(*id))
+        let named = cell.nodes.iter().filter(|id| self.deck.drawn_from.is_none_or(|first| **id < first));
+        named.filter_map(move |id| self.nodes[scope].get(*id))
     }
 
     /// Adds the nodes that are made in the middle of what the others are all around.

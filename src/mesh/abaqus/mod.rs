@@ -99,6 +99,8 @@ struct Deck {
     scopes: Vec<Scope>,
     parts: Vec<Scope>,
     level: Level,
+    /// Nodes from this number on are those that axisymmetric elements have in the second plane.
+    drawn_from: Option<u64>,
     /// Where they are asked for.
     cards: Option<Vec<Card>>,
 }

@@ -47,6 +47,7 @@ impl Deck {
         let Some(above) = above(most) else {
             return Err(refuse(format!("node number {most} leaves no room for the nodes of the second plane"), ""));
         };
+        self.drawn_from = Some(above);
         for scope in self.scopes.iter_mut().chain(&mut self.parts) {
             if let Some(id) = scope.draw_out(above, width) {
                 return Err(refuse(format!("node {id} of an axisymmetric element is off the plane z = 0"), ""));

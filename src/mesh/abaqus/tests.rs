@@ -280,6 +280,9 @@ fn sets_of_the_nodes_of_elements() {
     let file = parse(&PARTS.replacen("*END ASSEMBLY", of_instances, 1)).unwrap();
     assert_eq!(file.groups["n"].group.nodes, (1..=8).collect::<Vec<u32>>());
     assert_eq!(file.groups["m"].group.nodes, (9..=16).collect::<Vec<u32>>());
+    // Of what is drawn out, those of the deck.
+    let ring = "*NODE\n1,1\n2,2\n3,2,1\n4,1,1\n*ELEMENT, TYPE=CAX4, ELSET=ring\n9,1,2,3,4\n*NSET, NSET=n, ELSET=ring\n";
+    assert_eq!(ids(&parse(ring).unwrap(), "n"), [1, 2, 3, 4]);
     // An element of a type that is not read has nodes that are not known.
     let text = message_of(&DECK.replacen("type=C3D8R", "type=C3D13", 1).replacen("*NODE OUTPUT", sets, 1));
     assert!(text.contains("element 101 has type C3D13, which is not read"), "{text}");

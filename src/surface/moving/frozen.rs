@@ -72,7 +72,11 @@ impl<'a> Fans<'a> {
             let (_, linear) = whole.images[f - facets.nodes.len()];
             let across = whole.across.get(whole.facets.node(f, k)).into_iter().flatten();
             let planes = &mut mirrored[means.fans.of(f, k)];
-            planes.extend(across.filter(|normal| is_reflection(&linear, normal)));
+            for normal in across.filter(|normal| is_reflection(&linear, normal)) {
+                if !planes.contains(normal) {
+                    planes.push(*normal);
+                }
+            }
         }
         for (f, k) in facets.corners().filter(|(f, k)| means.counts[*f][*k]) {
             let [next, last] = facets.beside(f, k);
