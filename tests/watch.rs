@@ -2,7 +2,9 @@
 
 mod common;
 
+use common::stl::text;
 use common::{Bench, assert_close, assert_small, msh};
+use nagata::Vec3;
 
 /// A block of 4 x 4 x 2 under something that comes from above, of which `master` says what it is and `how` what moves.
 fn block(master: &str, how: &str) -> Bench {
@@ -264,6 +266,141 @@ move = [{ target = "t", by = [0.0, 0.0, -0.6] }]"#;
     assert_small("penetration", pressed.history().last("c.max_penetration"), 1e-9);
     assert!(!pressed.log().contains("tool `t` (contact"), "{}", pressed.log());
     assert_eq!(pressed.summary()["cutbacks"], 0);
+}
+
+/// A sheet is drawn over a plate with a square hole: its middle hangs in the hole, and would go on under the plate, its sides
+/// on top.
+#[test]
+fn a_sheet_is_not_cut_by_a_plate_with_a_hole() {
+    let bench = Bench::new(
+        r#"
+[body.b]
+material = "m"
+block = { box = { origin = [-14.0, -6.0, 0.0], size = [8.0, 12.0, 1.0] }, elements = [8, 12, 1] }
+[material.m]
+model = "hooke"
+young = 15.0
+poisson = 0.3
+[tool.t]
+mesh = "plate.stl"
+[contact.c]
+slave = "b.zmin"
+master = "t"
+[[step]]
+name = "press"
+increments = 4
+fix = [{ set = "b.xmax", directions = "xy" }]
+pressure = [{ set = "b.zmax", value = 0.3 }]
+[[step]]
+name = "draw"
+increment = { initial = 0.025, max = 0.025, min = 0.0125 }
+keep = true
+move = [{ target = "b.xmax", by = [18.0, 0.0, 0.0], directions = "xy" }]
+"#,
+    );
+    let lines = [-20.0, -3.0, 3.0, 20.0];
+    bench.write("plate.stl", &plate_in_plane(&lines, &lines));
+    for ranks in [1, 2] {
+        let run = bench.run(ranks, &[]);
+        assert_eq!(run.code, 1, "{}", run.log());
+        let said = &run.stderr;
+        assert!(
+            said.contains(" behind the tool `t`, which it came round an end of, and the node next to it"),
+            "{said}"
+        );
+        assert!(said.contains("the tool `t` cuts the body between them") && said.contains("(contact `c`)"), "{said}");
+        // A facet beyond the hole, at the latest two.
+        let at = said.split("is in front: at (").nth(1).unwrap().split(',').next().unwrap();
+        assert!((4.0..5.0).contains(&at.parse::<f64>().unwrap()), "{said}");
+    }
+}
+
+/// Rectangles between lines along x and y in the plane z = 0 without that in the middle, looking up.
+fn plate_in_plane(x: &[f64], y: &[f64]) -> String {
+    let at = |i: usize, j: usize| Vec3::new(x[i], y[j], 0.0);
+    let cells = (0..x.len() - 1).flat_map(|i| (0..y.len() - 1).map(move |j| (i, j)));
+    let middle = [x, y].map(|lines| (lines.len() - 2) / 2);
+    let solid = cells.filter(|(i, j)| [*i, *j] != middle);
+    let halves = |(i, j)| {
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        [[a, b, c], [a, c, d]]
+    };
+    text("plate", &solid.flat_map(halves).collect::<Vec<_>>())
+}
+
+/// A tyre in plane strain rolls over a gap in an open road: part of it falls through, and would be drawn on under the road.
+#[test]
+fn a_tyre_is_not_cut_by_a_road_with_a_gap() {
+    let bench = Bench::new(
+        r#"
+[body.w]
+material = "m"
+element = "hex8-fbar"
+plane_strain = true
+block = { sector = { center = [0.0, 10.0, 0.0], radii = [5.0, 10.0], angles = [0.0, 360.0], length = 1.0 }, elements = [3, 40, 1] }
+[material.m]
+model = "neo-hookean"
+young = 1.0
+poisson = 0.45
+[tool.road]
+mesh = "road.stl"
+[contact.c]
+slave = "w.rmax"
+master = "road"
+friction = 0.2
+[[step]]
+name = "press"
+increments = 4
+move = [{ target = "w.rmin", by = [0.0, -1.5, 0.0] }]
+[[step]]
+name = "roll"
+increment = { initial = 0.00625, max = 0.00625, min = 0.003125 }
+move = [{ target = "w.rmin", by = [30.0, 0.0, 0.0] }]
+"#,
+    );
+    let at = |x: f64, z: f64| Vec3::new(x, 0.0, z);
+    let part = |from: f64, to: f64| {
+        let [a, b, c, d] = [at(from, -1.0), at(from, 3.0), at(to, 3.0), at(to, -1.0)];
+        [[a, b, c], [a, c, d]]
+    };
+    let parts = [[-30.0, -10.0], [-10.0, 6.0], [8.0, 25.0], [25.0, 60.0]];
+    bench.write("road.stl", &text("road", &parts.map(|[from, to]| part(from, to)).concat()));
+    let run = bench.run(1, &[]);
+    assert_eq!(run.code, 1, "{}", run.log());
+    assert!(run.stderr.contains("the tool `road` cuts the body between them"), "{}", run.stderr);
+}
+
+/// A strip hangs over the end of a plate and is pulled round it: the facet there spans the end, with a node on top and the next
+/// one below.
+#[test]
+fn a_facet_may_span_the_end_of_a_plate() {
+    let bench = Bench::new(
+        r#"
+[body.b]
+material = "m"
+element = "hex8-eas"
+plane_strain = true
+block = { box = { origin = [-6.0, 0.0, 0.0], size = [9.0, 0.4, 1.0] }, elements = [12, 1, 1] }
+[material.m]
+model = "neo-hookean"
+young = 10.0
+poisson = 0.3
+[tool.t.profile]
+points = [[0.0, 0.0], [-10.0, 0.0]]
+extrude = { origin = [0.0, 0.0, 0.0], x = [1.0, 0.0, 0.0], y = [0.0, 1.0, 0.0] }
+[contact.c]
+slave = "b.ymin"
+master = "t"
+[[step]]
+name = "hang"
+increments = 10
+fix = [{ set = "b.xmin" }]
+force = [{ target = "b.xmax", total = [0.0, -0.05, 0.0] }]
+"#,
+    );
+    let run = bench.solve(1, &[]);
+    assert_eq!(run.summary()["cutbacks"], 0);
+    assert!(run.log().contains("2 nodes were behind the tool `t`, past an end of its surface"), "{}", run.log());
 }
 
 /// A blade and a small ball go into facets of the block between its nodes, which feel nothing: refused, also where the ball is

@@ -30,6 +30,7 @@
 //! The state of the last converged increment is replaced only when the next has converged. A failed increment is tried
 //! again from it, shorter, until it would be shorter than the scene's minimum.
 
+mod astride;
 mod between;
 mod body_fields;
 mod check;

@@ -4,6 +4,7 @@
 //! from how far they and the masters have moved.
 
 use super::Simulation;
+use super::astride::astride;
 use super::between::{Between, between, too_deep};
 use super::conditions::Conditions;
 use super::intruders::{Suspect, intruders};
@@ -52,6 +53,8 @@ pub struct Touch {
     depth: f64,
     /// The same of nodes that leave the contact to one of the other side.
     yielded: Most,
+    /// How many of its nodes ever were behind the master, past an end of it.
+    past_end: Most,
     /// Sum of what its nodes bear now, N: around a shaft their forces cancel, and lose all the same.
     borne: f64,
     /// The largest share of that with which nodes slid off the master in an increment, and the largest change of it by a jump.
@@ -75,6 +78,7 @@ crate::words!(Touch {
     deepest_at,
     depth,
     yielded,
+    past_end,
     borne,
     slid,
     jumped,
@@ -198,7 +202,8 @@ impl Simulation<'_> {
         if ends_step {
             self.recall_unfelt(idle, &mut converged.between);
         }
-        told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)));
+        let cut = astride(self.comm, &self.model, &travels, &converged.u);
+        told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding))).or(cut);
         told = told.or_else(|| self.undetermined(conditions)).or_else(|| in_seam(&self.model, &converged.u));
         let told = told.map(|told| (told, told.2.size()));
         let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
@@ -277,6 +282,12 @@ impl Simulation<'_> {
                  where no surface can be; smaller increments may lead it over, and so do one tool of both, or masters without \
                  the sides that lie on each other"
             ),
+            Finding::Astride(depth, at) => format!(
+                "is {depth:.3e} behind {master}, which it came round an end of, and the node next to it is in front: at \
+                 ({:.6}, {:.6}, {:.6}) {master} cuts the body between them, farther from all its ends than the facet there is \
+                 long; extend its surface or close its holes, refine the slave there, or take `discretization = \"segment\"`",
+                at.x, at.y, at.z
+            ),
             Finding::Between(_) => return self.word_between(p, between),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
@@ -312,7 +323,7 @@ impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
     pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
-        const EACH: usize = 11;
+        const EACH: usize = 12;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
         let shared = shared(&self.model.pairs);
@@ -326,7 +337,10 @@ impl Simulation<'_> {
                 force -= slave.accepted.force - slave.accepted.traction();
                 middle += self.model.part.points[node] + self.state.u[node];
             }
-            sums.extend([count, force.x, force.y, force.z, middle.x, middle.y, middle.z, borne, slid, shared, let_go]);
+            let is_past_end = |s: &&Slave| s.sights.accepted.side == watch::Side::Beside && !s.committed.aside;
+            let past_end = pair.slaves.iter().filter(is_past_end).count() as f64;
+            let [f, m] = [force, middle];
+            sums.extend([count, f.x, f.y, f.z, m.x, m.y, m.z, borne, slid, shared, let_go, past_end]);
         }
         sum(self.comm, &mut sums);
         let depth = |slave: &Slave| slave.sights.accepted.depth - slave.law.allowed;
@@ -365,6 +379,7 @@ impl Simulation<'_> {
                 let change = (borne[1] - borne[0]).abs();
                 touch.jumped = touch.jumped.or_larger(Loss::new(change, borne, self.state.time));
             }
+            touch.past_end = touch.past_end.or_larger(sums[11], self.state.time);
             let shared = if sums[9] > 0.0 { sums[9] / sums[7] } else { 0.0 };
             touch.shared = touch.shared.or_larger(shared, self.state.time);
             touch.now = sums[0] > 0.0;
@@ -409,14 +424,15 @@ impl Simulation<'_> {
                 warnings
                     .push(format!("contact `{name}`: {} nodes that began inside {master} are still there", inside[p]));
             }
+            let touch = &self.state.touches[p];
             // Those in a body end the increment.
-            if beside[p] > 0.0 && pair.master.tool().is_some() {
+            let past_end = touch.past_end.or_larger(beside[p], self.state.time);
+            if past_end.size > 0.0 && pair.master.tool().is_some() {
                 warnings.push(format!(
-                    "contact `{name}`: {} nodes are behind {master}, past an end of its surface",
-                    beside[p]
+                    "contact `{name}`: {} nodes were behind {master}, past an end of its surface (time {:.6}, the most)",
+                    past_end.size, past_end.at
                 ));
             }
-            let touch = &self.state.touches[p];
             if touch.between.share > pair.controls.watch_between {
                 let word = self.word_between(p, &touch.between);
                 warnings.push(format!("{word}; refine the slave there (time {:.6})", touch.deepest_at));

@@ -28,6 +28,7 @@ use super::{Ground, Meets, Pair};
 use crate::Vec3;
 use crate::controls::Controls;
 use crate::surface::Projection;
+use std::f64::consts::TAU;
 
 /// A step along a way over the distance to the surface, within which nothing is.
 const SHARE: f64 = 0.9;
@@ -86,6 +87,8 @@ pub enum Finding {
     Pushed(f64),
     /// A side of the master that another master covers holds it, with so much force.
     InSeam(f64),
+    /// It is so deep behind the master, past whose end it came, and the node next to it is in front: the body is cut at a place.
+    Astride(f64, Vec3),
 }
 
 impl Finding {
@@ -100,7 +103,8 @@ impl Finding {
             | Self::Unfelt(size)
             | Self::Undetermined(size)
             | Self::Pushed(size)
-            | Self::InSeam(size) => *size,
+            | Self::InSeam(size)
+            | Self::Astride(size, _) => *size,
         }
     }
 }
@@ -406,16 +410,80 @@ impl Point {
     }
 }
 
-/// Whether the way between two points near the surface goes through it, and not round an end. Halves it, until the surface
-/// is farther away than the points are from each other, or they are one.
+/// Whether the way between two points near the surface goes through it, and not round an end.
 fn is_between(from: &Point, to: &Point, look: &impl Fn(&Vec3) -> Point, point: f64) -> bool {
+    crossing(from, to, look, point).is_some()
+}
+
+/// Where the way between two points near the surface goes through it, and not round an end. Halves it, until the surface
+/// is farther away than the points are from each other, or they are one.
+fn crossing(from: &Point, to: &Point, look: &impl Fn(&Vec3) -> Point, point: f64) -> Option<Vec3> {
     let length = (to.x - from.x).norm();
     if !from.is_parted_from(to) || length * (1.0 + ROUNDED) <= from.gap.abs().max(to.gap.abs()) {
-        return false;
+        return None;
     }
     if length <= point {
-        return true;
+        return Some((from.x + to.x) / 2.0);
     }
     let middle = look(&((from.x + to.x) / 2.0));
-    is_between(from, &middle, look, point) || is_between(&middle, to, look, point)
+    crossing(from, &middle, look, point).or_else(|| crossing(&middle, to, look, point))
+}
+
+/// Where in space the straight line from a node in front of the surface to one behind it, both in the body, goes through it, if
+/// from there it goes on for more than `far` on all sides; in a layer on both sides in its plane.
+pub fn cut(view: &View, ends: &[Vec3; 2], far: f64, is_layer: bool, may: &Allowance) -> Option<Vec3> {
+    let [front, behind] = ends.map(|x| view.ground.seen_from(&x));
+    // Around nodes the ground is known.
+    let known = |x: &Vec3| may.reach - (x - front).norm().min((x - behind).norm());
+    let look = |x: &Vec3| Point::new(view, x, known(x).max(may.facet));
+    let at = crossing(&look(&lift(view, &front, may)), &look(&behind), &look, POINT * may.facet)?;
+    let (at, normal) = inside(view, &at, known(&at), may)?;
+    let goes_on = |way: Vec3| goes_on(view, (at, normal), way, far, known, may);
+    ways(&normal, is_layer).into_iter().all(goes_on).then(|| view.ground.in_space(&at))
+}
+
+/// Directions along a surface of this normal.
+fn ways(normal: &Vec3, is_layer: bool) -> Vec<Vec3> {
+    /// An end is found if it is no farther than 0.98 of the way.
+    const WAYS: usize = 16;
+    if is_layer {
+        let way = normal.cross(&Vec3::z());
+        return vec![way, -way];
+    }
+    let first = normal.cross(&Vec3::ith(normal.iamin(), 1.0)).normalize();
+    let second = normal.cross(&first);
+    let angle = |k: usize| TAU * k as f64 / WAYS as f64;
+    (0..WAYS).map(|k| first * angle(k).cos() + second * angle(k).sin()).collect()
+}
+
+/// Whether the surface goes on from a point with its normal for so `far` along a way, without an end. Where it is not `known`,
+/// that is not said.
+fn goes_on(
+    view: &View,
+    (mut at, mut normal): (Vec3, Vec3),
+    mut way: Vec3,
+    far: f64,
+    known: impl Fn(&Vec3) -> f64,
+    may: &Allowance,
+) -> bool {
+    /// No slot that is wider than such a part of the way is missed.
+    const STEPS: usize = 4;
+    (0..STEPS).all(|_| {
+        let Some(along) = (way - normal * normal.dot(&way)).try_normalize(f64::MIN_POSITIVE) else { return false };
+        let next = at + along * (far / STEPS as f64);
+        let found = inside(view, &next, known(&next), may);
+        (at, normal) = found.unwrap_or((at, normal));
+        way = along;
+        found.is_some()
+    })
+}
+
+/// The point of the surface that is nearest to a place, with its normal, where that is no end of it: past an end the closest
+/// point, on the extension of a piece, is another one.
+fn inside(view: &View, x: &Vec3, reach: f64, may: &Allowance) -> Option<(Vec3, Vec3)> {
+    let nearest = view.nearest(x, reach)?;
+    let closest = view.ground.closest(view.pair, view.slave, x, reach)?;
+    let is_same = (closest.point - nearest.point).norm() <= may.controls.watch_step * may.facet;
+    // On an end the way to it is the normal of the nearest.
+    is_same.then_some((closest.point, closest.normal))
 }
