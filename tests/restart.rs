@@ -161,7 +161,9 @@ fn a_fit_that_is_ramped_goes_on() {
         let whole = bench.solve(2, &[]).history();
         let run = stopped(&bench, [2, 1], 20);
         assert_eq!(run.code, 0, "{}\n{}", run.stdout, run.stderr);
-        assert_small(how, run.history().difference(&whole), 1e-10);
+        // On which side of Uzawa's tolerance a round ends may be up to rounding, which other ranks, and processors, have of their own.
+        let [run, whole] = [run.history(), whole].map(|history| history.without("iterations"));
+        assert_small(how, run.difference(&whole), 1e-10);
     }
 }
 

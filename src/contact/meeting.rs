@@ -2,7 +2,7 @@
 
 use super::element::{Contact, Element, Method, Opposite, Origin, Portion, Site, Spread};
 use super::master::{Ground, SlipOrigin};
-use super::moves::{Movement, alike};
+use super::moves::{Movement, still};
 use super::segment::points::mean_of;
 use super::segment::{Moved, Point, Segments, Share, Spot};
 use super::slave::number_of;
@@ -346,12 +346,21 @@ fn guide(ground: &Ground, at: &Projection, moves: &Moves) -> Guide {
     let Movement { axes, ways } = moves.slave;
     let mut guide = Guide { axes, ..Guide::default() };
     let bearing = ground.bearing(at).filter(|(_, weight)| weight.abs() > BEARS);
-    for (d, &by) in ways.iter().enumerate().filter(|(_, by)| !by.is_nan()) {
-        let direction = axes.column(d).into_owned();
-        let mut moves = bearing.clone().map(|(n, _)| moves.master[n as usize].along(&direction));
-        guide.held[d] = moves.clone().all(|m| alike(m, by));
-        guide.drawn[d] = !guide.held[d] && moves.all(|m| !m.is_nan());
+    let known = [0, 1, 2].map(|d| !ways[d].is_nan());
+    if known == [false; 3] {
+        return guide;
     }
+    let directions = [0, 1, 2].map(|d| axes.column(d).into_owned());
+    (guide.held, guide.drawn) = (known, known);
+    for (n, _) in bearing {
+        let of_master = directions.map(|direction| moves.master[n as usize].along(&direction));
+        let still = still(ways, of_master);
+        for d in 0..3 {
+            guide.held[d] &= still[d];
+            guide.drawn[d] &= !of_master[d].is_nan();
+        }
+    }
+    (0..3).for_each(|d| guide.drawn[d] &= !guide.held[d]);
     guide
 }
 

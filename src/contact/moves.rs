@@ -4,10 +4,11 @@ use crate::{Mat3, Vec3};
 
 /// The bits of a way that tell courses from each other.
 const COURSES: u64 = 0xffff;
-/// Differences of ways over these below which they are the same; well above what a course changes a way by.
-const ROUNDING: f64 = 1e-9;
-/// Cosine below which directions are at right angles: vectors are typed with some six digits. What stands still across a plane
-/// but for these would slip there as far as it can, and friction have to be found from 1e-8 of a way.
+/// Differences of ways over these below which they are the same: vectors are typed with some digits. Well above what a course
+/// changes a way by.
+const ROUNDING: f64 = 1e-6;
+/// Share of a relative motion, and cosine, below which there is none along a direction. What stands still across a plane but for the
+/// digits of meshes and vectors would slip there as far as it can, and friction have to be found from 1e-8 of a way.
 pub const RIGHT: f64 = 1e-5;
 
 /// How a step moves a point, along three directions at right angles to each other.
@@ -37,10 +38,9 @@ impl Movement {
         if parts().any(|(_, way)| way.is_infinite()) || courses.any(|other| other != course) {
             return f64::INFINITY;
         }
-        let length = |way: f64| f64::from_bits(way.to_bits() & !COURSES);
-        let sum: f64 = parts().map(|(part, way)| part * length(way)).sum();
-        let most = self.ways.iter().filter(|way| way.is_finite()).map(|way| length(*way).abs()).fold(0.0, f64::max);
-        if sum.abs() <= RIGHT * most { 0.0 } else { way(sum, course as u32) }
+        let by = |(part, way): (f64, f64)| part * length(way);
+        let (sum, most) = (parts().map(by).sum::<f64>(), parts().map(|at| by(at).abs()).sum::<f64>());
+        if sum.abs() <= ROUNDING * most { 0.0 } else { way(sum, course as u32) }
     }
 }
 
@@ -49,10 +49,32 @@ pub fn way(by: f64, course: u32) -> f64 {
     if by == 0.0 { 0.0 } else { f64::from_bits(by.to_bits() & !COURSES | u64::from(course) & COURSES) }
 }
 
+/// How far a way leads.
+fn length(way: f64) -> f64 {
+    f64::from_bits(way.to_bits() & !COURSES)
+}
+
 /// Whether two ways are the same, but for rounding; of what does not move alike, nothing is known to be.
 pub fn alike(a: f64, b: f64) -> bool {
     let same_course = (a.to_bits() ^ b.to_bits()) & COURSES == 0;
     a == b && a.is_finite() || same_course && (a - b).is_finite() && (a - b).abs() <= ROUNDING * a.abs().max(b.abs())
+}
+
+/// Along which of three directions two points stand still relative to each other, by their ways along these: where they move alike,
+/// and where they move by next to nothing of what they go, or may go, along the others.
+pub fn still(own: [f64; 3], other: [f64; 3]) -> [bool; 3] {
+    let apart = |d: usize| match [own[d], other[d]] {
+        [a, b] if a.is_infinite() || b.is_infinite() => 0.0,
+        [a, b] if a.is_nan() || b.is_nan() => {
+            [a, b].into_iter().filter(|way| !way.is_nan()).map(length).sum::<f64>().abs()
+        }
+        [a, b] => (length(a) - length(b)).abs(),
+    };
+    let slight = RIGHT * (0..3).map(apart).fold(0.0, f64::max);
+    [0, 1, 2].map(|d| {
+        let moves_by_nothing = own[d].abs() <= slight && other[d].abs() <= slight;
+        alike(own[d], other[d]) || moves_by_nothing
+    })
 }
 
 #[cfg(test)]
@@ -70,10 +92,18 @@ mod tests {
         assert_eq!(turning.along(&Vec3::z()), f64::INFINITY);
         assert_eq!(turning.along(&n), f64::INFINITY, "of two courses");
         assert_eq!(turning.along(&-Vec3::x()), way(-3.0, 1));
-        // As far as it is typed.
-        let drawn = Movement::along_axes([way(2e-7, 1), way(0.1, 1), f64::NAN]);
-        assert_eq!(drawn.along(&Vec3::x()), 0.0);
-        assert!(alike(drawn.along(&Vec3::new(1.0, 1e-6, 0.0).normalize()), 0.0));
-        assert!(Movement::along_axes([way(2e-5, 1), way(0.1, 1), 0.0]).along(&Vec3::x()) > 1e-5);
+    }
+
+    #[test]
+    fn next_to_nothing_of_a_relative_motion_is_none() {
+        const FREE: f64 = f64::NAN;
+        let held = [0.0, FREE, FREE];
+        assert_eq!(still(held, [2e-7, way(0.1, 1), 0.0]), [true, false, false]);
+        assert_eq!(still(held, [way(2e-5, 1), way(0.1, 1), 0.0]), [false; 3]);
+        // What both are carried by says nothing.
+        let carried = |across: f64| [way(100.0, 1), across, 0.0];
+        assert_eq!(still(carried(0.0), carried(way(5e-4, 1))), [true, false, true]);
+        assert_eq!(still(carried(0.0), [way(100.0, 2), 0.0, 0.0]), [false, true, true]);
+        assert_eq!(still([0.0, FREE, FREE], [1e-9, f64::INFINITY, 0.0]), [false; 3]);
     }
 }

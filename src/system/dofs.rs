@@ -8,7 +8,7 @@
 use super::axes::Axes;
 use super::near::Near;
 use crate::contact::Movement;
-use crate::contact::moves::{alike, way};
+use crate::contact::moves::{still, way};
 use crate::failure::Place;
 use crate::model::Model;
 use crate::model::ties::Joint;
@@ -412,7 +412,8 @@ pub fn node_name(model: &Model, node: u32) -> String {
 fn carried((prescribed, axes, node): (&[Prescribed; 3], &Axes, usize), tool: &Movement, frictional: bool) -> [bool; 3] {
     let of_tool = [0, 1, 2].map(|d| tool.along(&axes.direction(node, d)));
     let locked = [0, 1, 2].map(|d| prescribed[d].is_some() && !of_tool[d].is_nan());
-    let held = |d: usize| locked[d] && prescribed[d].is_some_and(|motion| alike(motion.way(), of_tool[d]));
+    let still = still([0, 1, 2].map(|d| prescribed[d].map_or(f64::NAN, |motion| motion.way())), of_tool);
+    let held = |d: usize| locked[d] && still[d];
     match (locked, frictional) {
         ([true, true, true], _) => [false; 3],
         (_, false) => [true; 3],

@@ -44,6 +44,7 @@ pub fn patches(
             count: facets.counts[f],
             nodes: stencil.nodes.iter().map(|n| numbers[*n]).collect(),
             edges: std::array::from_fn(|k| facets.across[f][k].map_or(Edge::Boundary, |_| edges[f][k])),
+            straight: edges[f].map(|edge| edge == Edge::Sharp),
             on_boundary: std::array::from_fn(|k| on_boundary[facets.node(f, k)]),
             component: 0,
             normals: stencil.rules,

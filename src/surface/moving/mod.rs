@@ -43,6 +43,8 @@ pub struct MovingPatch {
     /// depend on. Positions are given in this order.
     pub nodes: Vec<u64>,
     pub edges: [Edge; 4],
+    /// Sharp edges, which are straight, and those in a plane of symmetry in which there is a crease: the surface ends there.
+    pub straight: [bool; 4],
     /// Own nodes where the surface ends, though perhaps in an edge of another patch.
     pub on_boundary: [bool; 4],
     /// Index of the component of the mesh that it is on.
@@ -117,6 +119,7 @@ impl MovingPatch {
         let count = self.count as usize;
         self.nodes.rotate_left(first);
         self.edges[..count].rotate_left(first);
+        self.straight[..count].rotate_left(first);
         self.on_boundary[..count].rotate_left(first);
         self.nodes.extend(others);
         self.quadratic = Some(face);

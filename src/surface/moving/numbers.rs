@@ -14,6 +14,7 @@ impl MovingPatch {
             flags(&self.edges, &self.on_boundary),
             self.bulge,
         ];
+        to.extend(self.straight.map(f64::from));
         to.push(self.quadratic.map_or(0.0, QuadraticFace::number));
         to.extend(self.corners.map(f64::from));
         to.push(self.nodes.len() as f64);
@@ -63,13 +64,27 @@ impl Numbers<'_> {
         let (id, count) = (self.number()? as u32, self.number()? as u8);
         let component = self.number()? as u32;
         let (edges, on_boundary) = from_flags(self.number()?);
-        let (bulge, quadratic) = (self.number()?, QuadraticFace::of_number(self.number()?));
+        let bulge = self.number()?;
+        let straight = [self.number()?, self.number()?, self.number()?, self.number()?].map(|x| x != 0.0);
+        let quadratic = QuadraticFace::of_number(self.number()?);
         let corners = [self.number()?, self.number()?, self.number()?, self.number()?].map(|x| x as u32);
         let nodes = self.count()?;
         let nodes = self.take(nodes)?.iter().map(|n| *n as u64).collect();
         let normals = self.count()?;
         let normals = (0..normals).map(|_| self.rule()).collect::<Option<_>>()?;
-        Some(MovingPatch { id, count, nodes, edges, on_boundary, component, normals, corners, bulge, quadratic })
+        Some(MovingPatch {
+            id,
+            count,
+            nodes,
+            edges,
+            straight,
+            on_boundary,
+            component,
+            normals,
+            corners,
+            bulge,
+            quadratic,
+        })
     }
 
     fn rule(&mut self) -> Option<NormalRule> {

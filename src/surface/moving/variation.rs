@@ -21,7 +21,7 @@ use super::super::smoothing::Transfer;
 use super::edge;
 use super::normal::State;
 use super::{MovingPatch, QuadraticFace};
-use crate::surface::{Edge, Local, Patch};
+use crate::surface::{Local, Patch};
 use crate::{Mat3, Vec3};
 
 /// Corners, coefficients of edges, and that of the inside; triangles leave the last of either out.
@@ -252,7 +252,7 @@ impl MovingPatch {
     }
 
     pub(super) fn is_curved(&self, k: usize) -> bool {
-        !self.normals.is_empty() && self.edges[k] != Edge::Sharp
+        !self.normals.is_empty() && !self.straight[k]
     }
 
     /// Nodes at the ends of edge k.
