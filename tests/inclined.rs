@@ -115,6 +115,10 @@ const ALL: i32 = 15;
 ///   |__________|    fixed below
 /// ```
 fn drawn(turn: &Rotation3<f64>, digits: i32, more: &[&str], ranks: usize) -> Run {
+    drawn_scene(turn, digits).solve(ranks, more)
+}
+
+fn drawn_scene(turn: &Rotation3<f64>, digits: i32) -> Bench {
     let rounded = |x: f64| (x * 10f64.powi(digits)).round() / 10f64.powi(digits);
     let vector = |v: [f64; 3]| format!("{:?}", (turn * Vector3::from(v)).map(rounded).data.0[0]);
     let scene = format!(
@@ -149,7 +153,7 @@ fn drawn(turn: &Rotation3<f64>, digits: i32, more: &[&str], ranks: usize) -> Run
     };
     bench.write("base.msh", &msh::block([3, 4, 1], false, place([0.0, -2.0, 0.0], [3.0, 4.0, 1.0])));
     bench.write("block.msh", &msh::block([2, 2, 2], false, place([0.0, -1.0, 1.0], [2.0, 2.0, 2.0])));
-    bench.solve(ranks, more)
+    bench
 }
 
 /// Largest difference between a turned run and an unturned one, of displacements, and of forces over the largest.
@@ -203,6 +207,9 @@ fn planes_and_directions_are_meant_as_far_as_they_are_typed() {
         assert_eq!(rounded.summary()["warnings"], serde_json::json!([]), "{digits} decimals");
         assert_small("forces", difference(&rounded, &Rotation3::identity(), &exact), 20.0 * 10f64.powi(-digits));
     }
+    let told = drawn_scene(&turn, 5).run(1, &[]);
+    let fewer = "`base.xmin` lies in no plane: its nodes are 1";
+    assert!(told.code == 2 && told.stderr.contains(fewer) && told.stderr.contains("more digits"), "{}", told.stderr);
 }
 
 /// What is computed is 0 to rounding where it is meant so, as by the sine of half a turn.

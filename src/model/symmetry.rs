@@ -38,6 +38,9 @@ const THIN: f64 = 1e-3;
 /// Sine of the angle between planes below which they are one.
 const ALIKE: f64 = 1e-6;
 const AXES: usize = 3;
+/// How far nodes are off a plane that is meant, over how far they may be: their coordinates lack a digit or two.
+const MANY: f64 = 100.0;
+const WHOLE: &str = "name a group with all the faces in a plane of symmetry";
 
 /// A group that is to lie in a plane of symmetry.
 struct Group<'a> {
@@ -48,7 +51,7 @@ struct Group<'a> {
     hull: (Vec3, Vec3),
 }
 
-/// How a group lies in a plane.
+/// How a group lies in a plane, or near it.
 #[derive(Clone, Copy)]
 struct Flat {
     normal: Vec3,
@@ -56,8 +59,15 @@ struct Flat {
     extent: f64,
     /// The body is on both sides.
     is_inside: bool,
-    /// How far its nodes are off the plane over how far they may be.
-    off: f64,
+    /// How far its nodes are from each other across the plane, and how far they may be.
+    width: f64,
+    slack: f64,
+}
+
+impl Flat {
+    fn is_flat(&self) -> bool {
+        self.width <= self.slack
+    }
 }
 
 /// The planes of symmetry of all bodies. Collective.
@@ -87,26 +97,33 @@ pub(super) fn planes(
         sum(comm, &mut moments.0);
         normals.extend(moments.normal());
     }
-    let flat: Vec<Vec<Option<Flat>>> = groups.iter().map(|group| flats(comm, part, group, &normals)).collect();
+    let flat: Vec<Vec<Flat>> = groups.iter().map(|group| flats(comm, part, group, &normals)).collect();
     // Bodies that end in one plane, each with coordinates that are rounded, have one normal: an axis, or that of most of them.
     let fit = |k: usize| {
-        let found = || flat.iter().filter_map(|of_group| of_group[k]);
-        (k >= AXES, Reverse(found().count()), found().map(|flat| flat.off).sum::<f64>())
+        let found = || flat.iter().map(|of_group| of_group[k]).filter(Flat::is_flat);
+        (k >= AXES, Reverse(found().count()), found().map(|flat| flat.width / flat.slack).sum::<f64>())
     };
     let mut order: Vec<usize> = (0..normals.len()).collect();
     order.sort_by(|&a, &b| fit(a).partial_cmp(&fit(b)).unwrap_or(Ordering::Equal));
     let mut planes = Vec::new();
     for (Group { body, set, .. }, of_group) in groups.iter().zip(&flat) {
         let mut own: Vec<Flat> = Vec::new();
-        for flat in order.iter().filter_map(|&k| of_group[k]) {
+        for flat in order.iter().map(|&k| of_group[k]).filter(Flat::is_flat) {
             if !own.iter().any(|other| other.normal.dot(&flat.normal).abs() > 0.5) {
                 own.push(flat);
             }
         }
         let &[Flat { normal, at, extent, is_inside, .. }] = own.as_slice() else {
-            let lies = if own.is_empty() { "lies in no plane" } else { "lies in more than one plane" };
-            let what = format!("`{}` {lies}", set.value);
-            return Err(Error::input(&set.at, what, "name a group with all the faces in a plane of symmetry"));
+            let (lies, help) = match of_group.iter().min_by(|a, b| a.width.total_cmp(&b.width)) {
+                _ if !own.is_empty() => ("lies in more than one plane".into(), WHOLE),
+                Some(Flat { width, slack, .. }) if *width < MANY * slack => {
+                    let lies =
+                        format!("lies in no plane: its nodes are {width:.1e} apart across one, and may be {slack:.1e}");
+                    (lies, "write the coordinates of the mesh with more digits")
+                }
+                _ => ("lies in no plane".into(), WHOLE),
+            };
+            return Err(Error::input(&set.at, format!("`{}` {lies}", set.value), help));
         };
         if is_inside {
             let what = format!("body `{}` lies on both sides of `{}`", scene.bodies[*body].name.value, set.value);
@@ -117,8 +134,8 @@ pub(super) fn planes(
     Ok(planes)
 }
 
-/// How a group lies in planes with these normals, if it does. Collective.
-fn flats(comm: &SimpleCommunicator, part: &Part, group: &Group, normals: &[Vec3]) -> Vec<Option<Flat>> {
+/// How a group lies in planes with these normals, or near them. Collective.
+fn flats(comm: &SimpleCommunicator, part: &Part, group: &Group, normals: &[Vec3]) -> Vec<Flat> {
     let (lowest, highest) = group.hull;
     // Coordinates are rounded.
     let rounding = 8.0 * f64::EPSILON * lowest.amax().max(highest.amax());
@@ -131,7 +148,7 @@ fn flats(comm: &SimpleCommunicator, part: &Part, group: &Group, normals: &[Vec3]
         let at = 0.5 * (low + high);
         let extent = if most - at > at - least { most - at } else { least - at };
         let is_inside = low > least + slack && high < most - slack;
-        (high - low <= slack).then_some(Flat { normal, at, extent, is_inside, off: (high - low) / slack })
+        Flat { normal, at, extent, is_inside, width: high - low, slack }
     };
     normals.iter().map(along).collect()
 }
