@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::stl::text;
+use common::stl::{rectangle, text};
 use common::{Bench, assert_close, assert_small, msh};
 use nagata::Vec3;
 
@@ -321,11 +321,8 @@ fn plate_in_plane(x: &[f64], y: &[f64]) -> String {
     let cells = (0..x.len() - 1).flat_map(|i| (0..y.len() - 1).map(move |j| (i, j)));
     let middle = [x, y].map(|lines| (lines.len() - 2) / 2);
     let solid = cells.filter(|(i, j)| [*i, *j] != middle);
-    let halves = |(i, j)| {
-        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        [[a, b, c], [a, c, d]]
-    };
-    text("plate", &solid.flat_map(halves).collect::<Vec<_>>())
+    let parts = solid.flat_map(|(i, j)| rectangle([at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+    text("plate", &parts.collect::<Vec<_>>())
 }
 
 /// A tyre in plane strain rolls over a gap in an open road: part of it falls through, and would be drawn on under the road.
@@ -359,10 +356,7 @@ move = [{ target = "w.rmin", by = [30.0, 0.0, 0.0] }]
 "#,
     );
     let at = |x: f64, z: f64| Vec3::new(x, 0.0, z);
-    let part = |from: f64, to: f64| {
-        let [a, b, c, d] = [at(from, -1.0), at(from, 3.0), at(to, 3.0), at(to, -1.0)];
-        [[a, b, c], [a, c, d]]
-    };
+    let part = |from: f64, to: f64| rectangle([at(from, -1.0), at(from, 3.0), at(to, 3.0), at(to, -1.0)]);
     let parts = [[-30.0, -10.0], [-10.0, 6.0], [8.0, 25.0], [25.0, 60.0]];
     bench.write("road.stl", &text("road", &parts.map(|[from, to]| part(from, to)).concat()));
     let run = bench.run(1, &[]);

@@ -4,10 +4,11 @@
 //!
 //! Left out are pairs as in [`super::between`], and nodes that began past an end of the master, or inside it.
 
+use super::between::is_unseen_between;
 use super::watch::allowance;
 use crate::Vec3;
 use crate::contact::watch::{self, Finding, Side, View};
-use crate::contact::{Master, Meets, Pair, Sight, Slave, Status};
+use crate::contact::{Pair, Sight, Slave, Status};
 use crate::model::Model;
 use crate::mortar::Corners;
 use crate::parallel::max;
@@ -22,13 +23,13 @@ pub(super) fn astride(
     travels: &[f64],
     u: &[Vec3],
 ) -> Option<(usize, usize, Finding)> {
-    let has_behind = |pair: &Pair| pair.slaves.iter().any(|slave| place_of(slave) == Place::Behind);
+    let has_behind = |pair: &Pair| pair.slaves.iter().any(|slave| place_of(slave) == BEHIND);
     let mut behind: Vec<f64> =
-        model.pairs.iter().map(|pair| f64::from(is_looked_at(pair) && has_behind(pair))).collect();
+        model.pairs.iter().map(|pair| f64::from(is_unseen_between(pair) && has_behind(pair))).collect();
     max(comm, &mut behind);
     let mut worst: Option<(usize, usize, Finding)> = None;
     for (p, pair) in model.pairs.iter().enumerate().filter(|(p, _)| behind[*p] > 0.0) {
-        let places = Places::new(comm, model, pair);
+        let places = places(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.side.set].facets);
         for facet in facets.iter() {
             let found = cut(model, (pair, travels[p]), &places, facet, u);
@@ -39,51 +40,27 @@ pub(super) fn astride(
     worst
 }
 
-/// In self-contact and in two passes the nodes of the other side see what happens, and from node to node nothing is between.
-fn is_looked_at(pair: &Pair) -> bool {
-    pair.pass.other().is_none() && !matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes))
-}
+/// On which side of the master a node is that counts.
+const FRONT: f64 = 1.0;
+/// Where it came round an end.
+const BEHIND: f64 = -1.0;
 
-/// On which side of the master a node is, where that counts.
-#[derive(Clone, Copy, PartialEq)]
-enum Place {
-    Front,
-    /// Behind it, where it came round an end.
-    Behind,
-    Neither,
-}
-
-/// Past an end, and below it, a node that hangs is on neither side.
-fn place_of(slave: &Slave) -> Place {
+/// FRONT, BEHIND or neither: past an end, and below it, a node that hangs is on no side.
+fn place_of(slave: &Slave) -> f64 {
     let Sight { gap, side, .. } = slave.sights.judged;
     match side {
-        Side::Front if gap >= 0.0 || slave.trial.status != Status::Gap => Place::Front,
-        Side::Beside if !slave.committed.aside => Place::Behind,
-        _ => Place::Neither,
+        Side::Front if gap >= 0.0 || slave.trial.status != Status::Gap => FRONT,
+        Side::Beside if !slave.committed.aside => BEHIND,
+        _ => 0.0,
     }
 }
 
-/// Places of the nodes of a slave, by local node whose displacements they have: 1 in front, -1 behind.
-struct Places(Vec<f64>);
-
-impl Places {
-    /// Collective.
-    fn new(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Self {
-        let mut places = vec![0.0; model.part.points.len()];
-        for slave in &pair.slaves {
-            places[slave.node as usize] = match place_of(slave) {
-                Place::Front => 1.0,
-                Place::Behind => -1.0,
-                Place::Neither => 0.0,
-            };
-        }
-        model.part.halo.update(comm, 1, &mut places);
-        Self(places)
-    }
-
-    fn of(&self, node: u32) -> f64 {
-        self.0[node as usize]
-    }
+/// Places of the nodes of a slave, by local node whose displacements they have. Collective.
+fn places(comm: &SimpleCommunicator, model: &Model, pair: &Pair) -> Vec<f64> {
+    let mut places = vec![0.0; model.part.points.len()];
+    pair.slaves.iter().for_each(|slave| places[slave.node as usize] = place_of(slave));
+    model.part.halo.update(comm, 1, &mut places);
+    places
 }
 
 /// A slave node of this rank that is behind the master, and next to one in front of it, where the edge of the facet between them
@@ -91,27 +68,26 @@ impl Places {
 fn cut(
     model: &Model,
     (pair, travel): (&Pair, f64),
-    places: &Places,
+    places: &[f64],
     facet: &PartFacet,
     u: &[Vec3],
 ) -> Option<(usize, Finding)> {
     let part = &model.part;
     let all = &facet.nodes[..facet.count as usize];
     let node = |k: usize| part.tie[all[k % all.len()] as usize];
-    let has = |place: f64| (0..all.len()).any(|k| places.of(node(k)) == place);
-    if !has(1.0) || !has(-1.0) {
+    let is = |k: usize, place: f64| places[node(k) as usize] == place;
+    let has = |place: f64| (0..all.len()).any(|k| is(k, place));
+    if !has(FRONT) || !has(BEHIND) {
         return None;
     }
     let is_layer = model.bodies[pair.side.body].is_layer();
-    let before = Corners::new(all).map(|n| part.points[n as usize]);
     let now = Corners::new(all).map(|n| part.points[n as usize] + u[part.tie[n as usize] as usize]);
     // How wide a layer is says nothing.
     let length = |line: Vec3| if is_layer { line.xy().norm() } else { line.norm() };
-    let longest = before.edges().chain(now.edges()).map(length).fold(0.0, f64::max);
+    let longest = now.edges().map(length).fold(part.longest_edge(facet, is_layer), f64::max);
     let may = allowance(pair, f64::INFINITY, travel);
     let of_edge = |(front, behind): (usize, usize)| {
-        let s =
-            pair.index_of(node(behind)).filter(|_| places.of(node(front)) > 0.0 && places.of(node(behind)) < 0.0)?;
+        let s = pair.index_of(node(behind)).filter(|_| is(front, FRONT) && is(behind, BEHIND))?;
         let view = View { ground: model.masters.of(pair.master), pair, slave: s };
         let ends = [front, behind].map(|k| now.x[k % all.len()]);
         let at = watch::cut(&view, &ends, longest, is_layer, &may)?;

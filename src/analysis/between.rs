@@ -51,7 +51,7 @@ pub(super) fn between(
     u: &[Vec3],
 ) -> Vec<Between> {
     let deepest = |((pair, travel), is_idle): ((&Pair, &f64), &bool)| {
-        if pair.pass.other().is_some() || matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes)) {
+        if !is_unseen_between(pair) {
             return Between::default();
         }
         let sights = Sights::new(comm, model, pair);
@@ -77,6 +77,12 @@ pub(super) fn between(
     let deepest =
         |(share, sums): (f64, &[f64])| Between { share, depth: sums[0], place: Vec3::from_column_slice(&sums[1..]) };
     shares.into_iter().zip(sums.chunks_exact(4)).map(deepest).collect()
+}
+
+/// Whether nobody else sees what happens between the nodes of a slave: in self-contact and in two passes the nodes of the other side
+/// do, and from node to node nothing is between.
+pub(super) fn is_unseen_between(pair: &Pair) -> bool {
+    pair.pass.other().is_none() && !matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes))
 }
 
 /// What the watch sighted of the nodes of a slave, by local node whose displacements they have.

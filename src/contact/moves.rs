@@ -63,12 +63,11 @@ pub fn alike(a: f64, b: f64) -> bool {
 /// Along which of three directions two points stand still relative to each other, by their ways along these: where they move alike,
 /// and where they move by next to nothing of what they go, or may go, along the others.
 pub fn still(own: [f64; 3], other: [f64; 3]) -> [bool; 3] {
-    let apart = |d: usize| match [own[d], other[d]] {
-        [a, b] if a.is_infinite() || b.is_infinite() => 0.0,
-        [a, b] if a.is_nan() || b.is_nan() => {
-            [a, b].into_iter().filter(|way| !way.is_nan()).map(length).sum::<f64>().abs()
-        }
-        [a, b] => (length(a) - length(b)).abs(),
+    // What is free may stand still.
+    let known = |way: f64| if way.is_nan() { 0.0 } else { length(way) };
+    let apart = |d: usize| match own[d].is_infinite() || other[d].is_infinite() {
+        true => 0.0,
+        false => (known(own[d]) - known(other[d])).abs(),
     };
     let slight = RIGHT * (0..3).map(apart).fold(0.0, f64::max);
     [0, 1, 2].map(|d| {

@@ -1,4 +1,4 @@
-//! STL files of spheres and cylinders.
+//! STL files of spheres, cylinders and rectangles.
 
 use nagata::Vec3;
 use std::f64::consts::{PI, TAU};
@@ -45,9 +45,15 @@ pub fn cylinder(n: usize, radius: f64) -> Vec<Triangle> {
     };
     let side = |k: usize| {
         let [a, b, c, d] = [at(k, -1.0), at(k + 1, -1.0), at(k + 1, 1.0), at(k, 1.0)];
-        [[a, b, c], [a, c, d], [Vec3::z(), d, c], [-Vec3::z(), b, a]]
+        let [below, above] = rectangle([a, b, c, d]);
+        [below, above, [Vec3::z(), d, c], [-Vec3::z(), b, a]]
     };
     (0..n).flat_map(side).collect()
+}
+
+/// By its corners, counter-clockwise.
+pub fn rectangle([a, b, c, d]: [Vec3; 4]) -> [Triangle; 2] {
+    [[a, b, c], [a, c, d]]
 }
 
 /// As text, a solid of this name.

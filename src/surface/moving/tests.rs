@@ -414,22 +414,33 @@ fn bent(mesh: &Mesh) -> Mesh {
     bent
 }
 
-/// A quarter with its planes is a quarter of the whole, wherever its nodes have gone.
-#[test]
-fn in_symmetry_planes_patches_are_those_of_the_whole() {
-    let part = grid(3, 3, false, dome);
-    let whole = grid(6, 6, false, |s, t| dome(2.0 * s - 1.0, 2.0 * t - 1.0));
+/// The meshes of a quarter with its planes and of its whole, and the patches of both at each place (i, j) of the quarter.
+type Quarter = ([Mesh; 2], Vec<([usize; 2], [MovingPatch; 2])>);
+
+/// Of a surface that is given from the middle, 0, to the ends, 1.
+fn quarter_and_whole(map: impl Fn(f64, f64) -> [f64; 3]) -> Quarter {
+    let part = grid(3, 3, false, &map);
+    let whole = grid(6, 6, false, |s, t| map(2.0 * s - 1.0, 2.0 * t - 1.0));
     let planar =
         MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES, &Controls::default()).unwrap();
     let of_whole = patches(&whole, Smoothing::Nagata);
-    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-        let (here, there) = (&planar[3 * j + i], &of_whole[6 * (j + 3) + i + 3]);
+    let places = (0..3).flat_map(|i| (0..3).map(move |j| [i, j]));
+    let of = |[i, j]: [usize; 2]| ([i, j], [planar[3 * j + i].clone(), of_whole[6 * (j + 3) + i + 3].clone()]);
+    let pairs = places.map(of).collect();
+    ([part, whole], pairs)
+}
+
+/// A quarter with its planes is a quarter of the whole, wherever its nodes have gone.
+#[test]
+fn in_symmetry_planes_patches_are_those_of_the_whole() {
+    let ([part, whole], pairs) = quarter_and_whole(dome);
+    for ([i, j], [here, there]) in &pairs {
         let shape = |patch: &MovingPatch, mesh: &Mesh| patch.shape(&positions(patch, &bent(mesh)));
         let [here, there] = [shape(here, &part), shape(there, &whole)];
         for k in 0..4 {
             // Further out the surface ends.
             let off = (here.coefficients[k] - there.coefficients[k]).norm();
-            assert!(off < 1e-14 || i.max(j) == 2, "{i} {j} {k}: {off}");
+            assert!(off < 1e-14 || *i.max(j) == 2, "{i} {j} {k}: {off}");
             let ends = [here.nodes[k], here.nodes[(k + 1) % 4]];
             for d in (0..2).filter(|d| ends.iter().all(|x| x[*d] == 0.0)) {
                 assert!(here.coefficients[k][d].abs() < 1e-15 && here.coefficients[k].norm() > 0.01);
@@ -442,19 +453,14 @@ fn in_symmetry_planes_patches_are_those_of_the_whole() {
 #[test]
 fn ridges_in_symmetry_planes_are_those_of_the_whole() {
     let roof = |s: f64, t: f64| [3.0 * s, 3.0 * t, -0.3 * s.abs()];
-    let part = grid(3, 3, false, roof);
-    let whole = grid(6, 6, false, |s, t| roof(2.0 * s - 1.0, 2.0 * t - 1.0));
-    let planar =
-        MovingPatch::all(&part, &numbers(&part), Smoothing::Nagata, 50.0, &PLANES, &Controls::default()).unwrap();
-    let of_whole = patches(&whole, Smoothing::Nagata);
-    for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-        let (here, there) = (&planar[3 * j + i], &of_whole[6 * (j + 3) + i + 3]);
+    let ([part, whole], pairs) = quarter_and_whole(roof);
+    for ([i, j], [here, there]) in &pairs {
         for k in 0..4 {
             let of = |patch: &MovingPatch, mesh: &Mesh| patch.shape(&positions(patch, mesh)).coefficients[k];
             assert!(of(here, &part).norm().max(of(there, &whole).norm()) < 1e-15, "{i} {j} {k}");
             // Sharp edges stay straight as the ridge bends.
             let off = (of(here, &bent(&part)) - of(there, &bent(&whole))).norm();
-            assert!(off < 1e-14 || i.max(j) == 2, "{i} {j} {k}: {off}");
+            assert!(off < 1e-14 || *i.max(j) == 2, "{i} {j} {k}: {off}");
         }
     }
 }
