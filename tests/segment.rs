@@ -569,14 +569,25 @@ fn a_quadratic_face_may_be_a_quarter_circle() {
     }
 }
 
-/// Where faces are off the arc by as much as a fit overlaps, that is told; not where they are finer.
+/// Where faces are off the arc by as much as a fit overlaps, that is told; not where they are finer. In one pass it is the master's
+/// that are, between their nodes.
 #[test]
 fn fits_of_coarse_faces_are_warned_of() {
-    for (counts, warns) in [([2, 3], true), ([8, 12], false)] {
-        let bench = quadratic_rings([[1.0, 2.001], [2.0, 3.0]], counts, ["i.rmax", "o.rmin"], "");
+    let bodies = ["i.rmax", "o.rmin"];
+    let swapped = ["o.rmin", "i.rmax"];
+    for (counts, sides, discretization, warns) in [
+        ([2, 3], bodies, "segment", true),
+        ([8, 12], bodies, "segment", false),
+        ([2, 3], bodies, "one-pass", false),
+        ([2, 3], swapped, "one-pass", true),
+        ([3, 2], bodies, "one-pass", true),
+        ([8, 12], swapped, "one-pass", false),
+    ] {
+        let bench = quadratic_rings([[1.0, 2.001], [2.0, 3.0]], counts, sides, "");
         for ranks in [1, 2] {
-            let run = bench.solve(ranks, &[]);
-            assert_eq!(run.log().contains("too coarse for so small an overlap"), warns, "{counts:?}");
+            let run = bench.solve(ranks, &["--set", &format!("contact.c.discretization={discretization:?}")]);
+            let told = run.log().contains("too coarse for so small an overlap");
+            assert_eq!(told, warns, "{counts:?} {sides:?} {discretization}");
         }
     }
 }

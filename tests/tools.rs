@@ -621,10 +621,11 @@ fn what_stands_under_an_edge_is_on_both_sides() {
     let wedge = |rise: f64| drawn(&format!("[-6.0, {0:?}], [0.0, 6.0], [6.0, {0:?}]", 6.0 + rise));
     let told = "exactly under a sharp edge or a tip of the tool `t`";
     for friction in ["", "friction = 0.3"] {
-        for rise in [2.0, 12.0] {
-            let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", -0.8, friction);
+        // In the last case iterates are so deep that their feet on the sides are far from the edge.
+        for (rise, by) in [(2.0, -0.8), (12.0, -0.8), (12.0, -2.4)] {
+            let facets = under("mesh = \"w.msh\"\nsmoothing = \"facet\"", by, friction);
             facets.write("w.msh", &wedge_mesh(rise));
-            let (facets, profile) = (facets.solve(1, &[]).history(), under(&wedge(rise), -0.8, friction).solve(2, &[]));
+            let (facets, profile) = (facets.solve(1, &[]).history(), under(&wedge(rise), by, friction).solve(2, &[]));
             assert!(!profile.log().contains(told), "{}", profile.log());
             let profile = profile.history();
             let force = facets.last("t.fz");

@@ -16,7 +16,7 @@ use crate::surface::projection::descend;
 use crate::surface::{
     Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way, looks_aslant,
 };
-use crate::tool::shape::side_normal;
+use crate::tool::shape::{Shape, side_normal};
 use crate::{Mat3, Vec3};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
@@ -730,6 +730,21 @@ impl<'a> Ground<'a> {
         match self {
             Self::Tool(_) => 0.0,
             Self::Surface(surface, _) => surface.shapes().get(patch).map_or(0.0, Patch::bulge),
+        }
+    }
+
+    /// How far the arcs that it stands for are from it at one of its points, see [`Patch::off_arc`]; exact shapes are not.
+    pub fn off_arc(&self, at: &Projection) -> f64 {
+        let of = |patches: &PatchSet, is_quadratic: bool| {
+            patches.get(at.patch).map_or(0.0, |patch| patch.off_arc(at.xi, is_quadratic))
+        };
+        match self {
+            Self::Surface(surface, Meets::Faces | Meets::Own) => of(surface.shapes(), surface.is_quadratic),
+            Self::Surface(_, Meets::Nodes) => 0.0,
+            Self::Tool(tool) => match tool.surface.near() {
+                Shape::Patches(patches) => of(patches, false),
+                Shape::Faces(_) | Shape::Analytic(_) => 0.0,
+            },
         }
     }
 

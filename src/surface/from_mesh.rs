@@ -182,6 +182,38 @@ mod tests {
         }
     }
 
+    /// Place by place, of arcs by Nagata and of the two halves of a parabola through three points of one.
+    #[test]
+    fn arcs_know_how_far_they_are_off() {
+        let check = |patch: &Patch, is_quadratic: bool| {
+            for k in 0..=20 {
+                let xi = [0.5, k as f64 / 20.0];
+                let x = patch.point(xi);
+                let (off, known) = ((x.xy().norm() - 1.0).abs(), patch.off_arc(xi, is_quadratic));
+                assert!((off - known).abs() < 0.03 * off + 1e-7, "{is_quadratic} {k}: {off} {known}");
+            }
+        };
+        let turned = |mut patch: Patch, by: usize| {
+            patch.nodes.rotate_left(by);
+            patch.coefficients.rotate_left(by);
+            patch
+        };
+        let along = |patch: Patch| turned(patch, if (patch.nodes[1] - patch.nodes[0]).z.abs() > 0.1 { 0 } else { 1 });
+        arc(8, false, Smoothing::Nagata).into_iter().for_each(|patch| check(&along(patch), false));
+        let [from, middle, to] = [-0.2_f64, 0.0, 0.2].map(|a| Vec3::new(a.cos(), a.sin(), 0.0));
+        let bend = (from + to) * 0.5 - middle;
+        for corner in [from, to] {
+            // A quarter of the second difference of the face, for half of its way.
+            let (nodes, up) = ([corner, middle], Vec3::z());
+            let patch = Patch {
+                nodes: [nodes[0], nodes[0] + up, nodes[1] + up, nodes[1]],
+                coefficients: [Vec3::zeros(), bend, Vec3::zeros(), bend],
+                ..arc(1, false, Smoothing::Facet)[0]
+            };
+            check(&patch, true);
+        }
+    }
+
     #[test]
     fn spheres_converge_with_orders_4_and_3_or_2_and_1() {
         for triangles in [false, true] {

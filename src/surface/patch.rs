@@ -104,6 +104,41 @@ impl Patch {
         self.coefficients.iter().map(|c| 0.5 * c.norm()).fold(0.0, f64::max) + self.middle.norm() / 16.0
     }
 
+    /// How far from it, at `xi`, the arcs are that its curved edges stand for: with u from -1 to 1 along an edge of length L that turns
+    /// by b, Nagata's from normals or quadratic in its own nodes,
+    ///
+    /// ```text
+    /// L b³ (1 - u²)² / 128,     L b³ u²(1 - u²) / 128
+    /// ```
+    ///
+    /// but for higher orders. Those of both directions make a sum as of [`Self::deviation`]. A quadratic quadrilateral is a quarter of
+    /// a face, whose corner is its first. A facet does not tell.
+    pub fn off_arc(&self, [e, z]: [f64; 2], is_quadratic: bool) -> f64 {
+        let count = self.count as usize;
+        let is_quarter = is_quadratic && count == 4;
+        let of_edge = |k: usize| {
+            let length = (self.nodes[(k + 1) % count] - self.nodes[k]).norm();
+            let turn = if length > 0.0 { 2.0 * self.coefficients[k].norm() / length } else { 0.0 };
+            // That of a whole face is twice as long and turns twice as far.
+            (if is_quarter { 16.0 } else { 1.0 }) * length * turn.powi(3) / 128.0
+        };
+        // By 1 - u².
+        let profile = |inside: f64| {
+            let inside = inside.clamp(0.0, 1.0);
+            inside * if is_quadratic { 1.0 - inside } else { inside }
+        };
+        if count == 3 {
+            let b = [1.0 - e, e - z, z];
+            let sides = [0, 1, 2].map(|k| of_edge(k) * profile(4.0 * b[k] * b[(k + 1) % 3]));
+            return 4.0 / 3.0 * sides.into_iter().fold(0.0, f64::max);
+        }
+        let [along, across] = [(e, [0, 2]), (z, [1, 3])].map(|(xi, edges)| {
+            let inside = if is_quarter { 1.0 - (1.0 - xi).powi(2) } else { 4.0 * xi * (1.0 - xi) };
+            edges.map(of_edge).into_iter().fold(0.0, f64::max) * profile(inside)
+        });
+        (along.sqrt() + across.sqrt()).powi(2)
+    }
+
     /// Lower and upper corner of a box that holds the patch and its extension beyond all edges.
     ///
     /// The straight part lies in the hull of its extended corners. In a quadrilateral |e(1-e)| <= 1/4 and the

@@ -2,7 +2,8 @@
 //!
 //! From segment to segment the gap of a slave node is the mean of those in the points of the faces around it. Where a shaft begins in its
 //! bore with some interference, every node has that, and the mean differs from it by how far the faces between the nodes are off the
-//! arc: a parabola over 45 degrees by 7e-4 of the radius. The forces of the fit differ by about as much.
+//! arc: a parabola over 45 degrees by 7e-4 of the radius. The forces of the fit differ by about as much. In one pass nodes count, and
+//! the master's faces under them.
 
 use super::sight::Standing;
 use crate::contact::Segments;
@@ -17,31 +18,43 @@ const OFF: f64 = 0.1;
 /// Warns of them, of what begins deeper than `touching_gap` in the mean. Collective.
 pub fn check(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standing>]) {
     let mut warnings = Vec::new();
-    for (pair, sights) in model.pairs.iter().zip(sights).filter(|(pair, _)| pair.faces.is_some()) {
+    for (pair, sights) in model.pairs.iter().zip(sights) {
         let contacts = sights.iter().enumerate().filter_map(|(s, sight)| Some((s, sight.contact?)));
         let inside: Vec<(usize, Projection)> = contacts.filter(|(_, at)| at.gap < 0.0).collect();
-        let find = || {
-            let ground = model.masters.of(pair.master);
-            Segments::find(pair, &ground, |n| model.part.points[n as usize], None, None)
+        let ground = model.masters.of(pair.master);
+        let segments = match inside.is_empty() || pair.faces.is_none() {
+            true => Segments::default(),
+            false => Segments::find(pair, &ground, |n| model.part.points[n as usize], None, None),
         };
-        let segments = if inside.is_empty() { Segments::default() } else { find() };
+        let off = |(s, own): &(usize, Projection)| match pair.faces {
+            None => Some(ground.off_arc(own)),
+            Some(_) => segments.meet(pair, *s, Some(own)).map(|(mean, _)| (mean.gap - own.gap).abs()),
+        };
         let mut sums = [0.0; 3];
-        for (own, mean) in inside.iter().filter_map(|(s, own)| Some((own, segments.meet(pair, *s, Some(own))?.0))) {
-            let of_node = [1.0, -own.gap, (mean.gap - own.gap).abs()];
-            sums.iter_mut().zip(of_node).for_each(|(sum, of_node)| *sum += of_node);
+        for (own, off) in inside.iter().filter_map(|of| Some((of.1, off(of)?))) {
+            sums.iter_mut().zip([1.0, -own.gap, off]).for_each(|(sum, of_node)| *sum += of_node);
         }
         sum(comm, &mut sums);
         let [count, overlap, off] = sums;
         if overlap > pair.controls.touching_gap * pair.facet_size * count && off > OFF * overlap {
+            let (faces, remedy) = match pair.faces {
+                None => (
+                    "which is {} off the arcs that its faces stand for",
+                    "refine it, or make the finer side the master",
+                ),
+                Some(_) => (
+                    "and the faces between them {} more or less",
+                    "refine both sides, or take `discretization = \"one-pass\"`, which counts at nodes, where the master is the \
+                     finer side or a tool",
+                ),
+            };
             warnings.push(format!(
-                "contact `{}`: {count} slave nodes begin {:.3e} inside {} in the mean, and the faces between them {:.3e} more or less: \
-                 they are too coarse for so small an overlap, and the forces of the fit may be off by as much; refine both \
-                 sides, or take `discretization = \"one-pass\"`, which counts at nodes, where the master is the finer side or a \
-                 tool",
+                "contact `{}`: {count} slave nodes begin {:.3e} inside {} in the mean, {}: they are too coarse for so small an overlap, \
+                 and the forces of the fit may be off by as much; {remedy}",
                 pair.name,
                 overlap / count,
                 model.master_name(pair),
-                off / count
+                faces.replace("{}", &format!("{:.3e}", off / count)),
             ));
         }
     }

@@ -51,8 +51,11 @@ use tree::Tree;
 const ALIGNED: f64 = 1.0 - 1e-12;
 /// Distance, over the size of a piece, below which pieces touch.
 const TOUCH: f64 = 1e-9;
-/// Parameters within which a point inside a piece may be as close to the one beyond the edge.
+/// Parameters within which a point on a piece may be as close to the one beyond the edge.
 const BESIDE: f64 = 0.05;
+/// Over its depth, how far from the edge the foot of a point is that is as deep under both of its sides, at most: the tangent of half
+/// the angle between sides at which it looks as little as it may, see [`LOOKS`].
+const ASIDE: f64 = 10.0;
 /// Cosines of the angles within which what looks at a face looks at it squarely, and at all: 20 and 84 degrees. Sides of an edge that are
 /// no more than 40 degrees apart are of one surface by default.
 const SQUARELY: f64 = 0.94;
@@ -295,7 +298,8 @@ impl<P: Piece> PieceSet<P> {
     fn nearest_evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         let Some(k) = self.index(at.patch) else { return Vec::new() };
         let piece = &self.pieces[k];
-        if piece.sides(at.xi)[..piece.count()].iter().all(|side| *side > BESIDE) {
+        let beside = BESIDE + ASIDE * (-at.gap).max(0.0) / shortest_edge(piece);
+        if piece.sides(at.xi)[..piece.count()].iter().all(|side| *side > beside) {
             return Vec::new();
         }
         let near = search::KEEP * self.largest;
