@@ -337,6 +337,8 @@ controls! {
             "Nodes that slide off the end of a master in an increment with more of its force are told of at the end: a facet that still reaches over the end feels it no more. One row of ten leaves a block of ten with a tenth.";
         watch_shared: f64 = 0.1, [1e-3, 1.0], "force of the contact",
             "Nodes that several tools hold by friction at once, and that bear more of it, are told of at the end: what each tool bears of them is left open. Two rows of ten that meet in a corner share a tenth.";
+        watch_hooked: f64 = 0.1, [1e-3, 1.0], "force of the contact",
+            "Nodes that are held by a side which they do not look at, as by the wall of a sharp punch that is drawn along, end the run where their forces, less what is in balance among them, are more: where single nodes happen to stand decides it. Frictionless on a flat it is nine tenths where nothing is right.";
         watch_unpaid: f64 = 1.5, [0.01, 1e6], "what loads, supports and tools can have given",
             "Elastic energy that an increment gains beyond this is told of where friction may hold what supports do not: no way leads to such a state. Their largest forces at both ends of an increment over its way are more than what they give, but for those that rise and fall within it.";
         watch_pushed: f64 = 0.5, [0.0, 1.0], "cosine of the angle between the friction on a node and its way",

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Bench, History, assert_close, assert_small, on_ranks};
+use common::{Bench, History, assert_close, assert_small, msh, on_ranks};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use nagata::Vec3;
@@ -42,6 +42,81 @@ fn they_press_alike() {
         for column in ["indenter.fx", "indenter.fy"] {
             assert_close(&format!("{smoothing}: {column}"), other.last(column), exact.last(column), tolerance);
         }
+    }
+}
+
+/// A block that overhangs a table by five of its facets, under a pressure.
+fn overhang(table: &str, contact: &str) -> Bench {
+    let bench = Bench::new(&format!(
+        r#"
+        [body.block]
+        material = "soft"
+        block = {{ box = {{ origin = [0.5, 0.5, 0.0], size = [12.0, 3.0, 1.5] }}, elements = [24, 6, 2] }}
+        [material.soft]
+        model = "neo-hookean"
+        young = 100.0
+        poisson = 0.3
+        {table}
+        [contact.sole]
+        slave = "block.zmin"
+        {contact}
+        [[step]]
+        increments = 1
+        fix = [{{ set = "block.xmin", directions = "x" }}, {{ set = "block.ymin", directions = "y" }}]
+        pressure = [{{ set = "block.zmax", value = 0.5 }}]
+        "#
+    ));
+    let table = |x: f64, y: f64| [10.0 * x, 4.0 * y, 0.0];
+    for facets in [1, 2, 20] {
+        bench.write(&format!("table-{facets}.msh"), &msh::surface(facets, table));
+    }
+    let corners = [[0, 0], [10, 0], [0, 4], [10, 4]].map(|[x, y]| format!("{x} {y} 0\n"));
+    bench.write("table.bpt", &format!("1\n1 1\n{}", corners.concat()));
+    bench
+}
+
+/// Nothing holds up what reaches over the end of a table, be that one face of CAD or hundreds of facets, whatever is in reach.
+#[test]
+fn what_reaches_over_an_end_hangs() {
+    let rise = |bench: &Bench, ranks: usize| {
+        let run = bench.solve(ranks, &[]);
+        let tips = run.vectors(run.written(), "body_block", "displacement");
+        (run.history().last("sole.active"), tips.iter().map(|u| u[2]).fold(0.0, f64::min))
+    };
+    let tool = |of: &str| overhang(&format!("[tool]\ntable = {{ {of} }}"), "master = \"table\"");
+    let (active, tip) = rise(
+        &tool(
+            "profile = { points = [[0.0, 0.0], [10.0, 0.0]], extrude = { origin = [0, 4, 0], x = [1, 0, 0], y = [0, 0, 1], length = 4 } }, flip = true",
+        ),
+        2,
+    );
+    assert!(tip < -0.1, "{tip}");
+    for of in [
+        "mesh = \"table-1.msh\"",
+        "mesh = \"table-2.msh\"",
+        "mesh = \"table-20.msh\"",
+        "mesh = \"table-1.msh\", smoothing = \"facet\"",
+        "bezier = \"table.bpt\"",
+    ] {
+        for reach in ["", "\nreach = 3.0"] {
+            let bench = overhang(&format!("[tool]\ntable = {{ {of} }}"), &format!("master = \"table\"{reach}"));
+            let (touching, hangs) = rise(&bench, 1);
+            assert_eq!(touching, active, "{of}{reach}");
+            assert_close(of, hangs, tip, 1e-9);
+        }
+    }
+    // As stiff as steel, and a body.
+    for count in [1, 2, 20] {
+        let body = format!(
+            "[body.table]\nmaterial = \"hard\"\nblock = {{ box = {{ origin = [0.0, 0.0, -1.0], size = [10.0, 4.0, 1.0] }}, \
+             elements = [{count}, 1, 1] }}\n[material.hard]\nmodel = \"hooke\"\nyoung = 1e9\npoisson = 0.0"
+        );
+        let bench = overhang(&body, "master = \"table.zmax\"");
+        let scene = std::fs::read_to_string(bench.path("scene.toml")).unwrap();
+        bench.write("scene.toml", &scene.replace("fix = [", "fix = [{ set = \"table.zmin\" }, "));
+        let (touching, hangs) = rise(&bench, 1);
+        assert_eq!(touching, active, "{count}");
+        assert_close("on a body", hangs, tip, 1e-6);
     }
 }
 

@@ -11,7 +11,7 @@
 use super::conditions::Conditions;
 use crate::Vec3;
 use crate::contact::watch::Side;
-use crate::contact::{Pair, Sight, Slave};
+use crate::contact::{Pair, Slave};
 use crate::model::locate::held;
 use crate::model::{Model, elements};
 use crate::parallel::{any, max};
@@ -107,19 +107,21 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
         }
     }
     for pair in model.pairs.iter().filter(|pair| pair.master_body() == Some(body) && !pair.is_self()) {
-        for slave in pair.slaves.iter().filter(|slave| is_seen(&slave.sights.judged)) {
+        for slave in pair.slaves.iter().filter(|slave| is_seen(slave)) {
             of_node.insert(slave.node, None);
         }
     }
     of_node.into_values().flatten()
 }
 
-/// Whether the watch saw a face before a slave node, or one behind which it has been since the beginning.
-fn is_seen(sight: &Sight) -> bool {
+/// Whether a slave node has a face before it, or one behind which it has been since the beginning. What the watch sees there may be
+/// but an end of the surface, on which the contact has no point.
+fn is_seen(slave: &Slave) -> bool {
+    let sight = &slave.sights.judged;
     match sight.side {
         Side::Inside => true,
         Side::Beside => false,
-        Side::Front => sight.normal.is_some(),
+        Side::Front => sight.normal.is_some() && slave.trial.projection.is_some(),
     }
 }
 

@@ -43,6 +43,7 @@ mod estimates;
 mod event;
 mod grids;
 mod hold;
+mod hooked;
 mod increments;
 mod intruders;
 mod jump;

@@ -7,6 +7,7 @@ use super::Simulation;
 use super::astride::astride;
 use super::between::{Between, between, too_deep};
 use super::conditions::Conditions;
+use super::hooked::hooked;
 use super::intruders::{Suspect, intruders};
 use super::seams::in_seam;
 use super::step::{Attempt, Converged};
@@ -203,7 +204,11 @@ impl Simulation<'_> {
             self.recall_unfelt(idle, &mut converged.between);
         }
         let cut = astride(self.comm, &self.model, &travels, &converged.u);
-        told = told.or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding))).or(cut);
+        let hooked = hooked(self.comm, &self.model, &converged.u);
+        told = told
+            .or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)))
+            .or(cut)
+            .or(hooked);
         told = told.or_else(|| self.undetermined(conditions)).or_else(|| in_seam(&self.model, &converged.u));
         let told = told.map(|told| (told, told.2.size()));
         let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
@@ -287,6 +292,12 @@ impl Simulation<'_> {
                  ({:.6}, {:.6}, {:.6}) {master} cuts the body between them, farther from all its ends than the facet there is \
                  long; extend its surface or close its holes, refine the slave there, or take `discretization = \"segment\"`",
                 at.x, at.y, at.z
+            ),
+            Finding::Hooked(force, share) => format!(
+                "is held by a side of {master} that it does not look at, beside a sharp edge, with {force:.3e} N; such nodes bear {:.0} % of \
+                 the contact's force, which is that of single nodes and of no surface: round the edge off by a fillet, or take \
+                 `discretization = \"segment\"`",
+                100.0 * share
             ),
             Finding::Between(_) => return self.word_between(p, between),
         };

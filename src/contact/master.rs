@@ -384,7 +384,10 @@ impl<'a> Ground<'a> {
         (warm, keeps): (Option<(u32, [f64; 2])>, bool),
     ) -> Option<Projection> {
         let (surface, outlook) = match self {
-            Self::Tool(tool) => return tool.project(x, pair.reach, (warm, keeps)),
+            Self::Tool(tool) => {
+                let found = tool.project(x, pair.reach, (warm, keeps));
+                return found.filter(|at| !tool.is_past_end(x, at, pair.overhang()));
+            }
             Self::Surface(surface, Meets::Nodes) => return pair.slaves[s].mate.as_ref()?.project(surface, x),
             Self::Surface(surface, Meets::Own) => (surface, pair.outlook(s, x)),
             Self::Surface(surface, Meets::Faces) => (surface, Outlook::everywhere(x)),
@@ -392,7 +395,9 @@ impl<'a> Ground<'a> {
         let shapes = surface.shapes();
         let found = on_faces(shapes, pair, warm, &outlook)?;
         let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
-        Some(stays.unwrap_or(found)).filter(|p| pair.must_face(s).is_none_or(|outward| outward.dot(&p.normal) < 0.0))
+        let found = stays.unwrap_or(found);
+        let is_seen = pair.must_face(s).is_none_or(|outward| outward.dot(&found.normal) < 0.0);
+        (is_seen && !shapes.is_past_end(x, &found, pair.overhang())).then_some(found)
     }
 
     /// The side of the master through which slave node `s` of a pair, `found` behind it at `x`, came since the last

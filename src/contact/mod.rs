@@ -55,7 +55,7 @@ use crate::Vec3;
 use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::Gather;
-use crate::surface::{Patch, Projection, Sides};
+use crate::surface::{EXTENSION, Patch, Projection, Sides};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
 
@@ -243,6 +243,13 @@ impl Pair {
     /// What counts as on one side of the master.
     pub fn sides(&self) -> Sides {
         Sides { aside: self.controls.edge_aside * self.facet_size, turn: self.controls.kink_turn }
+    }
+
+    /// How far past an end of the master a slave node may be and still be on it, a length. Pieces go on by [`EXTENSION`]: of those that
+    /// are up to twice as long as the slave's facets that is less, but one may be as large as a face of CAD, and nothing holds up
+    /// what hangs over its end.
+    pub fn overhang(&self) -> f64 {
+        2.0 * EXTENSION * self.facet_size
     }
 
     /// The place among the slaves of that at an owned node, if there is one.

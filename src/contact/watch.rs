@@ -89,6 +89,8 @@ pub enum Finding {
     InSeam(f64),
     /// It is so deep behind the master, past whose end it came, and the node next to it is in front: the body is cut at a place.
     Astride(f64, Vec3),
+    /// A side that it does not look at holds it, with so much force, and nodes like it with such a share of the contact's.
+    Hooked(f64, f64),
 }
 
 impl Finding {
@@ -104,7 +106,8 @@ impl Finding {
             | Self::Undetermined(size)
             | Self::Pushed(size)
             | Self::InSeam(size)
-            | Self::Astride(size, _) => *size,
+            | Self::Astride(size, _)
+            | Self::Hooked(size, _) => *size,
         }
     }
 }

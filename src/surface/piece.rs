@@ -117,6 +117,17 @@ pub trait Piece: Polygon {
         settle(self, x, core)
     }
 
+    /// Whether `xi` is on none of it, but on an extension.
+    fn is_beyond(&self, xi: [f64; 2]) -> bool {
+        self.overshoot(xi) > 0.0
+    }
+
+    /// Whether the surface ends where a foot is on an edge or corner.
+    fn is_end(&self, foot: &Foot) -> bool {
+        let edges = self.edges();
+        (0..4).any(|k| foot.is_on(k) && edges[k] == Edge::Boundary)
+    }
+
     /// Parameters and gap of the minimum of the distance inside the piece extended by `extension` of its parameters.
     fn perpendicular(&self, extent: &Extent, x: &Vec3, extension: f64) -> Option<([f64; 2], f64)> {
         perpendicular(self, extent, x, &[extension; 4])

@@ -547,7 +547,8 @@ impl Deck {
     fn place_of<'a>(&self, scope: usize, field: &'a str) -> (usize, &'a str) {
         let name = field.trim_matches('"');
         let parts = name.split_once('.').filter(|_| self.level == Level::Root);
-        let found = parts.and_then(|(instance, rest)| Some((self.find_instance(instance)?, rest)));
+        let unquoted = |part: &'a str| part.trim_matches('"');
+        let found = parts.and_then(|(instance, rest)| Some((self.find_instance(unquoted(instance))?, unquoted(rest))));
         found.unwrap_or((scope, name))
     }
 

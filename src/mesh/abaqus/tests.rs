@@ -186,6 +186,11 @@ fn instances_stand_where_they_are_put() {
     assert!(!file.groups.contains_key("_s1"));
     assert!(file.attached[0], "a reference point");
 
+    // A name with a space in quotation marks, around the instance's alone.
+    let quoted = [("=B,", "=\"a B\","), ("=B\n", "=\"a B\"\n"), ("B.body", "\"a B\".body"), ("B.1", "\"a B\".1")];
+    let quoted = parse(&quoted.iter().fold(PARTS.to_string(), |deck, (from, to)| deck.replace(from, to))).unwrap();
+    assert_eq!((&quoted.groups["pair"].group.nodes[..], quoted.groups["top"].group.facets.len()), (&[1, 9][..], 2));
+
     let alone = PARTS.split("*ASSEMBLY").next().unwrap();
     let file = parse(alone).unwrap();
     assert_eq!((file.mesh.solids.len(), file.mesh.facets.len()), (1, 1));

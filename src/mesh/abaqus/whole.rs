@@ -267,9 +267,9 @@ impl Whole {
     }
 }
 
-/// A name as it is looked for.
+/// A name as it is looked for; of `"AN INSTANCE".A SET` either part may be in quotation marks.
 fn plain(field: &str) -> String {
-    field.trim().trim_matches('"').to_uppercase()
+    field.trim().replace('"', "").to_uppercase()
 }
 
 /// Members by name in capitals: `INSTANCE.SET`, and `SET` alone where it is outside of instances or only in one.

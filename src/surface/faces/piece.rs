@@ -322,13 +322,11 @@ impl Piece for FacePiece {
         if self.stretches.is_empty() {
             return settle(self, x, core);
         }
-        let (is_soft, is_end, at_corner) = match self.on_rim(&core) {
-            Some(OnRim { rim, corner, .. }) => (
-                rim.edge != Edge::Sharp || corner.is_some_and(|corner| corner.is_soft),
-                rim.edge == Edge::Boundary || corner.is_some_and(|corner| corner.is_end),
-                corner.is_some(),
-            ),
-            None => ((0..4).any(|k| core.is_on(k) && self.edges[k] == Edge::Smooth), false, false),
+        let (is_soft, at_corner) = match self.on_rim(&core) {
+            Some(OnRim { rim, corner, .. }) => {
+                (rim.edge != Edge::Sharp || corner.is_some_and(|corner| corner.is_soft), corner.is_some())
+            }
+            None => ((0..4).any(|k| core.is_on(k) && self.edges[k] == Edge::Smooth), false),
         };
         if is_soft {
             let extension = self.edges.map(|edge| if edge == Edge::Sharp { 0.0 } else { self.extension });
@@ -343,7 +341,16 @@ impl Piece for FacePiece {
             }
         }
         // Beyond all extension the smooth edge comes after any piece that needs less.
-        (!is_end).then_some((core, if is_soft { 1.0 } else { 0.0 }))
+        (!self.is_end(&core)).then_some((core, if is_soft { 1.0 } else { 0.0 }))
+    }
+
+    fn is_beyond(&self, xi: [f64; 2]) -> bool {
+        self.overshoot(xi) > 0.0 || !self.holds(xi)
+    }
+
+    fn is_end(&self, foot: &Foot) -> bool {
+        let ends = |on: OnRim| on.rim.edge == Edge::Boundary || on.corner.is_some_and(|corner| corner.is_end);
+        self.on_rim(foot).is_some_and(ends)
     }
 
     fn perpendicular(&self, extent: &Extent, x: &Vec3, extension: f64) -> Option<([f64; 2], f64)> {

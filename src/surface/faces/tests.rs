@@ -80,6 +80,16 @@ fn a_round_hole_has_its_rim() {
     assert!(plate.closest(&Vec3::new(-0.1, 1.0, 0.5), 5.0, None).is_some());
     assert!(plate.closest(&Vec3::new(-0.3, 1.0, 0.5), 5.0, None).is_none());
     assert!(plate.nearest(&Vec3::repeat(f64::NAN)).is_none());
+    // On it a point is past the end by so much, in the hole as beside the plate.
+    for (x, past) in
+        [([2.95, 2.0], 0.05), ([2.0, 2.99], 0.01), ([3.05, 2.0], -1.0), ([-0.1, 1.0], 0.1), ([0.1, 1.0], -1.0)]
+    {
+        let x = Vec3::new(x[0], x[1], -0.01);
+        let at = plate.closest(&x, 1.0, None).unwrap();
+        for aside in [0.005, 0.03, 0.07, 0.2] {
+            assert_eq!(plate.is_past_end(&x, &at, aside), past > aside, "{x:?} {aside}");
+        }
+    }
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub(crate) mod tree;
 pub use search::{Admission, settle};
 
 use super::patch::Patch;
-use super::piece::{EXTENSION, Edge, Piece};
+use super::piece::{EXTENSION, Piece};
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
@@ -383,12 +383,9 @@ impl<P: Piece> PieceSet<P> {
 
     /// Whether the point of contact `at` of `x` is past an end of the surface by more than `aside`, on the extension of its piece.
     pub fn is_past_end(&self, x: &Vec3, at: &Projection, aside: f64) -> bool {
-        let beyond = self.index(at.patch).filter(|&k| self.pieces[k].overshoot(at.xi) > 0.0);
-        beyond.is_some_and(|k| {
-            let (piece, edges) = (&self.pieces[k], self.pieces[k].edges());
-            let core = piece.core(self.extent(k), x, Some(at.xi), f64::INFINITY);
-            let ends = (0..4).any(|k| core.is_on(k) && edges[k] == Edge::Boundary);
-            ends && (core.local.point - at.point).norm() > aside
+        self.index(at.patch).filter(|&k| self.pieces[k].is_beyond(at.xi)).is_some_and(|k| {
+            let core = self.pieces[k].core(self.extent(k), x, Some(at.xi), f64::INFINITY);
+            self.pieces[k].is_end(&core) && (core.local.point - at.point).norm() > aside
         })
     }
 
