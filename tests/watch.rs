@@ -852,6 +852,50 @@ fn a_node_hooks_on_a_wall() {
     }
 }
 
+/// What is held by a side beside it as it should be: the thin end of a strip against a wall, with all its faces as the slave; a block
+/// that a low stop holds by the end of its bottom; and a block that is drawn off the end of a table, round whose corner a node snaps.
+#[test]
+fn what_is_held_by_its_end_is_not_hooked() {
+    let scene = |block: &str, master: &str, tool: &str, rest: &str| {
+        Bench::new(&format!(
+            "body.b = {{ material = \"m\", plane_strain = true, block = {{ {block} }} }}\n\
+             material.m = {{ model = \"neo-hookean\", young = 1.0, poisson = 0.45 }}\n\
+             contact.c = {{ slave = \"b.under\", master = {master:?} }}\n{tool}\n{rest}"
+        ))
+    };
+    let strip = scene(
+        "box = { size = [10.0, 0.2, 1.0] }, elements = [10, 1, 1], faces = { under = [\"xmin\", \"xmax\", \"ymin\", \"ymax\"] }",
+        "wall",
+        "tool.wall.profile = { points = [[10.001, 50.0], [10.001, -50.0]] }",
+        "[[step]]\nincrements = 2\nfix = [{ set = \"b.ymin\", directions = \"y\" }]\n\
+         move = [{ target = \"b.xmin\", by = [0.02, 0.0, 0.0], directions = \"x\" }]\n",
+    );
+    assert!(strip.solve(1, &[]).history().last("wall.fx") < -3e-4);
+    let stopped = scene(
+        "box = { size = [3.0, 1.0, 0.5] }, elements = [6, 4, 1], faces = { under = [\"ymin\"] }",
+        "stop",
+        "tool.stop.profile = { points = [[9.0, 0.1], [3.02, 0.1], [3.02, -3.0]] }\n\
+         tool.floor.plane = { point = [0, 0, 0], normal = [0, 1, 0] }\n\
+         contact.below = { slave = \"b.ymin\", master = \"floor\" }\n",
+        "[[step]]\nincrements = 5\nmove = [{ target = \"b.ymax\", by = [0.0, -0.05, 0.0], directions = \"y\" }, \
+         { target = \"b.xmin\", by = [0.1, 0.0, 0.0], directions = \"x\" }]\n",
+    );
+    assert_close("stop", stopped.solve(2, &[]).history().last("stop.fx"), -0.0401, 5e-3);
+    let drawn = scene(
+        "box = { origin = [-4.0, 0.0, 0.0], size = [4.0, 1.0, 0.5] }, elements = [12, 3, 1], faces = { under = [\"ymin\"] }",
+        "table.ymax",
+        "body.table = { material = \"hard\", plane_strain = true, \
+         block = { box = { origin = [-12.0, -1.0, 0.0], size = [12.3, 1.0, 0.5] }, elements = [16, 2, 1] } }\n\
+         material.hard = { model = \"neo-hookean\", young = 200.0, poisson = 0.3 }\n",
+        "[[step]]\nincrements = 3\nfix = [{ set = \"table.ymin\" }]\nmove = [{ target = \"b.ymax\", by = [0.0, -0.1, 0.0] }]\n\
+         [[step]]\nincrements = 15\nfix = [{ set = \"table.ymin\" }]\nmove = [{ target = \"b.ymax\", by = [1.5, 0.0, 0.0] }]\n",
+    );
+    for ranks in [1, 2] {
+        // From segment to segment it is 0.3409.
+        assert_close("drawn off", drawn.solve(ranks, &[]).history().last("c.fy").abs(), 0.33648, 1e-4);
+    }
+}
+
 /// The band of a hose clamp, half of it, one thin layer: a node of the hose behind its end goes in at the end and out of the outer
 /// face, which no contact names, within few increments.
 #[test]

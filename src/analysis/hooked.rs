@@ -16,22 +16,29 @@ use std::collections::BTreeMap;
 /// Cosine of the angle between the normals of a node and of what presses it, below which it does not look at that: 78 degrees. In a
 /// wall that is farther out of plumb nodes do not stay.
 const EDGE_ON: f64 = 0.2;
-/// The same, with where nodes looked when the increment began, from which on it is looked at more closely.
-const NEARLY: f64 = 0.5;
+/// The same of each facet around it, 60 degrees, one of which looks at what it presses where the node is at an edge of its own.
+const ASKEW: f64 = 0.5;
 
 /// The node that is held so with the most force, where what holds such nodes of a contact makes up more of its force than
-/// `watch_hooked`, with nodes displaced by `u`. Collective.
-pub(super) fn hooked(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Option<(usize, usize, Finding)> {
+/// `watch_hooked`, and more than the residual that is let through at each contact, with nodes displaced by `u`. Collective.
+pub(super) fn hooked(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    u: &[Vec3],
+    residuals: &[f64],
+) -> Option<(usize, usize, Finding)> {
     let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| pair.faces.is_none() && !pair.is_within_body());
-    let normal_force = |slave: &Slave| {
+    // The normal, and the force along it; that of the slave is the one on the master.
+    let pressed = |slave: &Slave| {
         let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
-        // The force is that on the master.
         Some((at.normal, -at.normal.dot(&slave.trial.force)))
     };
-    let is_on_edge = |slave: &Slave, outward: &Vec3, most: f64| {
-        normal_force(slave).is_some_and(|(normal, force)| force > 0.0 && -normal.dot(outward) < most)
+    // From where nodes looked when the increment began it is seen where to look more closely.
+    let is_askew = |slave: &Slave, outward: &Vec3, most: f64| {
+        pressed(slave).filter(|(normal, force)| *force > 0.0 && -normal.dot(outward) < most)
     };
-    let may_be = |pair: &Pair| pair.slaves.iter().zip(&pair.outward).any(|(s, outward)| is_on_edge(s, outward, NEARLY));
+    let may_be =
+        |pair: &Pair| pair.slaves.iter().zip(&pair.outward).any(|(s, outward)| is_askew(s, outward, ASKEW).is_some());
     if !any(comm, pairs().any(|(_, pair)| may_be(pair))) {
         return None;
     }
@@ -39,49 +46,67 @@ pub(super) fn hooked(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Op
     let mut worst: Vec<Option<(usize, f64)>> = vec![None; model.pairs.len()];
     for (p, pair) in pairs() {
         let sums = &mut sums[4 * p..4 * (p + 1)];
-        sums[3] = pair.slaves.iter().filter_map(normal_force).map(|(_, force)| force.abs()).sum();
+        sums[3] = pair.slaves.iter().filter_map(pressed).map(|(_, force)| force.abs()).sum();
         if !may_be(pair) {
             continue;
         }
-        let inside = inside(model, pair);
-        let outward = outward_of(&model.part, pair, |n| model.part.points[n as usize] + u[n as usize]);
+        let place = |n: u32| model.part.points[n as usize] + u[n as usize];
+        let (outward, around) = (outward_of(&model.part, pair, place), around(model, pair, place));
         for (s, slave) in pair.slaves.iter().enumerate() {
-            let (n, node) = (slave.node as usize, model.part.tie[slave.node as usize]);
-            if !is_on_edge(slave, &outward[n], EDGE_ON) || !inside.get(&node).copied().unwrap_or_default() {
+            let Some((normal, force)) = is_askew(slave, &outward[slave.node as usize], EDGE_ON) else { continue };
+            let is_hooked = |around: &Around| {
+                around.is_inside(model.bodies[pair.side.body].is_layer())
+                    && around.normals.iter().all(|facet| -normal.dot(facet) < ASKEW)
+            };
+            if !around.get(&model.part.tie[slave.node as usize]).is_some_and(is_hooked) {
                 continue;
             }
-            if let Some((normal, force)) = normal_force(slave) {
-                (0..3).for_each(|d| sums[d] += force * normal[d]);
-                let most = worst[p].map_or(0.0, |(_, most)| most);
-                worst[p] = if force > most { Some((s, force)) } else { worst[p] };
-            }
+            (0..3).for_each(|d| sums[d] += force * normal[d]);
+            let most = worst[p].map_or(0.0, |(_, most)| most);
+            worst[p] = if force > most { Some((s, force)) } else { worst[p] };
         }
     }
     sum(comm, &mut sums);
-    let held = |p: usize| Vec3::from_column_slice(&sums[4 * p..4 * p + 3]).norm();
-    let is_hooked = |p: usize, pair: &Pair| held(p) > pair.controls.watch_hooked * sums[4 * p + 3];
-    let found = pairs().filter(|(p, pair)| is_hooked(*p, pair));
-    let found =
-        found.filter_map(|(p, _)| worst[p].map(|(s, force)| (p, s, Finding::Hooked(force, held(p) / sums[4 * p + 3]))));
+    let found = pairs().filter_map(|(p, pair)| {
+        let (held, all) = (Vec3::from_column_slice(&sums[4 * p..4 * p + 3]).norm(), sums[4 * p + 3]);
+        let (s, force) = worst[p].filter(|_| held > (pair.controls.watch_hooked * all).max(residuals[p]))?;
+        Some((p, s, Finding::Hooked(force, held / all)))
+    });
     found.max_by(|a, b| a.2.size().total_cmp(&b.2.size()))
 }
 
-/// The nodes of a slave's facets around which the surface does not end: along each edge there it has a facet on both sides; in a layer
-/// it goes on to two sides.
-fn inside(model: &Model, pair: &Pair) -> BTreeMap<u32, bool> {
+/// What is around a node of a slave's facets.
+#[derive(Default)]
+struct Around {
+    /// The nodes next to it, and how many facets it shares with each.
+    beside: BTreeMap<u32, usize>,
+    /// Unit normals of the facets.
+    normals: Vec<Vec3>,
+}
+
+impl Around {
+    /// Whether the surface does not end there: along each edge it has a facet on both sides; in a layer it goes on to two sides.
+    fn is_inside(&self, is_layer: bool) -> bool {
+        if is_layer { self.beside.len() > 1 } else { self.beside.values().all(|count| *count > 1) }
+    }
+}
+
+/// That of the nodes of a slave, at `place`.
+fn around(model: &Model, pair: &Pair, place: impl Fn(u32) -> Vec3) -> BTreeMap<u32, Around> {
     let part = &model.part;
-    let mut edges: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
+    let mut all: BTreeMap<u32, Around> = BTreeMap::new();
     for facet in part.pieces(&part.sets[pair.side.set].facets).iter() {
         let count = facet.count as usize;
         let node = |k: usize| part.tie[facet.nodes[k % count] as usize];
-        for (a, b) in (0..count).map(|k| (node(k), node(k + 1))).filter(|(a, b)| a != b) {
-            *edges.entry(a).or_default().entry(b).or_default() += 1;
-            *edges.entry(b).or_default().entry(a).or_default() += 1;
+        let at = |k: usize| place(facet.nodes[k % count]);
+        let normal = (at(2) - at(0)).cross(&(at(3) - at(1))).try_normalize(f64::MIN_POSITIVE);
+        for (a, b) in (0..count).map(|k| (node(k), node(k + 1))) {
+            all.entry(a).or_default().normals.extend(normal);
+            if a != b {
+                *all.entry(a).or_default().beside.entry(b).or_default() += 1;
+                *all.entry(b).or_default().beside.entry(a).or_default() += 1;
+            }
         }
     }
-    let is_inside = |beside: BTreeMap<u32, usize>| match pair.planar {
-        true => beside.len() > 1,
-        false => beside.values().all(|count| *count > 1),
-    };
-    edges.into_iter().map(|(node, beside)| (node, is_inside(beside))).collect()
+    all
 }

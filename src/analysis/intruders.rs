@@ -78,8 +78,12 @@ fn in_body(
         let margin = beside.map_or(most, of_patch) + pair.controls.watch_deep * pair.facet_size;
         around(&place(n), &free_axes(pair, n, conditions), margin)
     };
-    let is_slave = |&(p, n): &Suspect| model.pairs[p].index_of(n).is_some();
-    let slaves: Vec<Suspect> = suspects.iter().copied().filter(is_slave).collect();
+    // The way of one that is let go at an end of the surface seems to go through the corner there.
+    let is_lost = |&(p, n): &Suspect| {
+        let pair = &model.pairs[p];
+        pair.index_of(n).is_some_and(|s| !has_sight(&pair.slaves[s]))
+    };
+    let slaves: Vec<Suspect> = suspects.iter().copied().filter(is_lost).collect();
     let found = |suspects: Vec<Suspect>, share: f64| {
         let place = at(share);
         let inside: Vec<Suspect> = keep(suspects, &|(_, n)| vec![place(n)], &place);
@@ -114,14 +118,19 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
     of_node.into_values().flatten()
 }
 
-/// Whether a slave node has a face before it, or one behind which it has been since the beginning. What the watch sees there may be
-/// but an end of the surface, on which the contact has no point.
+/// Whether a slave node has a face before it. What the watch sees may be but an end of the surface, on which the contact has no point.
 fn is_seen(slave: &Slave) -> bool {
+    let may_be_end = slave.sights.judged.side == Side::Front && slave.trial.projection.is_none();
+    has_sight(slave) && !may_be_end
+}
+
+/// Whether the watch saw something before a slave node, or a face behind which it has been since the beginning.
+fn has_sight(slave: &Slave) -> bool {
     let sight = &slave.sights.judged;
     match sight.side {
         Side::Inside => true,
         Side::Beside => false,
-        Side::Front => sight.normal.is_some() && slave.trial.projection.is_some(),
+        Side::Front => sight.normal.is_some(),
     }
 }
 

@@ -204,7 +204,7 @@ impl Simulation<'_> {
             self.recall_unfelt(idle, &mut converged.between);
         }
         let cut = astride(self.comm, &self.model, &travels, &converged.u);
-        let hooked = hooked(self.comm, &self.model, &converged.u);
+        let hooked = hooked(self.comm, &self.model, &converged.u, &converged.limits);
         told = told
             .or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)))
             .or(cut)
@@ -295,7 +295,7 @@ impl Simulation<'_> {
             ),
             Finding::Hooked(force, share) => format!(
                 "is held by a side of {master} that it does not look at, beside a sharp edge, with {force:.3e} N; such nodes bear {:.0} % of \
-                 the contact's force, which is that of single nodes and of no surface: round the edge off by a fillet, or take \
+                 the contact's force, which is that of single nodes and of no surface: round the edge off by a fillet of two facets, or take \
                  `discretization = \"segment\"`",
                 100.0 * share
             ),
