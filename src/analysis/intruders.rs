@@ -18,7 +18,7 @@ use crate::parallel::{any, max};
 use crate::partition::parcels::{bounds, hull, meets};
 use crate::surface::Patch;
 use mpi::topology::SimpleCommunicator;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// An owned node far from the faces of all contacts with the body, with the index of one of these.
 pub(super) type Suspect = (usize, u32);
@@ -114,6 +114,12 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
         for slave in pair.slaves.iter().filter(|slave| is_seen(slave)) {
             of_node.insert(slave.node, None);
         }
+    }
+    // What is tied to the body is where that is, though it may be in the means of coarse faces.
+    let others = model.pairs.iter().filter(|pair| pair.master_body() == Some(body)).map(|pair| pair.side.body);
+    for other in others.collect::<BTreeSet<_>>() {
+        let tied = model.joints.iter().flat_map(|joint| joint.nodes_between(other, body));
+        tied.for_each(|n| drop(of_node.insert(n, None)));
     }
     of_node.into_values().flatten()
 }
