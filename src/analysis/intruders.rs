@@ -118,8 +118,7 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
     // What is tied to the body is where that is, though it may be in the means of coarse faces.
     let others = model.pairs.iter().filter(|pair| pair.master_body() == Some(body)).map(|pair| pair.side.body);
     for other in others.collect::<BTreeSet<_>>() {
-        let tied = model.joints.iter().flat_map(|joint| joint.nodes_between(other, body));
-        tied.for_each(|n| drop(of_node.insert(n, None)));
+        of_node.extend(model.joints.iter().flat_map(|joint| joint.nodes_between(other, body)).map(|n| (n, None)));
     }
     of_node.into_values().flatten()
 }
