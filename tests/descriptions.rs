@@ -83,10 +83,12 @@ fn what_reaches_over_an_end_hangs() {
         let tips = run.vectors(run.written(), "body_block", "displacement");
         (run.history().last("sole.active"), tips.iter().map(|u| u[2]).fold(0.0, f64::min))
     };
-    let tool = |of: &str| overhang(&format!("[tool]\ntable = {{ {of} }}"), "master = \"table\"");
+    let tool =
+        |of: &str, reach: &str| overhang(&format!("[tool]\ntable = {{ {of} }}"), &format!("master = \"table\"{reach}"));
     let (active, tip) = rise(
         &tool(
             "profile = { points = [[0.0, 0.0], [10.0, 0.0]], extrude = { origin = [0, 4, 0], x = [1, 0, 0], y = [0, 0, 1], length = 4 } }, flip = true",
+            "",
         ),
         2,
     );
@@ -99,8 +101,7 @@ fn what_reaches_over_an_end_hangs() {
         "bezier = \"table.bpt\"",
     ] {
         for reach in ["", "\nreach = 3.0"] {
-            let bench = overhang(&format!("[tool]\ntable = {{ {of} }}"), &format!("master = \"table\"{reach}"));
-            let (touching, hangs) = rise(&bench, 1);
+            let (touching, hangs) = rise(&tool(of, reach), 1);
             assert_eq!(touching, active, "{of}{reach}");
             assert_close(of, hangs, tip, 1e-9);
         }

@@ -9,6 +9,7 @@ use crate::Vec3;
 use crate::contact::watch::Finding;
 use crate::contact::{Pair, Slave, Status};
 use crate::model::{Model, outward_of};
+use crate::mortar::Corners;
 use crate::parallel::{any, sum};
 use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeMap;
@@ -39,15 +40,16 @@ pub(super) fn hooked(
     };
     let may_be =
         |pair: &Pair| pair.slaves.iter().zip(&pair.outward).any(|(s, outward)| is_askew(s, outward, ASKEW).is_some());
-    if !any(comm, pairs().any(|(_, pair)| may_be(pair))) {
+    let doubtful: Vec<bool> = pairs().map(|(_, pair)| may_be(pair)).collect();
+    if !any(comm, doubtful.contains(&true)) {
         return None;
     }
     let mut sums = vec![0.0; 4 * model.pairs.len()];
     let mut worst: Vec<Option<(usize, f64)>> = vec![None; model.pairs.len()];
-    for (p, pair) in pairs() {
+    for ((p, pair), is_doubtful) in pairs().zip(doubtful) {
         let sums = &mut sums[4 * p..4 * (p + 1)];
         sums[3] = pair.slaves.iter().filter_map(pressed).map(|(_, force)| force.abs()).sum();
-        if !may_be(pair) {
+        if !is_doubtful {
             continue;
         }
         let place = |n: u32| model.part.points[n as usize] + u[n as usize];
@@ -96,11 +98,10 @@ fn around(model: &Model, pair: &Pair, place: impl Fn(u32) -> Vec3) -> BTreeMap<u
     let part = &model.part;
     let mut all: BTreeMap<u32, Around> = BTreeMap::new();
     for facet in part.pieces(&part.sets[pair.side.set].facets).iter() {
-        let count = facet.count as usize;
-        let node = |k: usize| part.tie[facet.nodes[k % count] as usize];
-        let at = |k: usize| place(facet.nodes[k % count]);
-        let normal = (at(2) - at(0)).cross(&(at(3) - at(1))).try_normalize(f64::MIN_POSITIVE);
-        for (a, b) in (0..count).map(|k| (node(k), node(k + 1))) {
+        let nodes = &facet.nodes[..facet.count as usize];
+        let node = |k: usize| part.tie[nodes[k % nodes.len()] as usize];
+        let normal = Corners::new(nodes).map(&place).area_vector().try_normalize(f64::MIN_POSITIVE);
+        for (a, b) in (0..nodes.len()).map(|k| (node(k), node(k + 1))) {
             all.entry(a).or_default().normals.extend(normal);
             if a != b {
                 *all.entry(a).or_default().beside.entry(b).or_default() += 1;

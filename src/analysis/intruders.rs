@@ -18,7 +18,7 @@ use crate::parallel::{any, max};
 use crate::partition::parcels::{bounds, hull, meets};
 use crate::surface::Patch;
 use mpi::topology::SimpleCommunicator;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// An owned node far from the faces of all contacts with the body, with the index of one of these.
 pub(super) type Suspect = (usize, u32);
@@ -109,16 +109,14 @@ fn unseen(model: &Model, body: usize) -> impl Iterator<Item = Suspect> {
         for n in part.owned_of(pair.side.body).filter(|&n| part.tie[n] as usize == n).map(|n| n as u32) {
             of_node.entry(n).or_insert(Some((p, n)));
         }
+        // What is tied to the body is where that is, though it may be in the means of coarse faces.
+        let tied = model.joints.iter().flat_map(|joint| joint.nodes_between(pair.side.body, body));
+        of_node.extend(tied.map(|n| (n, None)));
     }
     for pair in model.pairs.iter().filter(|pair| pair.master_body() == Some(body) && !pair.is_self()) {
         for slave in pair.slaves.iter().filter(|slave| is_seen(slave)) {
             of_node.insert(slave.node, None);
         }
-    }
-    // What is tied to the body is where that is, though it may be in the means of coarse faces.
-    let others = model.pairs.iter().filter(|pair| pair.master_body() == Some(body)).map(|pair| pair.side.body);
-    for other in others.collect::<BTreeSet<_>>() {
-        of_node.extend(model.joints.iter().flat_map(|joint| joint.nodes_between(other, body)).map(|n| (n, None)));
     }
     of_node.into_values().flatten()
 }

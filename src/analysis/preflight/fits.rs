@@ -37,24 +37,24 @@ pub fn check(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
         sum(comm, &mut sums);
         let [count, overlap, off] = sums;
         if overlap > pair.controls.touching_gap * pair.facet_size * count && off > OFF * overlap {
+            let mean = off / count;
             let (faces, remedy) = match pair.faces {
                 None => (
-                    "which is {} off the arcs that its faces stand for",
+                    format!("which is {mean:.3e} off the arcs that its faces stand for"),
                     "refine it, or make the finer side the master",
                 ),
                 Some(_) => (
-                    "and the faces between them {} more or less",
+                    format!("and the faces between them {mean:.3e} more or less"),
                     "refine both sides, or take `discretization = \"one-pass\"`, which counts at nodes, where the master is the \
                      finer side or a tool",
                 ),
             };
             warnings.push(format!(
-                "contact `{}`: {count} slave nodes begin {:.3e} inside {} in the mean, {}: they are too coarse for so small an overlap, \
+                "contact `{}`: {count} slave nodes begin {:.3e} inside {} in the mean, {faces}: they are too coarse for so small an overlap, \
                  and the forces of the fit may be off by as much; {remedy}",
                 pair.name,
                 overlap / count,
-                model.master_name(pair),
-                faces.replace("{}", &format!("{:.3e}", off / count)),
+                model.master_name(pair)
             ));
         }
     }

@@ -345,7 +345,7 @@ impl Piece for FacePiece {
     }
 
     fn is_beyond(&self, xi: [f64; 2]) -> bool {
-        self.overshoot(xi) > 0.0 || !self.holds(xi)
+        self.overshoot(xi) > 0.0 || self.is_trimmed() && !self.holds(xi)
     }
 
     fn is_end(&self, foot: &Foot) -> bool {
