@@ -681,6 +681,45 @@ history = ["block.bottom"]
     }
 }
 
+/// A ridge that goes into a coarse slave while the gaps around its node are hardly closed in the mean: what is borne is a small part
+/// of what finer facets bear, and that is told of. One that is released again is told of as it was when it was pressed.
+#[test]
+fn what_a_mean_lets_in_is_told_of() {
+    let pressed = |facets: usize, more: &str, ranks: usize| {
+        let bench = Bench::new(&format!(
+            r#"
+body.pad.material = "soft"
+body.pad.plane_strain = true
+body.pad.block = {{ box = {{ origin = [-0.8, 0.0, 0.0], size = [1.6, 0.8, 1.0] }}, elements = [{facets}, {}, 1] }}
+material.soft = {{ model = "neo-hookean", young = 1000.0, poisson = 0.3 }}
+tool.ridge.profile = {{ points = [[3.0, -0.75], [0.0, 0.0], [-3.0, -0.75]], extrude = {{ length = 1.0 }} }}
+contact.c = {{ slave = "pad.ymin", master = "ridge", discretization = "segment" }}
+[[step]]
+increments = 4
+fix = [{{ set = "pad.ymax", directions = "x" }}]
+move = [{{ target = "pad.ymax", by = [0.0, -0.018, 0.0] }}]
+{more}
+"#,
+            facets / 2
+        ));
+        let run = bench.solve(ranks, &[]);
+        let most = run.history().column("ridge.fy").into_iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        (most, run.log().contains("where displacements are given, forces lack"))
+    };
+    let back = "[[step]]\nincrements = 2\nfix = [{ set = \"pad.ymax\", directions = \"x\" }]\n\
+                move = [{ target = \"pad.ymax\", by = [0.0, 0.017, 0.0] }]";
+    let right = pressed(64, "", 1);
+    assert!(!right.1, "{right:?}");
+    for more in ["", back] {
+        for ranks in [1, 2] {
+            let coarse = pressed(8, more, ranks);
+            assert!(coarse.0 < 0.3 * right.0 && coarse.1, "{coarse:?}, {right:?}");
+        }
+        // Released to a touch, a mesh that bore what is right is not told of for the little that is left.
+        assert!(!pressed(64, more, 1).1);
+    }
+}
+
 /// Nodes that are held across the master's normal, under a roller: fields have its normal, not what is left of it.
 #[test]
 fn the_normal_of_nodes_that_are_held_is_that_of_the_surface() {

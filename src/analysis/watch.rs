@@ -67,6 +67,8 @@ pub struct Touch {
     shared: Most,
     /// How far nodes that bear from node to node ever were from those that they meet.
     apart: Most,
+    /// What gaps that are closed in the mean let in when it bore the most.
+    let_in: LetIn,
 }
 
 crate::words!(Touch {
@@ -86,7 +88,21 @@ crate::words!(Touch {
     rested,
     shared,
     apart,
+    let_in,
 });
+
+/// From segment to segment: nodes that are in the master while the gaps around them are closed in the mean.
+#[derive(Clone, Copy, Debug, Default)]
+struct LetIn {
+    /// What the contact bore, and what it would take to push these nodes out, N.
+    borne: f64,
+    lacks: f64,
+    /// Of the deepest.
+    depth: f64,
+    at: f64,
+}
+
+crate::words!(LetIn { borne, lacks, depth, at });
 
 /// The largest that something ever was, and when.
 #[derive(Clone, Copy, Debug, Default)]
@@ -334,11 +350,13 @@ impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
     pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
-        const EACH: usize = 12;
+        const EACH: usize = 13;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
         let shared = shared(&self.model.pairs);
-        for ((pair, slid), shared) in self.model.pairs.iter().zip(slid).zip(shared) {
+        let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
+        let let_in: Vec<[f64; 2]> = self.model.pairs.iter().map(|pair| let_in(&self.model, pair, place)).collect();
+        for (((pair, slid), shared), [lacks, _]) in self.model.pairs.iter().zip(slid).zip(shared).zip(&let_in) {
             let let_go: f64 = pair.slaves.iter().map(|slave| slave.accepted.let_go).sum();
             let (mut count, mut borne, mut force, mut middle) = (0.0, 0.0, Vec3::zeros(), Vec3::zeros());
             for slave in pair.slaves.iter().filter(|s| s.accepted.force != Vec3::zeros()) {
@@ -351,25 +369,32 @@ impl Simulation<'_> {
             let is_past_end = |s: &&Slave| s.sights.accepted.side == watch::Side::Beside && !s.committed.aside;
             let past_end = pair.slaves.iter().filter(is_past_end).count() as f64;
             let [f, m] = [force, middle];
-            sums.extend([count, f.x, f.y, f.z, m.x, m.y, m.z, borne, slid, shared, let_go, past_end]);
+            sums.extend([count, f.x, f.y, f.z, m.x, m.y, m.z, borne, slid, shared, let_go, past_end, *lacks]);
         }
         sum(self.comm, &mut sums);
         let depth = |slave: &Slave| slave.sights.accepted.depth - slave.law.allowed;
         let deepest = |pair: &Pair, of: &dyn Fn(&Slave) -> bool| {
             pair.slaves.iter().filter(|slave| of(slave)).map(depth).fold(0.0, f64::max)
         };
-        let place = |n: u32| self.model.part.points[n as usize] + self.state.u[n as usize];
         let farthest = |pair: &Pair| {
             let ground = self.model.masters.of(pair.master);
             let apart = pair.slaves.iter().filter_map(|s| apart(&ground, s, s.accepted.status, &place(s.node)));
             apart.fold(0.0, f64::max)
         };
-        let all =
-            |pair: &Pair| [deepest(pair, &|_| true), deepest(pair, &|slave| slave.accepted.yields), farthest(pair)];
-        let mut depths: Vec<f64> = self.model.pairs.iter().flat_map(all).collect();
+        let all = |(pair, [_, let_in]): (&Pair, &[f64; 2])| {
+            [deepest(pair, &|_| true), deepest(pair, &|slave| slave.accepted.yields), farthest(pair), *let_in]
+        };
+        let mut depths: Vec<f64> = self.model.pairs.iter().zip(&let_in).flat_map(all).collect();
         max(self.comm, &mut depths);
-        for (touch, [depth, yielded, apart]) in self.state.touches.iter_mut().zip(depths.as_chunks::<3>().0) {
+        let borne = sums.chunks_exact(EACH).map(|sums| [sums[7], sums[12]]);
+        let deepest = depths.as_chunks::<4>().0;
+        for ((touch, [depth, yielded, apart, let_in]), [borne, lacks]) in
+            self.state.touches.iter_mut().zip(deepest).zip(borne)
+        {
             touch.depth = touch.depth.max(*depth);
+            if borne > 0.0 && borne >= touch.let_in.borne {
+                touch.let_in = LetIn { borne, lacks, depth: *let_in, at: self.state.time };
+            }
             touch.apart = touch.apart.or_larger(*apart, self.state.time);
             touch.yielded = touch.yielded.or_larger(*yielded, self.state.time);
         }
@@ -519,6 +544,16 @@ impl Simulation<'_> {
                     touch.depth / pair.facet_size
                 ));
             }
+            let LetIn { borne, lacks, depth, at } = touch.let_in;
+            if lacks > pair.controls.watch_let_in * borne {
+                warnings.push(format!(
+                    "contact `{name}`: its gaps, closed in the mean over facets, let nodes be {depth:.3e} deep in {master}, \
+                     {:.2} of a facet, when it bore the most, {borne:.3e} N (time {at:.6}): where displacements are given, \
+                     forces lack some {lacks:.1e} N that would push them out; mesh the slave finer there, take the finer \
+                     side as the slave, or `discretization = \"one-pass\"`",
+                    depth / pair.facet_size
+                ));
+            }
             let other = pair.pass.other().map(|other| self.state.touches[other]);
             if pair.pass.is_second() || touch.now || other.is_some_and(|o| o.now) {
                 continue;
@@ -587,6 +622,25 @@ fn shared(pairs: &[Pair]) -> Vec<f64> {
     shared
 }
 
+/// What it would take to push the slave nodes of this rank out of a master in which they are though a contact from segment to segment
+/// has its gaps closed in the mean, N, and how deep the deepest of them is: each as stiff as the surface around it.
+fn let_in(model: &Model, pair: &Pair, place: impl Fn(u32) -> Vec3) -> [f64; 2] {
+    if pair.faces.is_none() || pair.is_self() {
+        return [0.0; 2];
+    }
+    let ground = model.masters.of(pair.master);
+    let deep = |(s, slave): (usize, &Slave)| {
+        let Sight { side, depth, .. } = slave.sights.accepted;
+        let depth = depth - slave.law.allowed - explained(model, pair, s, 0.0);
+        // Past an end the watch sees what the contact does not.
+        let is_in = side == watch::Side::Front && depth > 0.0;
+        let is_in = is_in && ground.project(pair, s, &place(slave.node), (None, false)).is_some();
+        is_in.then(|| (slave.stiffness(&pair.controls), depth))
+    };
+    let deep = pair.slaves.iter().enumerate().filter_map(deep);
+    deep.fold([0.0; 2], |[lacks, most], (stiffness, depth)| [lacks + stiffness * depth, most.max(depth)])
+}
+
 /// Lets each rank see its tools and deformable masters as they are, as far as the watch needs. Gives for each pair how far its
 /// nodes have gone against the master, at most. Collective.
 fn look_out(comm: &SimpleCommunicator, model: &mut Model, motion: &Motion) -> Vec<f64> {
@@ -633,12 +687,14 @@ pub(super) fn idle(comm: &SimpleCommunicator, pairs: &[Pair], status: fn(&Slave)
 }
 
 /// Depth from which a node is in the master without being felt, at the end of a step: gaps closed in the mean over facets say
-/// nothing where none is closed. What touched before may have been eased to no force, and a step that is not the last one may bring a
-/// master as near as that.
-fn unfelt_from(pair: &Pair, touch: &Touch, ends_run: bool) -> Option<f64> {
+/// nothing where none is closed. What touched before may have been eased to no force, so that it counts by what it bore; and a step that
+/// is not the last one may bring a master as near as that.
+fn unfelt_from<'a>(pair: &'a Pair, touch: &'a Touch, ends_run: bool) -> Option<impl Fn(&Slave) -> f64 + 'a> {
     let is_eased = touch.until.is_some() || !ends_run;
     let share = if is_eased { pair.controls.watch_deep } else { pair.controls.watch_unfelt };
-    (pair.faces.is_some() && !pair.is_self()).then_some(share * pair.facet_size)
+    let borne = pair.controls.watch_let_in * touch.let_in.borne;
+    let from = move |slave: &Slave| (share * pair.facet_size).max(borne / slave.stiffness(&pair.controls));
+    (pair.faces.is_some() && !pair.is_self()).then_some(from)
 }
 
 /// Judges the slave nodes of a pair, of which none has gone farther than `travel`. Collective.
@@ -674,9 +730,10 @@ fn judge_pair(
             .filter(|apart| *apart > pair.controls.watch_mates * pair.facet_size);
         let finding = finding.or(apart.map(Finding::Apart));
         let finding = finding.or_else(|| pushed(&ground, pair, s, [&from, &to], motion.residuals[p]));
-        let is_unfelt =
-            |from: f64| sight.side == watch::Side::Front && sight.depth > from + explained && !is_shared(slave.node);
-        (sight, finding.or_else(|| unfelt.is_some_and(is_unfelt).then_some(Finding::Unfelt(sight.depth))))
+        let is_unfelt = unfelt.as_ref().is_some_and(|from| {
+            sight.side == watch::Side::Front && sight.depth > from(slave) + explained && !is_shared(slave.node)
+        });
+        (sight, finding.or(is_unfelt.then_some(Finding::Unfelt(sight.depth))))
     };
     (0..pair.slaves.len()).map(judge).collect()
 }

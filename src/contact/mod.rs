@@ -301,7 +301,7 @@ impl Pair {
         self.rules.method = method;
         let eased = if method == Enforcement::Uzawa { self.rules.eased } else { 1.0 };
         for slave in &mut self.slaves {
-            let stiffness = slave.penalties.automatic / self.controls.augmentation;
+            let stiffness = slave.stiffness(&self.controls);
             slave.enforce(method, given.unwrap_or(eased * penalty_share(method, &self.controls) * stiffness));
         }
     }

@@ -244,6 +244,11 @@ impl Slave {
         self.law = Law { normal: augmentation, tangential: augmentation, penalty, ..self.law };
     }
 
+    /// How stiffly its body resists a force on it ([`super::stiffness`]), force per length.
+    pub fn stiffness(&self, controls: &Controls) -> f64 {
+        self.penalties.automatic / controls.augmentation
+    }
+
     /// Bytes that it takes, with what it was last evaluated with.
     pub fn bytes(&self) -> usize {
         let local = self.local.by.capacity() * size_of::<(Mover, Mat3, Vec3)>();
