@@ -5,16 +5,17 @@
 //! increment, how far they have moved, and who gets the forces. Another kind of master is a variant more, here.
 
 use super::element::frame;
+use super::meeting::mean_of_pieces;
 use super::method::Tangent;
 use super::pose::way_past;
 use super::segment::ends;
 use super::{Beside, BodySurface, Outlook, Pair, Pose, Slave, Status, Tool};
-use crate::controls::Controls;
 use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
 use crate::surface::{
     Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way, looks_aslant,
+    shortest,
 };
 use crate::tool::shape::{Shape, side_normal};
 use crate::{Mat3, Vec3};
@@ -394,7 +395,7 @@ impl<'a> Ground<'a> {
         };
         let shapes = surface.shapes();
         let found = on_faces(shapes, pair, warm, &outlook)?;
-        let stays = if keeps { shapes.stays(x, warm, &found, &pair.controls) } else { None };
+        let stays = if keeps { shapes.stays(x, warm, &found, (pair.planar, &pair.controls)) } else { None };
         let found = stays.unwrap_or(found);
         let is_seen = pair.must_face(s).is_none_or(|outward| outward.dot(&found.normal) < 0.0);
         (is_seen && !shapes.is_past_end(x, &found, pair.overhang())).then_some(found)
@@ -481,12 +482,24 @@ impl<'a> Ground<'a> {
             return Vec::new();
         }
         let kept: Option<Vec<u32>> = kept.map(|kept| kept.iter().map(|piece| piece.patch).collect());
-        let (turn, outward) = (pair.controls.even_turn, pair.outward[s]);
-        let even = Even { turn, outward, reach: pair.reach, extension: None, kept: kept.as_deref() };
+        self.between(pair, (x, pair.outward[s]), at, kept.as_deref())
+    }
+
+    /// The same of a point of the slave at `x` that looks `outward`.
+    fn between(
+        &self,
+        pair: &Pair,
+        (x, outward): (&Vec3, Vec3),
+        at: &Projection,
+        kept: Option<&[u32]>,
+    ) -> Vec<(Projection, f64)> {
+        let turn = pair.controls.even_turn;
+        let even = Even { turn, outward, reach: pair.reach, extension: None, kept, planar: false };
         let mut found = match self {
             Self::Tool(tool) => tool.evenly(x, at, &even),
             Self::Surface(surface, _) => {
-                surface.shapes().evenly(x, at, &Even { extension: Some(pair.controls.edge_beside), ..even })
+                let extension = Some(pair.controls.edge_beside);
+                surface.shapes().evenly(x, at, &Even { extension, planar: pair.planar, ..even })
             }
         };
         let is_sharp = found.iter().any(|(p, _)| p.normal.dot(&found[0].0.normal) < 1.0 - turn);
@@ -509,7 +522,8 @@ impl<'a> Ground<'a> {
     }
 
     /// Closest point to a point of slave face `f` at `x`, which looks along `outward`, where the two look at each other; the search
-    /// starts at `warm`. Past the end of a tool, the wall beside the point is not opposite to it.
+    /// starts at `warm`. Past the end of a tool, the wall beside the point is not opposite to it; exactly between pieces of it the mean of
+    /// these is. On a body points are never there.
     pub fn project_point(
         &self,
         pair: &Pair,
@@ -519,7 +533,11 @@ impl<'a> Ground<'a> {
     ) -> Option<Projection> {
         match self {
             Self::Tool(tool) => {
-                tool.project(x, pair.reach, (None, false)).and_then(|at| ends::ahead(tool, pair, x, at, outward))
+                let found = tool.project(x, pair.reach, (None, false))?;
+                let at = ends::ahead(tool, pair, x, found, outward)?;
+                // One side of an edge right under it would push it aside.
+                let even = self.between(pair, (x, *outward), &at, None);
+                Some(mean_of_pieces(&even, &at).unwrap_or(at))
             }
             Self::Surface(surface, _) => on_faces(surface.shapes(), pair, warm, &pair.outlook_of_face(f, x, outward))
                 .filter(|found| ends::looks_back(found, outward)),
@@ -617,12 +635,12 @@ impl<'a> Ground<'a> {
         nodes.iter().copied().zip(weights)
     }
 
-    /// Whether `at` is where a node of the master stands, within a part of the shortest edge around.
-    pub fn is_at_node(&self, at: &Projection, part: f64) -> bool {
+    /// Whether `at` is where a node of the master, a layer if that is `planar`, stands, within a part of the shortest edge around.
+    pub fn is_at_node(&self, planar: bool, at: &Projection, part: f64) -> bool {
         let Some((patch, stencil)) = self.patch(at.patch) else { return false };
         let count = patch.count as usize;
         let place = |k: usize| self.position(stencil[k % count]);
-        let shortest = (0..count).map(|k| (place(k + 1) - place(k)).norm()).fold(f64::INFINITY, f64::min);
+        let shortest = shortest((0..count).map(|k| place(k + 1) - place(k)), planar);
         (0..count).any(|k| (place(k) - at.point).norm() < part * shortest)
     }
 
@@ -723,10 +741,10 @@ impl<'a> Ground<'a> {
     }
 
     /// How deep a node may be while it keeps to another piece than that of the point `at`, see [`Self::project`].
-    pub(super) fn kink(&self, at: &Projection, controls: &Controls) -> f64 {
+    pub(super) fn kink(&self, pair: &Pair, at: &Projection) -> f64 {
         match self {
             Self::Tool(tool) => tool.surface.kink(at.patch),
-            Self::Surface(surface, _) => surface.shapes().kink(at.patch, controls),
+            Self::Surface(surface, _) => surface.shapes().kink(at.patch, (pair.planar, &pair.controls)),
         }
     }
 

@@ -12,7 +12,7 @@
 use super::element::Corner;
 use super::segment::ends::STRAIGHT;
 use super::{BodySurface, Slave};
-use crate::surface::{Polygon, Projection};
+use crate::surface::{Polygon, Projection, shortest};
 use crate::{Mat3, Vec3};
 
 /// How far from a slave node its mate may be, over the shortest edge of the master around it.
@@ -90,27 +90,26 @@ pub enum Lonely {
 /// A node that has none, and why.
 pub fn find<'a>(
     slaves: &mut [Slave],
-    surface: &BodySurface,
+    (surface, planar): (&BodySurface, bool),
     place: impl Fn(u32) -> Vec3,
     faces: impl Fn(u32) -> &'a [Vec3],
 ) -> Result<(), (u32, Lonely)> {
     for slave in slaves {
-        let found = nearest(surface, &place(slave.node), faces(slave.node));
+        let found = nearest((surface, planar), &place(slave.node), faces(slave.node));
         slave.mate = Some(found.map_err(|why| (slave.node, why))?);
     }
     Ok(())
 }
 
 /// The mate at `x`, on a patch that looks at one of the `faces` of the slave: around a node on an edge others do not.
-fn nearest(surface: &BodySurface, x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lonely> {
+fn nearest((surface, planar): (&BodySurface, bool), x: &Vec3, faces: &[Vec3]) -> Result<Mate, Lonely> {
     /// Over the shortest edge: nodes of patches that share one are as near as that.
     const SAME: f64 = 1e-6;
     let (shapes, around) = (surface.shapes(), Vec3::repeat(surface.facet_size));
     let mut near = Vec::new();
     for patch in shapes.within(&(x - around), &(x + around)).into_iter().map(|k| &shapes.pieces()[k as usize]) {
         let count = patch.count as usize;
-        let edge = |k: usize| (patch.nodes[(k + 1) % count] - patch.nodes[k % count]).norm();
-        let shortest = (0..count).map(edge).fold(f64::INFINITY, f64::min);
+        let shortest = shortest((0..count).map(|k| patch.nodes[(k + 1) % count] - patch.nodes[k]), planar);
         for corner in 0..count {
             let mate = Mate { patch: patch.id, corner, xi: patch.corners(&[0.0; 4])[corner] };
             near.push(((patch.nodes[corner] - x).norm(), shortest, mate));

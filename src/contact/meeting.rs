@@ -132,7 +132,8 @@ impl Meeting {
         let goes_on = slave.trial.yields && !projection.is_some_and(is_deep);
         let near = if goes_on { 2.0 } else { 1.0 } * controls.repeat_distance;
         slave.trial.let_go = if guide.drawn == [false; 3] { let_go } else { 0.0 };
-        slave.trial.yields = pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(&p, near));
+        slave.trial.yields =
+            pair.pass.is_second() && projection.is_some_and(|p| ground.is_at_node(pair.planar, &p, near));
         let felt = projection.filter(|p| guide.gives_way(&p.normal) && !slave.trial.yields);
         let touch = |p: &Projection| several.unwrap_or_else(|| Touch::Node(ground.slip_origin(slave, p)));
         let contact = felt.map(|p| (touching(p, closed), touch(&p)));
@@ -249,7 +250,7 @@ impl Wedge {
         const FACTOR: f64 = 4.0;
         let slave = &pair.slaves[s];
         // The master's facets may be far larger than the slave's, and so would be what the node is aside.
-        let most = ground.kink(at, &pair.controls).min(pair.controls.kink_gap * pair.facet_size);
+        let most = ground.kink(pair, at).min(pair.controls.kink_gap * pair.facet_size);
         let has_points = pair.faces.is_some() || pair.is_by_nodes();
         if pair.rules.friction > 0.0 || has_points || force >= 0.0 || most == 0.0 {
             return None;
@@ -334,7 +335,7 @@ fn is_beside(pair: &Pair, ground: &Ground, s: usize, position: &Vec3, at: &Proje
     let slave = &pair.slaves[s];
     let gap = |x: &Vec3| ground.project(pair, s, x, (None, false)).map(|p| p.gap);
     let controls = &pair.controls;
-    let shallow = || controls.watch_deep * pair.facet_size + ground.kink(at, controls) + ground.bulge(at.patch);
+    let shallow = || controls.watch_deep * pair.facet_size + ground.kink(pair, at) + ground.bulge(at.patch);
     slave.is_beside(|| ground.start(slave, at), position, at, (pair.facet_size, shallow, controls), gap)
 }
 

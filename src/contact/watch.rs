@@ -232,7 +232,7 @@ impl Seen {
 
 /// Depth behind the surface up to which a node is not behind it, with its nearest point there.
 fn allowed(view: &View, nearest: &Projection, may: &Allowance) -> f64 {
-    may.controls.watch_deep * may.facet + may.explained + view.ground.kink(nearest, may.controls)
+    may.controls.watch_deep * may.facet + may.explained + view.ground.kink(view.pair, nearest)
 }
 
 /// What is seen of a node at `x` before anything has moved.

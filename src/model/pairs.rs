@@ -241,7 +241,7 @@ impl Model {
         for (pair, faces) in pairs.iter_mut().zip(&faces) {
             let (Some((k, contact)), Some(faces)) = (contact_of(pair), faces) else { continue };
             let around = |n: u32| faces.get(&n).map_or(&[][..], Vec::as_slice);
-            let lonely = mates::find(&mut pair.slaves, &masters.surfaces[k], place, around).err();
+            let lonely = mates::find(&mut pair.slaves, (&masters.surfaces[k], pair.planar), place, around).err();
             let told = lonely.map(|(node, why)| {
                 let (x, id, master) = (place(node), part.id[node as usize], &contact.master.value);
                 let (lacks, help) = match why {

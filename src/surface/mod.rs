@@ -43,7 +43,7 @@ pub use nurbs::{Bezier, Curve, CurveLocal, KnotVector, Nurbs};
 pub use parametric::{Closest, Local, Parametric};
 pub use patch::Patch;
 pub use piece::{EXTENSION, Edge, Piece, Polygon};
-pub use piece_set::{Admission, Even, PatchSet, PieceSet, looks_aslant};
+pub use piece_set::{Admission, Even, PatchSet, PieceSet, looks_aslant, shortest};
 pub use projection::Projection;
 pub use smoothing::{Smoothing, Transfer};
 pub use tessellation::Tessellation;

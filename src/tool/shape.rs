@@ -35,8 +35,8 @@ impl Shape {
     ) -> Option<Projection> {
         let found = self.closest(x, reach, warm)?;
         let stays = match self {
-            Self::Patches(patches) => patches.stays(x, warm, &found, controls),
-            Self::Faces(faces) => faces.stays(x, warm, &found, controls),
+            Self::Patches(patches) => patches.stays(x, warm, &found, (false, controls)),
+            Self::Faces(faces) => faces.stays(x, warm, &found, (false, controls)),
             Self::Analytic(_) => None,
         };
         Some(stays.unwrap_or(found))
@@ -105,8 +105,8 @@ impl Shape {
     /// How far a node that keeps to another piece may be behind `piece`, see [`Self::contact`].
     pub fn kink(&self, piece: u32, controls: &Controls) -> f64 {
         match self {
-            Self::Patches(patches) => patches.kink(piece, controls),
-            Self::Faces(faces) => faces.kink(piece, controls),
+            Self::Patches(patches) => patches.kink(piece, (false, controls)),
+            Self::Faces(faces) => faces.kink(piece, (false, controls)),
             Self::Analytic(_) => 0.0,
         }
     }

@@ -291,7 +291,8 @@ fn at_a_corner_the_facet_tells_the_side() {
 #[test]
 fn sides_of_an_edge_are_even() {
     let [x, y] = super::super::normals::tangents(&axis());
-    let even = |turn: f64| Even { turn, outward: Vec3::zeros(), reach: 5.0, extension: None, kept: None };
+    let even =
+        |turn: f64| Even { turn, outward: Vec3::zeros(), reach: 5.0, extension: None, kept: None, planar: false };
     // Solid above, as in (r, h).
     let points = [[0.0, 0.0], [3.0, 1.0]];
     let slope = 1.0f64.atan2(3.0);

@@ -74,6 +74,8 @@ pub struct Even<'a> {
     pub extension: Option<f64>,
     /// The pieces to which it keeps, and to their extensions; all of them count, or none.
     pub kept: Option<&'a [u32]>,
+    /// The pieces are of a layer.
+    pub planar: bool,
 }
 
 impl Even<'_> {
@@ -262,19 +264,20 @@ impl<P: Piece> PieceSet<P> {
         x: &Vec3,
         warm: Option<(u32, [f64; 2])>,
         found: &Projection,
-        controls: &Controls,
+        (planar, controls): (bool, &Controls),
     ) -> Option<Projection> {
         let (id, xi) = warm.filter(|(id, _)| *id != found.patch)?;
-        let most = self.kink(id, controls);
+        let most = self.kink(id, (planar, controls));
         let same = |p: &Projection| {
             (p.gap - found.gap).abs() <= most && p.normal.dot(&found.normal) >= 1.0 - controls.kink_turn
         };
         self.on_piece(x, id, xi).filter(same)
     }
 
-    /// How much the gap of a node that keeps to its piece at a kink may differ from that on the other side, a length.
-    pub fn kink(&self, id: u32, controls: &Controls) -> f64 {
-        controls.kink_gap * self.get(id).map_or(0.0, shortest_edge)
+    /// How much the gap of a node that keeps to its piece at a kink may differ from that on the other side, a length; `planar` pieces are
+    /// of a layer.
+    pub fn kink(&self, id: u32, (planar, controls): (bool, &Controls)) -> f64 {
+        controls.kink_gap * self.get(id).map_or(0.0, |piece| shortest_edge(piece, planar))
     }
 
     /// Where `x`, whose point of contact is `at`, is exactly between pieces: the projections onto all of them, by rising id, with the
@@ -298,7 +301,7 @@ impl<P: Piece> PieceSet<P> {
     fn nearest_evenly(&self, x: &Vec3, at: &Projection, even: &Even) -> Vec<(Projection, f64)> {
         let Some(k) = self.index(at.patch) else { return Vec::new() };
         let piece = &self.pieces[k];
-        let beside = BESIDE + ASIDE * (-at.gap).max(0.0) / shortest_edge(piece);
+        let beside = BESIDE + ASIDE * (-at.gap).max(0.0) / shortest_edge(piece, even.planar);
         if piece.sides(at.xi)[..piece.count()].iter().all(|side| *side > beside) {
             return Vec::new();
         }
@@ -444,12 +447,17 @@ fn on_surface<P: Piece>(piece: &P, x: &Vec3, foot: &Foot) -> Projection {
     Projection { gap, point: foot.local.point, normal, normal_gradient, patch: piece.id(), xi: foot.xi }
 }
 
-/// The shortest edge, between corners; edges of no length, at poles, do not count.
-fn shortest_edge<P: Piece>(piece: &P) -> f64 {
-    const NONE: f64 = 1e-6;
+/// The shortest edge, between corners.
+fn shortest_edge<P: Piece>(piece: &P, planar: bool) -> f64 {
     let count = piece.count();
     let corners = piece.corners(&[0.0; 4]).map(|xi| piece.point(xi));
-    let edges = || (0..count).map(|k| (corners[(k + 1) % count] - corners[k]).norm());
-    let longest = edges().fold(0.0, f64::max);
-    edges().filter(|edge| *edge > NONE * longest).fold(longest, f64::min)
+    shortest((0..count).map(|k| corners[(k + 1) % count] - corners[k]), planar)
+}
+
+/// The shortest of some edges. Those of no length, at poles, do not count, nor those across a layer: how wide that is says nothing.
+pub fn shortest(edges: impl Iterator<Item = Vec3> + Clone, planar: bool) -> f64 {
+    const NONE: f64 = 1e-6;
+    let lengths = edges.map(|edge| if planar { edge.xy().norm() } else { edge.norm() });
+    let longest = lengths.clone().fold(0.0, f64::max);
+    lengths.filter(|length| *length > NONE * longest).fold(longest, f64::min)
 }

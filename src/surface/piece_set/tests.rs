@@ -73,7 +73,8 @@ fn the_sides_of_an_edge_reach_beyond_it() {
 /// more sharply are one surface no longer.
 #[test]
 fn exactly_between_pieces() {
-    let question = Even { turn: 0.1, outward: Vec3::zeros(), reach: 1.0, extension: Some(0.5), kept: None };
+    let question =
+        Even { turn: 0.1, outward: Vec3::zeros(), reach: 1.0, extension: Some(0.5), kept: None, planar: false };
     let even = |set: &PatchSet, x: [f64; 3]| -> Vec<(f64, f64)> {
         let x = Vec3::from(x);
         let at = set.closest(&x, 1.0, None).unwrap();
