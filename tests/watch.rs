@@ -852,6 +852,57 @@ fn a_node_hooks_on_a_wall() {
     }
 }
 
+/// ```text
+///      \         A corner of 20 and 60 degrees is pressed a little into a flat and drawn along, without friction: a node beside it is
+///   ____\____    pushed by its steep side, where the corner itself meets a facet. What is right is a force across, but for what the
+///        ''--    dent leans; where the corner is round, it is.
+/// ```
+#[test]
+fn a_corner_pushes_nodes_aside() {
+    let scene = |[fillet, facet]: [f64; 2], contact: &str| {
+        let count = (4.0 / facet).round() as usize;
+        Bench::new(&format!(
+            r#"
+            [body.base]
+            material = "m"
+            plane_strain = true
+            block = {{ box = {{ origin = [-2.0, -1.0, 0.0], size = [4.0, 1.0, 1.0] }}, elements = [{count}, {}, 1] }}
+            [material.m]
+            model = "hooke"
+            young = 1000.0
+            poisson = 0.3
+            [tool.corner]
+            profile = {{ points = [[-1.410, 0.513], [0.0, 0.0], [0.75, 1.299]], fillets = {fillet:?} }}
+            [contact.c]
+            slave = "base.ymax"
+            master = "corner"
+            {contact}
+            [[step]]
+            increments = 4
+            fix = [{{ set = "base.ymin" }}]
+            move = [{{ target = "corner", by = [0.0075, {}, 0.0] }}]
+            [[step]]
+            increments = 15
+            fix = [{{ set = "base.ymin" }}]
+            move = [{{ target = "corner", by = [0.2, 0.0, 0.0] }}]
+            "#,
+            count / 4,
+            // A fillet has its lowest point above the corner.
+            -0.025 - 0.2266 * fillet
+        ))
+    };
+    let says = "sides of the tool `corner` that none of the facets around a node looks at pushed nodes aside with";
+    // A finer mesh does not help.
+    for (facet, contact, ranks) in [(0.125, "", 1), (0.125, "friction = 0.2", 2), (0.0625, "", 1)] {
+        let run = scene([0.0, facet], contact).run(ranks, &[]);
+        assert!(run.code == 1 && run.stderr.contains(says), "{facet} {contact}: {}\n{}", run.code, run.stderr);
+    }
+    let round = scene([0.125, 0.0625], "").solve(1, &[]);
+    let force = round.history().last("corner.fy").abs();
+    assert!(force > 0.1 && !round.log().contains(says), "{force}");
+    assert_small("across", round.history().last("corner.fx") / force, 0.2);
+}
+
 /// What is held by a side beside it as it should be: the thin end of a strip against a wall, with all its faces as the slave; a block
 /// that a low stop holds by the end of its bottom; and a block that is drawn off the end of a table, round whose corner a node snaps.
 #[test]

@@ -69,6 +69,8 @@ pub struct Touch {
     apart: Most,
     /// What gaps that are closed in the mean let in when it bore the most.
     let_in: LetIn,
+    /// The largest force with which sides that nodes do not look at pushed them aside, N.
+    aside: Most,
 }
 
 crate::words!(Touch {
@@ -89,6 +91,7 @@ crate::words!(Touch {
     shared,
     apart,
     let_in,
+    aside,
 });
 
 /// From segment to segment: nodes that are in the master while the gaps around them are closed in the mean.
@@ -220,11 +223,15 @@ impl Simulation<'_> {
             self.recall_unfelt(idle, &mut converged.between);
         }
         let cut = astride(self.comm, &self.model, &travels, &converged.u);
-        let hooked = hooked(self.comm, &self.model, &converged.u, &converged.limits);
+        let (hooked, aside) = hooked(self.comm, &self.model, &converged.u, &converged.limits);
+        converged.aside = aside;
         told = told
             .or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)))
             .or(cut)
             .or(hooked);
+        if ends_step {
+            told = told.or(self.aside(&converged.aside));
+        }
         told = told.or_else(|| self.undetermined(conditions)).or_else(|| in_seam(&self.model, &converged.u));
         let told = told.map(|told| (told, told.2.size()));
         let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
@@ -238,6 +245,20 @@ impl Simulation<'_> {
         let (strays, word) = stray(self.comm, &mut self.model, &self.state.strays, [&self.state.u, &converged.u]);
         converged.strays = strays;
         word
+    }
+
+    /// A contact of which, until the end of a step, sides that nodes do not look at pushed them aside with more than is let by. Collective.
+    fn aside(&self, now: &[f64]) -> Option<(usize, usize, Finding)> {
+        let pairs = &self.model.pairs;
+        let borne = |pair: &Pair| pair.slaves.iter().map(|slave| slave.trial.force.norm()).sum();
+        let mut borne: Vec<f64> = pairs.iter().map(borne).collect();
+        sum(self.comm, &mut borne);
+        let found = pairs.iter().zip(&self.state.touches).zip(now.iter().zip(borne)).enumerate();
+        let shares = found.filter_map(|(p, ((pair, touch), (now, borne)))| {
+            let (aside, most) = (touch.aside.size.max(*now), touch.let_in.borne.max(borne));
+            (aside > pair.controls.watch_aside_most * most).then_some((p, 0, Finding::Aside(aside, aside / most)))
+        });
+        shares.max_by(|a, b| a.2.size().total_cmp(&b.2.size()))
     }
 
     /// Where no node has ever touched a master that is between nodes, or was on its way, by more than is told of, the force is
@@ -316,6 +337,7 @@ impl Simulation<'_> {
                 100.0 * share
             ),
             Finding::Between(_) => return self.word_between(p, between),
+            Finding::Aside(force, share) => return self.word_aside(p, force, share),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
     }
@@ -329,6 +351,24 @@ impl Simulation<'_> {
             node_name(&self.model, n),
             self.model.master_name(pair),
             pair.name
+        )
+    }
+
+    /// How much sides that nodes do not look at pushed them aside, and what helps.
+    fn word_aside(&self, p: usize, force: f64, share: f64) -> String {
+        let pair = &self.model.pairs[p];
+        let master = self.model.master_name(pair);
+        let else_ways = match (pair.master.tool(), pair.faces.is_some(), pair.pass.other()) {
+            (_, true, _) => "",
+            (Some(_), ..) | (None, _, Some(_)) => ", or take `discretization = \"segment\"`",
+            _ => ", exchange slave and master, or take `discretization = \"two-pass\"` or `\"segment\"`",
+        };
+        format!(
+            "contact `{}`: sides of {master} that none of the facets around a node looks at pushed nodes aside with {force:.3e} N, \
+             {:.0} % of the largest force: an edge between nodes is felt by those beside it, along the side where they are, and \
+             finer facets do not change that; round it off by a fillet of two facets{else_ways}",
+            pair.name,
+            100.0 * share
         )
     }
 
@@ -349,7 +389,7 @@ impl Simulation<'_> {
 
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, and what they lost,
     /// also by a jump. Collective.
-    pub(super) fn note_touches(&mut self, between: &[Between], is_jump: bool) {
+    pub(super) fn note_touches(&mut self, (between, aside): (&[Between], &[f64]), is_jump: bool) {
         const EACH: usize = 13;
         let mut sums = Vec::with_capacity(EACH * self.model.pairs.len());
         let slid = take_slid(&mut self.model.pairs);
@@ -402,6 +442,9 @@ impl Simulation<'_> {
             if between.share > touch.between.share {
                 (touch.between, touch.deepest_at) = (*between, self.state.time);
             }
+        }
+        for (touch, aside) in self.state.touches.iter_mut().zip(aside) {
+            touch.aside = touch.aside.or_larger(*aside, self.state.time);
         }
         let most = sums.chunks_exact(EACH).map(|sums| sums[7]).fold(0.0, f64::max);
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
@@ -553,6 +596,11 @@ impl Simulation<'_> {
                      side as the slave, or `discretization = \"one-pass\"`",
                     depth / pair.facet_size
                 ));
+            }
+            let share = touch.aside.size / touch.let_in.borne;
+            if share > pair.controls.watch_aside {
+                let word = self.word_aside(p, touch.aside.size, share);
+                warnings.push(format!("{word} (time {:.6}, the most)", touch.aside.at));
             }
             let other = pair.pass.other().map(|other| self.state.touches[other]);
             if pair.pass.is_second() || touch.now || other.is_some_and(|o| o.now) {

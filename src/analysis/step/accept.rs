@@ -92,7 +92,7 @@ impl Simulation<'_> {
         frame.plain = None;
         self.state.time = time;
         self.state.increments += 1;
-        self.note_touches(&converged.between, way == Way::Jump);
+        self.note_touches((&converged.between, &converged.aside), way == Way::Jump);
         self.summary.counts.increments += 1;
         self.note_rounded(converged.effort.rounded.as_ref());
         let nodes = self.count(&converged.effort.calmed);

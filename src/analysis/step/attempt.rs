@@ -33,6 +33,8 @@ pub struct Converged {
     pub limits: Vec<f64>,
     /// Of each pair how deep its master is between nodes, as the watch saw it.
     pub between: Vec<Between>,
+    /// What pushes nodes aside of each contact, N.
+    pub aside: Vec<f64>,
     /// Bodies that nothing holds, and that stay where they were, in words, with the motion that is free if that is not any.
     pub loose: Vec<(String, Option<String>)>,
     /// Bodies that supports do not hold and nothing presses on, and those of them that something did before, in words.
@@ -373,6 +375,7 @@ fn converged(mut newton: Newton, x: &[f64], negative: Negative) -> Converged {
         offsets: found.offsets,
         limits,
         between: Vec::new(),
+        aside: Vec::new(),
         loose: Vec::new(),
         unpressed: Vec::new(),
         let_go: Vec::new(),
