@@ -6,7 +6,6 @@
 mod common;
 
 use common::keys::{Row, described};
-use common::random::Random;
 use nagata::controls::{Control, Controls};
 use nagata::mesh::Purpose;
 use nagata::scene::{Located, MeshSource};
@@ -165,6 +164,27 @@ fn describe(tool: &str, path: &Path) {
             let shape = described.geometry.whole();
             let _ = shape.closest(&nagata::Vec3::new(0.3, 0.4, 0.5), 1e3, None);
         }
+    }
+}
+
+/// A generator of numbers that goes on from any seed (Steele, Lea and Flood, OOPSLA 2014: SplitMix64).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() % n.max(1) as u64) as usize
+    }
+
+    fn of<'a, T>(&mut self, choices: &'a [T]) -> &'a T {
+        &choices[self.below(choices.len())]
     }
 }
 

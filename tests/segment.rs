@@ -685,7 +685,7 @@ history = ["block.bottom"]
 /// of what finer facets bear, and that is told of. One that is released again is told of as it was when it was pressed.
 #[test]
 fn what_a_mean_lets_in_is_told_of() {
-    let pressed = |facets: usize, more: &str, ranks: usize| {
+    let pressed = |facets: usize, deep: f64, more: &str, ranks: usize| {
         let bench = Bench::new(&format!(
             r#"
 body.pad.material = "soft"
@@ -697,26 +697,29 @@ contact.c = {{ slave = "pad.ymin", master = "ridge", discretization = "segment" 
 [[step]]
 increments = 4
 fix = [{{ set = "pad.ymax", directions = "x" }}]
-move = [{{ target = "pad.ymax", by = [0.0, -0.018, 0.0] }}]
+move = [{{ target = "pad.ymax", by = [0.0, -{deep}, 0.0] }}]
 {more}
 "#,
             facets / 2
         ));
         let run = bench.solve(ranks, &[]);
+        assert_small("across", run.history().last("ridge.fx"), 1e-10);
         let most = run.history().column("ridge.fy").into_iter().fold(0.0, |most: f64, f| most.max(f.abs()));
         (most, run.log().contains("where displacements are given, forces lack"))
     };
     let back = "[[step]]\nincrements = 2\nfix = [{ set = \"pad.ymax\", directions = \"x\" }]\n\
                 move = [{ target = \"pad.ymax\", by = [0.0, 0.017, 0.0] }]";
-    let right = pressed(64, "", 1);
+    // A point of a facet right over the edge is pushed to neither side.
+    assert!(pressed(5, 0.12, "", 1).0 > 0.0);
+    let right = pressed(64, 0.018, "", 1);
     assert!(!right.1, "{right:?}");
     for more in ["", back] {
         for ranks in [1, 2] {
-            let coarse = pressed(8, more, ranks);
+            let coarse = pressed(8, 0.018, more, ranks);
             assert!(coarse.0 < 0.3 * right.0 && coarse.1, "{coarse:?}, {right:?}");
         }
         // Released to a touch, a mesh that bore what is right is not told of for the little that is left.
-        assert!(!pressed(64, more, 1).1);
+        assert!(!pressed(64, 0.018, more, 1).1);
     }
 }
 

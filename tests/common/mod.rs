@@ -7,7 +7,6 @@ pub mod hertz;
 pub mod jobs;
 pub mod keys;
 pub mod msh;
-pub mod random;
 pub mod stl;
 
 use mpi::topology::SimpleCommunicator;
