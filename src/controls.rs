@@ -327,8 +327,8 @@ controls! {
             "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
         watch_unfelt: f64 = 1e-4, [1e-9, 1.0], "longest edge of the slave facets",
             "Nodes that are deeper at the end of the last step in a master that segments never felt end the run: coordinates of mesh files are as exact as that. At the end of other steps, and where it has been felt and eased, it is `watch_deep`, and what would push them out `watch_let_in` of what it has borne.";
-        watch_let_in: f64 = 0.5, [0.01, 1e6], "force of the contact, at its largest",
-            "From segment to segment nodes are in a master that is sharper than the facets, while gaps are closed in the mean. If it would take more than this to push them out, each as stiff as the surface around it, that is told of at the end: in 170 scenes forces are within 10 % of those of finer facets below 0.5, 25 % low at 1, and a third at 3.";
+        watch_let_in: f64 = 0.25, [0.01, 1e6], "how far both sides have given way",
+            "From segment to segment nodes are in a master that is sharper than the facets, while gaps are closed in the mean. If they are deeper than this when the contact bears its largest force, and to push them out, each as stiff as the surface around it, would take more than half of that, it is told of at the end: forces lack about as much. Twice the energy of both bodies over the force is how far they have given way.";
         watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
             "A master that is deeper in the slave between its nodes is told of at the end. The size is the diagonal where a node of the facet touches, else the edge of a square of its area, of a layer its length. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
         watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
@@ -342,9 +342,9 @@ controls! {
         watch_hooked: f64 = 0.1, [1e-3, 1.0], "force of the contact",
             "Nodes that are held by a side which they do not look at, as by the wall of a sharp punch that is drawn along, end the run where their forces, less what is in balance among them, are more: where single nodes happen to stand decides it. Frictionless on a flat it is nine tenths where nothing is right.";
         watch_aside: f64 = 0.1, [1e-3, 1e6], "largest force of the contact",
-            "Sides that none of the facets around a node looks at, by more than 15 degrees, push nodes aside: if ever by more than this, less what is in balance among them, it is told of at the end. A sharp edge does that to the nodes beside it. In 330 scenes whose forces are right it is 0 in nearly all, and 0.03 to 0.16 on coarse facets over small radii.";
+            "Sides that are more than 15 degrees off all that is between the normals of the facets around a node push it aside: if ever by more than this, less what is in balance among nodes that touch side by side, it is told of at the end. A sharp edge does that to the nodes beside it. In 330 scenes whose forces are right it is 0 in nearly all, and 0.03 to 0.16 on coarse facets over small radii.";
         watch_aside_most: f64 = 0.3, [1e-3, 1e6], "largest force of the contact",
-            "The same, more than this, ends the run at the end of the step: of what was up to 20 times too large, and of energy from nothing, it was 0.36 to 0.9.";
+            "The same, more than this, and the run ends with an error: of forces that were up to 20 times too large, and of energy from nothing, it was 0.36 to 0.9.";
         watch_unpaid: f64 = 1.5, [0.01, 1e6], "what loads, supports and tools can have given",
             "Elastic energy that an increment gains beyond this is told of where friction may hold what supports do not: no way leads to such a state. Their largest forces at both ends of an increment over its way are more than what they give, but for those that rise and fall within it.";
         watch_pushed: f64 = 0.5, [0.0, 1.0], "cosine of the angle between the friction on a node and its way",

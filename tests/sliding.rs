@@ -178,6 +178,7 @@ fn plough() -> Bench {
         [controls]
         step_facets = 3.0 # with 1.5 a node that snaps round the corner ends the run
         watch_hooked = 1.0 # with 0.1 the nodes on its front side do, which bear most of what resists it
+        watch_aside_most = 1.0 # and push them aside
         "#,
     )
 }

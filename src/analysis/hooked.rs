@@ -10,7 +10,8 @@ use crate::contact::watch::Finding;
 use crate::contact::{Pair, Slave, Status};
 use crate::model::Model;
 use crate::mortar::Corners;
-use crate::parallel::{any, sum};
+
+use crate::parallel::{any, sum, to_all};
 use mpi::topology::SimpleCommunicator;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,14 +20,20 @@ use std::collections::{BTreeMap, BTreeSet};
 const EDGE_ON: f64 = 0.2;
 /// The same of each facet around it, 60 degrees, one of which looks at what it presses where the node is at an edge of its own.
 const ASKEW: f64 = 0.5;
-/// The same, 15 degrees, from where what presses it is another side than that which its facets look at: they turn by less from one to
-/// the next where they show a surface.
-const ASIDE: f64 = 0.966;
+/// The sine of the angle, 15 degrees, between what presses a node and the nearest direction between those of its facets, from where
+/// it is another side than the one that these look at: they turn by less from one to the next where they show a surface.
+const ASIDE: f64 = 0.26;
+
+/// What presses a slave node along the normal of the master, if something does: that normal, and the force, N. That of the slave is
+/// the one on the master.
+fn pressed(slave: &Slave) -> Option<(Vec3, f64)> {
+    let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
+    Some((at.normal, -at.normal.dot(&slave.trial.force)))
+}
 
 /// The node that is held so with the most force, where what holds such nodes of a contact makes up more of its force than
 /// `watch_hooked`, and more than the residual that is let through at each contact, with nodes displaced by `u`; and for each contact
-/// what pushes nodes aside, N: the sum of the forces along normals to which none of the facets around a node looks, without what is
-/// along the node's own, so that what is in balance, as at a blade, is none. Collective.
+/// what pushes nodes aside, N, see [`pushed`]. Collective.
 pub(super) fn hooked(
     comm: &SimpleCommunicator,
     model: &Model,
@@ -34,29 +41,23 @@ pub(super) fn hooked(
     residuals: &[f64],
 ) -> (Option<(usize, usize, Finding)>, Vec<f64>) {
     let pairs = || model.pairs.iter().enumerate().filter(|(_, pair)| !pair.is_within_body());
-    // The normal, and the force along it; that of the slave is the one on the master.
-    let pressed = |slave: &Slave| {
-        let at = slave.trial.projection.filter(|_| slave.trial.status != Status::Gap)?;
-        Some((at.normal, -at.normal.dot(&slave.trial.force)))
-    };
-    let is_askew = |slave: &Slave, outward: &Vec3, most: f64| {
-        pressed(slave).filter(|(normal, force)| *force > 0.0 && -normal.dot(outward) < most)
-    };
     // From where nodes looked when the increment began it is seen where to look more closely.
+    let is_doubtful = |slave: &Slave, outward: &Vec3| {
+        pressed(slave).is_some_and(|(n, force)| force > 0.0 && -n.dot(outward) < (1.0 - ASIDE * ASIDE).sqrt())
+    };
     let may_be = |pair: &Pair| -> BTreeSet<u32> {
         let slaves = pair.slaves.iter().zip(&pair.outward);
-        slaves.filter(|(s, outward)| is_askew(s, outward, ASIDE).is_some()).map(|(s, _)| s.node).collect()
+        slaves.filter(|(slave, outward)| is_doubtful(slave, outward)).map(|(slave, _)| slave.node).collect()
     };
     let doubtful: Vec<BTreeSet<u32>> = pairs().map(|(_, pair)| may_be(pair)).collect();
-    let mut aside = vec![0.0; model.pairs.len()];
     if !any(comm, doubtful.iter().any(|nodes| !nodes.is_empty())) {
-        return (None, aside);
+        return (None, vec![0.0; model.pairs.len()]);
     }
-    const EACH: usize = 7;
-    let mut sums = vec![0.0; EACH * model.pairs.len()];
+    let mut sums = vec![0.0; 4 * model.pairs.len()];
     let mut worst: Vec<Option<(usize, f64)>> = vec![None; model.pairs.len()];
+    let mut aside = Vec::new();
     for ((p, pair), doubtful) in pairs().zip(doubtful) {
-        let sums = &mut sums[EACH * p..EACH * (p + 1)];
+        let sums = &mut sums[4 * p..4 * (p + 1)];
         sums[3] = pair.slaves.iter().filter_map(pressed).map(|(_, force)| force.abs()).sum();
         if doubtful.is_empty() {
             continue;
@@ -67,13 +68,12 @@ pub(super) fn hooked(
         for (s, slave) in pair.slaves.iter().enumerate() {
             let Some(around) = around.get(&slave.node).filter(|around| around.is_inside(is_layer)) else { continue };
             let Some((normal, force)) = pressed(slave).filter(|(_, force)| *force > 0.0) else { continue };
-            let looks = |most: f64| around.normals.iter().all(|facet| -normal.dot(facet) < most);
-            let own = around.outward();
-            if looks(ASIDE) {
-                let across = (normal - own * own.dot(&normal)) * force;
-                (0..3).for_each(|d| sums[4 + d] += across[d]);
+            let beyond = beyond(&-normal, &around.normals);
+            if beyond.norm() > ASIDE {
+                aside.push(Pushed { pair: p, node: slave.node, force: beyond * force });
             }
-            if pair.faces.is_some() || -normal.dot(&own) >= EDGE_ON || !looks(ASKEW) {
+            let is_askew = around.normals.iter().all(|facet| -normal.dot(facet) < ASKEW);
+            if pair.faces.is_some() || -normal.dot(&around.outward()) >= EDGE_ON || !is_askew {
                 continue;
             }
             (0..3).for_each(|d| sums[d] += force * normal[d]);
@@ -82,14 +82,103 @@ pub(super) fn hooked(
         }
     }
     sum(comm, &mut sums);
-    let norm = |p: usize, first: usize| Vec3::from_column_slice(&sums[EACH * p + first..][..3]).norm();
-    pairs().for_each(|(p, _)| aside[p] = norm(p, 4));
     let found = pairs().filter_map(|(p, pair)| {
-        let (held, all) = (norm(p, 0), sums[EACH * p + 3]);
+        let (held, all) = (Vec3::from_column_slice(&sums[4 * p..4 * p + 3]).norm(), sums[4 * p + 3]);
         let (s, force) = worst[p].filter(|_| held > (pair.controls.watch_hooked * all).max(residuals[p]))?;
         Some((p, s, Finding::Hooked(force, held / all)))
     });
-    (found.max_by(|a, b| a.2.size().total_cmp(&b.2.size())), aside)
+    (found.max_by(|a, b| a.2.size().total_cmp(&b.2.size())), pushed(comm, model, &aside))
+}
+
+/// What is left of a direction when the nearest one between some `normals`, of which none counts negatively, is taken from it: nothing
+/// if it is between them, as at a corner of the slave on a flat.
+fn beyond(direction: &Vec3, normals: &[Vec3]) -> Vec3 {
+    /// To a thousandth, of normals that are 10 degrees apart.
+    const SWEEPS: usize = 200;
+    let (mut rest, mut shares) = (*direction, vec![0.0; normals.len()]);
+    for _ in 0..SWEEPS {
+        for (normal, share) in normals.iter().zip(&mut shares) {
+            let next = f64::max(*share + rest.dot(normal), 0.0);
+            rest -= normal * (next - *share);
+            *share = next;
+        }
+    }
+    rest
+}
+
+/// An owned slave node of a pair that a side pushes aside with a force.
+struct Pushed {
+    pair: usize,
+    node: u32,
+    force: Vec3,
+}
+
+/// Pair and number of a node.
+type Key = [u64; 2];
+
+/// The forces with which nodes of each contact are pushed aside, N: the sum over a coherent part of the nodes that touch, in which what
+/// is in balance, as at both flanks of a blade, is none, and without what the images of a part in planes of symmetry balance, or its
+/// ring around an axis; added up over all parts. Collective.
+fn pushed(comm: &SimpleCommunicator, model: &Model, aside: &[Pushed]) -> Vec<f64> {
+    let part = &model.part;
+    let numbers = part.global_numbers(comm);
+    let row = |p: usize, n: u32, v: &Vec3| [p as f64, numbers[n as usize] as f64, v.x, v.y, v.z];
+    let key = |p: f64, n: f64| [p as u64, n as u64];
+    let forces: Vec<_> = aside.iter().map(|at| row(at.pair, at.node, &at.force)).collect();
+    let forces = to_all(comm, &forces);
+    let (mut links, mut planes) = (Vec::new(), Vec::new());
+    for p in forces.iter().map(|[p, ..]| *p as usize).collect::<BTreeSet<usize>>() {
+        let pair = &model.pairs[p];
+        let mut touches = vec![0.0; part.points.len()];
+        for slave in pair.slaves.iter().filter(|slave| slave.trial.status != Status::Gap) {
+            touches[slave.node as usize] = 1.0;
+        }
+        part.halo.update(comm, 1, &mut touches);
+        for facet in part.pieces(&part.sets[pair.side.set].facets).iter() {
+            let nodes = facet.nodes[..facet.count as usize].iter().map(|&n| part.tie[n as usize]);
+            let touching: Vec<u32> = nodes.filter(|n| touches[*n as usize] > 0.0).collect();
+            let number = |n: u32| numbers[n as usize] as f64;
+            links.extend(touching.windows(2).map(|ends| [p as f64, number(ends[0]), number(ends[1])]));
+        }
+        let axis = pair.slaves.iter().filter(|slave| model.is_on_axis(slave.node as usize));
+        let mirrors = pair.mirrored.iter().copied().chain(axis.map(|slave| (slave.node, Vec3::x())));
+        planes.extend(mirrors.filter(|(n, _)| touches[*n as usize] > 0.0).map(|(n, normal)| row(p, n, &normal)));
+    }
+    let mut parts = Parts::default();
+    for [p, a, b] in to_all(comm, &links) {
+        parts.join(key(p, a), key(p, b));
+    }
+    let mut sums: BTreeMap<Key, Vec3> = BTreeMap::new();
+    for [p, n, x, y, z] in forces {
+        *sums.entry(parts.of(key(p, n))).or_default() += Vec3::new(x, y, z);
+    }
+    for [p, n, x, y, z] in to_all(comm, &planes) {
+        let normal = Vec3::new(x, y, z);
+        sums.entry(parts.of(key(p, n))).and_modify(|sum| *sum -= normal * normal.dot(sum));
+    }
+    let mut all = vec![0.0; model.pairs.len()];
+    sums.iter().for_each(|([p, _], force)| all[*p as usize] += force.norm());
+    all
+}
+
+/// Nodes that hang together, each with another one of its part; the least of a part stands for it.
+#[derive(Default)]
+struct Parts(BTreeMap<Key, Key>);
+
+impl Parts {
+    fn of(&self, mut at: Key) -> Key {
+        while let Some(next) = self.0.get(&at) {
+            at = *next;
+        }
+        at
+    }
+
+    fn join(&mut self, a: Key, b: Key) {
+        let (a, b) = (self.of(a), self.of(b));
+        if a != b {
+            self.0.insert(a.max(b), a.min(b));
+        }
+    }
 }
 
 /// What is around a node of a slave's facets.

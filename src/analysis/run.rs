@@ -12,6 +12,7 @@ use super::{Event, Increment, Rounded, Simulation, describe};
 use crate::error::{Error, Result};
 use crate::estimate::energy::Energy;
 use crate::estimate::recovery::Recovered;
+use crate::failure::Cause;
 use crate::interrupt;
 use crate::output::log::{self, Log};
 use crate::output::phases::{Phase, Phases};
@@ -280,7 +281,10 @@ impl Recorder<'_> {
             outcome.and(indexed)?;
         }
         self.warn(simulation, simulation.idle_contacts());
-        Ok(())
+        match simulation.pushed_aside() {
+            Some(word) => Err(Error::diverged(Cause::Watch, word)),
+            None => Ok(()),
+        }
     }
 
     /// Says what is not as it should be.

@@ -16,10 +16,10 @@ use crate::Vec3;
 use crate::contact::watch::{self, Allowance, Finding, View};
 use crate::contact::{Ground, Movement, Pair, Sight, Slave, Status, mates, touching_nodes};
 use crate::failure::Cause;
-use crate::model::Model;
+use crate::model::{Model, states};
 use crate::output::phases::Phase;
 use crate::output::summary;
-use crate::parallel::{first_word, max, sum, word_of_largest};
+use crate::parallel::{agree, first_word, max, sum, word_of_largest};
 use crate::partition::parcels::{bounds, grown, hull, meets};
 use crate::scene::Enforcement;
 use crate::system::dofs::node_name;
@@ -34,6 +34,10 @@ const INTO: f64 = 0.5;
 
 /// Nodes that let go of friction of more of a contact's force as they rest are told of: what engineers would not see in a curve.
 const LET_GO: f64 = 2e-3;
+
+/// What it would take to push nodes out of a master that gaps closed in the mean let in, each as stiff as the surface around it, over
+/// what the contact bears, from where it is looked at more closely.
+const LACKS: f64 = 0.5;
 
 /// What a contact did until now.
 #[derive(Clone, Copy, Debug, Default)]
@@ -67,7 +71,8 @@ pub struct Touch {
     shared: Most,
     /// How far nodes that bear from node to node ever were from those that they meet.
     apart: Most,
-    /// What gaps that are closed in the mean let in when it bore the most.
+    /// The largest that it ever bore, N, and what gaps that are closed in the mean let in then.
+    most: f64,
     let_in: LetIn,
     /// The largest force with which sides that nodes do not look at pushed them aside, N.
     aside: Most,
@@ -90,6 +95,7 @@ crate::words!(Touch {
     rested,
     shared,
     apart,
+    most,
     let_in,
     aside,
 });
@@ -97,15 +103,14 @@ crate::words!(Touch {
 /// From segment to segment: nodes that are in the master while the gaps around them are closed in the mean.
 #[derive(Clone, Copy, Debug, Default)]
 struct LetIn {
-    /// What the contact bore, and what it would take to push these nodes out, N.
-    borne: f64,
-    lacks: f64,
     /// Of the deepest.
     depth: f64,
+    /// How far both sides have given way under the force.
+    approach: f64,
     at: f64,
 }
 
-crate::words!(LetIn { borne, lacks, depth, at });
+crate::words!(LetIn { depth, approach, at });
 
 /// The largest that something ever was, and when.
 #[derive(Clone, Copy, Debug, Default)]
@@ -229,9 +234,6 @@ impl Simulation<'_> {
             .or_else(|| too_deep(&self.model, &converged.between).map(|(p, finding)| (p, 0, finding)))
             .or(cut)
             .or(hooked);
-        if ends_step {
-            told = told.or(self.aside(&converged.aside));
-        }
         told = told.or_else(|| self.undetermined(conditions)).or_else(|| in_seam(&self.model, &converged.u));
         let told = told.map(|told| (told, told.2.size()));
         let word = word_of_largest(self.comm, told, |(p, s, finding)| self.word(p, s, finding, &converged.between[p]));
@@ -247,18 +249,13 @@ impl Simulation<'_> {
         word
     }
 
-    /// A contact of which, until the end of a step, sides that nodes do not look at pushed them aside with more than is let by. Collective.
-    fn aside(&self, now: &[f64]) -> Option<(usize, usize, Finding)> {
-        let pairs = &self.model.pairs;
-        let borne = |pair: &Pair| pair.slaves.iter().map(|slave| slave.trial.force.norm()).sum();
-        let mut borne: Vec<f64> = pairs.iter().map(borne).collect();
-        sum(self.comm, &mut borne);
-        let found = pairs.iter().zip(&self.state.touches).zip(now.iter().zip(borne)).enumerate();
-        let shares = found.filter_map(|(p, ((pair, touch), (now, borne)))| {
-            let (aside, most) = (touch.aside.size.max(*now), touch.let_in.borne.max(borne));
-            (aside > pair.controls.watch_aside_most * most).then_some((p, 0, Finding::Aside(aside, aside / most)))
-        });
-        shares.max_by(|a, b| a.2.size().total_cmp(&b.2.size()))
+    /// A contact of which sides that nodes do not look at pushed them aside with more than is let by, in words: what the run says is
+    /// not right then.
+    pub fn pushed_aside(&self) -> Option<String> {
+        let pairs = self.model.pairs.iter().zip(&self.state.touches).enumerate();
+        let shares = pairs.map(|(p, (pair, touch))| (p, touch.aside.size / touch.most, pair.controls.watch_aside_most));
+        let found = shares.filter(|(_, share, most)| share > most).max_by(|a, b| a.1.total_cmp(&b.1));
+        found.map(|(p, share, _)| self.word_aside(p, share))
     }
 
     /// Where no node has ever touched a master that is between nodes, or was on its way, by more than is told of, the force is
@@ -337,7 +334,6 @@ impl Simulation<'_> {
                 100.0 * share
             ),
             Finding::Between(_) => return self.word_between(p, between),
-            Finding::Aside(force, share) => return self.word_aside(p, force, share),
         };
         format!("node {} {did} (contact `{}`)", node_name(&self.model, pair.slaves[s].node), pair.name)
     }
@@ -354,20 +350,22 @@ impl Simulation<'_> {
         )
     }
 
-    /// How much sides that nodes do not look at pushed them aside, and what helps.
-    fn word_aside(&self, p: usize, force: f64, share: f64) -> String {
-        let pair = &self.model.pairs[p];
+    /// How much sides that nodes do not look at pushed them aside, with such a share of the largest force, and what helps.
+    fn word_aside(&self, p: usize, share: f64) -> String {
+        let (pair, aside) = (&self.model.pairs[p], &self.state.touches[p].aside);
         let master = self.model.master_name(pair);
-        let else_ways = match (pair.master.tool(), pair.faces.is_some(), pair.pass.other()) {
+        let other_ways = match (pair.master.tool(), pair.faces.is_some(), pair.pass.other()) {
             (_, true, _) => "",
             (Some(_), ..) | (None, _, Some(_)) => ", or take `discretization = \"segment\"`",
             _ => ", exchange slave and master, or take `discretization = \"two-pass\"` or `\"segment\"`",
         };
         format!(
-            "contact `{}`: sides of {master} that none of the facets around a node looks at pushed nodes aside with {force:.3e} N, \
-             {:.0} % of the largest force: an edge between nodes is felt by those beside it, along the side where they are, and \
-             finer facets do not change that; round it off by a fillet of two facets{else_ways}",
+            "contact `{}`: sides of {master} that none of the facets around a node looks at pushed nodes aside with {:.3e} N (time \
+             {:.6}), {:.0} % of the largest force: an edge between nodes is felt by those beside it, along the side where they are, \
+             and finer facets do not change that; round it off by a fillet of two facets{other_ways}",
             pair.name,
+            aside.size,
+            aside.at,
             100.0 * share
         )
     }
@@ -432,8 +430,13 @@ impl Simulation<'_> {
             self.state.touches.iter_mut().zip(deepest).zip(borne)
         {
             touch.depth = touch.depth.max(*depth);
-            if borne > 0.0 && borne >= touch.let_in.borne {
-                touch.let_in = LetIn { borne, lacks, depth: *let_in, at: self.state.time };
+            if borne > 0.0 && borne >= touch.most {
+                touch.most = borne;
+                touch.let_in = LetIn {
+                    depth: if lacks > LACKS * borne { *let_in } else { 0.0 },
+                    approach: 0.0,
+                    at: self.state.time,
+                };
             }
             touch.apart = touch.apart.or_larger(*apart, self.state.time);
             touch.yielded = touch.yielded.or_larger(*yielded, self.state.time);
@@ -446,6 +449,7 @@ impl Simulation<'_> {
         for (touch, aside) in self.state.touches.iter_mut().zip(aside) {
             touch.aside = touch.aside.or_larger(*aside, self.state.time);
         }
+        self.note_approaches();
         let most = sums.chunks_exact(EACH).map(|sums| sums[7]).fold(0.0, f64::max);
         for ((touch, pair), sums) in self.state.touches.iter_mut().zip(&self.model.pairs).zip(sums.chunks_exact(EACH)) {
             let borne = [std::mem::replace(&mut touch.borne, sums[7]), sums[7]];
@@ -468,6 +472,22 @@ impl Simulation<'_> {
                 touch.middle = Vec3::from_column_slice(&sums[4..7]) / sums[0];
                 let tool = pair.master.tool().map(|t| &self.model.masters.tools[t]);
                 touch.on_tool = tool.map(|tool| tool.committed.inward(&touch.middle));
+            }
+        }
+    }
+
+    /// How far both sides of contacts have given way that have just borne the most with nodes let in: twice their energy over the force. Collective.
+    fn note_approaches(&mut self) {
+        let (comm, model, u) = (self.comm, &self.model, &self.state.u);
+        let energy = |body: usize| {
+            agree(comm, states::energies(model, u, body)).map_or(f64::INFINITY, |[stored, work]| stored + work)
+        };
+        for (pair, touch) in model.pairs.iter().zip(&mut self.state.touches) {
+            if touch.let_in.depth > 0.0 && touch.let_in.approach == 0.0 {
+                let mut energies =
+                    [pair.side.body].into_iter().chain(pair.master_body()).map(energy).collect::<Vec<_>>();
+                sum(comm, &mut energies);
+                touch.let_in.approach = 2.0 * energies.iter().sum::<f64>() / touch.most;
             }
         }
     }
@@ -587,20 +607,19 @@ impl Simulation<'_> {
                     touch.depth / pair.facet_size
                 ));
             }
-            let LetIn { borne, lacks, depth, at } = touch.let_in;
-            if lacks > pair.controls.watch_let_in * borne {
+            let LetIn { depth, approach, at } = touch.let_in;
+            if depth > pair.controls.watch_let_in * approach {
                 warnings.push(format!(
                     "contact `{name}`: its gaps, closed in the mean over facets, let nodes be {depth:.3e} deep in {master}, \
-                     {:.2} of a facet, when it bore the most, {borne:.3e} N (time {at:.6}): where displacements are given, \
-                     forces lack some {lacks:.1e} N that would push them out; mesh the slave finer there, take the finer \
-                     side as the slave, or `discretization = \"one-pass\"`",
+                     {:.2} of a facet, when it bore the most (time {at:.6}); both have given way by about {approach:.1e}, and where \
+                     displacements are given forces lack what it would take to give way by {depth:.1e} more: mesh the slave finer \
+                     there, take the finer side as the slave, or `discretization = \"one-pass\"`",
                     depth / pair.facet_size
                 ));
             }
-            let share = touch.aside.size / touch.let_in.borne;
-            if share > pair.controls.watch_aside {
-                let word = self.word_aside(p, touch.aside.size, share);
-                warnings.push(format!("{word} (time {:.6}, the most)", touch.aside.at));
+            let share = touch.aside.size / touch.most;
+            if share > pair.controls.watch_aside && share <= pair.controls.watch_aside_most {
+                warnings.push(self.word_aside(p, share));
             }
             let other = pair.pass.other().map(|other| self.state.touches[other]);
             if pair.pass.is_second() || touch.now || other.is_some_and(|o| o.now) {
@@ -740,7 +759,7 @@ pub(super) fn idle(comm: &SimpleCommunicator, pairs: &[Pair], status: fn(&Slave)
 fn unfelt_from<'a>(pair: &'a Pair, touch: &'a Touch, ends_run: bool) -> Option<impl Fn(&Slave) -> f64 + 'a> {
     let is_eased = touch.until.is_some() || !ends_run;
     let share = if is_eased { pair.controls.watch_deep } else { pair.controls.watch_unfelt };
-    let borne = pair.controls.watch_let_in * touch.let_in.borne;
+    let borne = LACKS * touch.most;
     let from = move |slave: &Slave| (share * pair.facet_size).max(borne / slave.stiffness(&pair.controls));
     (pair.faces.is_some() && !pair.is_self()).then_some(from)
 }

@@ -89,8 +89,6 @@ pub enum Finding {
     InSeam(f64),
     /// It is so deep behind the master, past whose end it came, and the node next to it is in front: the body is cut at a place.
     Astride(f64, Vec3),
-    /// Sides that nodes do not look at pushed them aside with so much force, and with such a share of the contact's largest.
-    Aside(f64, f64),
     /// A side that it does not look at holds it, with so much force, and nodes like it with such a share of the contact's.
     Hooked(f64, f64),
 }
@@ -109,7 +107,6 @@ impl Finding {
             | Self::Pushed(size)
             | Self::InSeam(size)
             | Self::Astride(size, _)
-            | Self::Aside(size, _)
             | Self::Hooked(size, _) => *size,
         }
     }
