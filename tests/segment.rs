@@ -704,7 +704,7 @@ move = [{{ target = "pad.ymax", by = [0.0, -{deep}, 0.0] }}]
         ));
         let run = bench.solve(ranks, &[]);
         assert_small("across", run.history().last("ridge.fx"), 1e-10);
-        let most = run.history().column("ridge.fy").into_iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+        let most = run.history().column("ridge.fy").iter().fold(0.0, |most: f64, f| most.max(f.abs()));
         (most, run.log().contains("where displacements are given forces lack"))
     };
     let back = "[[step]]\nincrements = 2\nfix = [{ set = \"pad.ymax\", directions = \"x\" }]\n\

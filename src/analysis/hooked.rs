@@ -4,13 +4,16 @@
 //!
 //! Nodes where the slave's surface ends may be held by a side beside them, as a block that pushes a wall with its lower face named
 //! alone. What a blade bears on both of its flanks is in balance, and is none either.
+//!
+//! Less steep sides of a sharp edge push the nodes beside it aside, where the force should look as the slave does: each node snaps over
+//! the edge in its turn, and takes energy along. What is between the normals of the facets around a node, at a corner of the slave on
+//! a flat, is no such side.
 
 use crate::Vec3;
 use crate::contact::watch::Finding;
 use crate::contact::{Pair, Slave, Status};
 use crate::model::Model;
 use crate::mortar::Corners;
-
 use crate::parallel::{any, sum, to_all};
 use mpi::topology::SimpleCommunicator;
 use std::collections::{BTreeMap, BTreeSet};
@@ -126,6 +129,10 @@ fn pushed(comm: &SimpleCommunicator, model: &Model, aside: &[Pushed]) -> Vec<f64
     let key = |p: f64, n: f64| [p as u64, n as u64];
     let forces: Vec<_> = aside.iter().map(|at| row(at.pair, at.node, &at.force)).collect();
     let forces = to_all(comm, &forces);
+    let mut all = vec![0.0; model.pairs.len()];
+    if forces.is_empty() {
+        return all;
+    }
     let (mut links, mut planes) = (Vec::new(), Vec::new());
     for p in forces.iter().map(|[p, ..]| *p as usize).collect::<BTreeSet<usize>>() {
         let pair = &model.pairs[p];
@@ -156,7 +163,6 @@ fn pushed(comm: &SimpleCommunicator, model: &Model, aside: &[Pushed]) -> Vec<f64
         let normal = Vec3::new(x, y, z);
         sums.entry(parts.of(key(p, n))).and_modify(|sum| *sum -= normal * normal.dot(sum));
     }
-    let mut all = vec![0.0; model.pairs.len()];
     sums.iter().for_each(|([p, _], force)| all[*p as usize] += force.norm());
     all
 }
