@@ -455,7 +455,7 @@ impl<'a> Ground<'a> {
     }
 
     /// The normals of two sides of the master that both touch a slave node at `x`, to `near`, where these meet in a hollow edge
-    /// sharper than `even_turn` of the [`Controls`].
+    /// sharper than `even_turn` of the [controls](crate::controls).
     pub fn hollow(&self, pair: &Pair, x: &Vec3, near: f64) -> Option<[Vec3; 2]> {
         let feet = self.perpendiculars(pair, x, (near, near));
         let turns = |a: &Vec3, b: &Vec3| a.dot(b) < 1.0 - pair.controls.even_turn;
