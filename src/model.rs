@@ -30,9 +30,9 @@ use crate::partition::{Component, GlobalMesh, Part, PartSet, PartSolid, distribu
 use crate::scene::{self, Discretization, Reduction, Scene};
 use crate::solid::element::{hex8, hex27, pyramid5, tet4, tet10, wedge6, wedge18};
 use crate::solid::history::History;
+use crate::surface::MovingPatch;
 pub use assemble::{assemble_bodies, set_names};
-use masters::bulges;
-pub use masters::{MasterPatches, master_patches};
+pub use masters::{MasterPatches, master_patches, slave_patches};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 pub use sections::Section;
@@ -121,8 +121,10 @@ impl Model {
         let lines = united.zip(tied).map(|(united, tied)| [united.lines, tied.lines].concat().join("\n"));
         let joined = first_word(comm, lines).unwrap_or_default();
         let patches = agree(comm, master_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
-        let bulges = agree(comm, bulges(scene, &names, &symmetry, global.as_ref()))?;
-        let bulges: Vec<Vec<f64>> = bulges.into_iter().map(|of_pass| serve(comm, |_| of_pass.clone())).collect();
+        let smooth = agree(comm, slave_patches(scene, &names, &symmetry, global.as_ref(), &numbers))?;
+        let flat = |patches: Vec<MovingPatch>| patches.iter().flat_map(MovingPatch::to_numbers).collect::<Vec<f64>>();
+        let smooth = smooth.into_iter().map(flat).map(|of_pass| serve(comm, |_| of_pass.clone()));
+        let smooth: Vec<Vec<MovingPatch>> = smooth.map(|of_pass| MovingPatch::from_numbers(&of_pass)).collect();
         let files = || global.iter().flat_map(|global| &global.files);
         let halves: Vec<bool> = serve(comm, |_| files().map(|file| file.has_halves).collect());
         drop(global);
@@ -167,7 +169,7 @@ impl Model {
         let avoided = model.deal_surfaces(comm, scene, &patches);
         model.measure(comm)?;
         model.stiffen_joints(scene);
-        model.pair_up(comm, scene, &avoided, &bulges)?;
+        model.pair_up(comm, scene, &avoided, &smooth)?;
         model.turn_slaves(&vec![Vec3::zeros(); model.part.points.len()]);
         let guidance::Guidance { wrong, uneven } = model.guidance(comm, scene)?;
         model.warnings.extend(wrong.iter().map(ToString::to_string).chain(uneven));

@@ -810,9 +810,6 @@ fn friction_stays_where_nodes_that_are_held_rest() {
         ("b.ymax", "augmented-lagrangian"),
     ] {
         for discretization in ["one-pass", "segment"] {
-            if discretization == "segment" && method == "uzawa" {
-                continue;
-            }
             let press = |force: f64| format!("force = [{{ target = \"b.ymax\", total = [0.0, {force:?}, 0.0] }}]\n");
             let bench = Bench::new(&format!(
                 "[body.b]\nmaterial = \"m\"\nplane_strain = true\nblock = {{ box = {{ size = [4.0, 2.0, 1.0] }}, elements = [4, 2, 1] }}\n\

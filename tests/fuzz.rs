@@ -927,6 +927,11 @@ penalty = 10.0
 reach = 2.0
 interference = "ramped"
 tangent = "fixed-frame"
+[contact.f]
+slave = "b.xmax"
+master = "indenter.top"
+discretization = "segment"
+slave_curvature = "deformed"
 [contact.s]
 slave = "ring.rmax"
 master = "ring.rmax"

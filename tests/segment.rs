@@ -42,9 +42,11 @@ fn unlike_meshes_pass_the_patch_test_in_one_pass() {
     for (ranks, elements, settings) in [
         (1, [3, 5], &[][..]),
         (2, [2, 3], &["contact.joint.friction=0.3"]),
+        (2, [3, 2], &["contact.joint.friction=0.3", "contact.joint.slave_curvature=deformed"]),
         (3, [3, 2], &["contact.joint.smoothing=facet"]),
         (2, [5, 3], &["contact.joint.method=lagrange", "contact.joint.friction=0.3"]),
         (1, [2, 3], &["contact.joint.smoothing=facet", "contact.joint.transfer=variational"]),
+        (2, [3, 5], &["contact.joint.method=uzawa", "contact.joint.friction=0.3"]),
     ] {
         let [stress, pressure] = patch_test(ranks, elements, settings);
         assert_small(&format!("stress {elements:?} {settings:?}"), stress, 1e-10);
@@ -248,7 +250,12 @@ fn dragged(contact: &str) -> Bench {
 
 #[test]
 fn forces_balance_on_any_number_of_ranks_and_after_a_restart() {
-    let contact = "friction = 0.3";
+    for contact in ["friction = 0.3", "friction = 0.3\nslave_curvature = \"deformed\""] {
+        balances(contact);
+    }
+}
+
+fn balances(contact: &str) {
     let bench = dragged(contact);
     let whole = bench.solve(1, &[]).history();
     let force = whole.largest_force("block.zmax");
@@ -271,13 +278,24 @@ fn forces_balance_on_any_number_of_ranks_and_after_a_restart() {
     assert_small("restart", rest.history().difference(&whole), 1e-9);
 }
 
+/// Uzawa's method ends where multipliers that are unknowns do, in rubber that is drawn over rubber, pressed and without friction.
+#[test]
+fn uzawas_method_finds_the_same_forces() {
+    for contact in ["", "friction = 0.3"] {
+        let [whole, rounds] = ["augmented-lagrangian", "uzawa"]
+            .map(|method| dragged(&format!("{contact}\nmethod = \"{method}\"")).solve(2, &[]).history());
+        assert_small(contact, rounds.difference(&whole), 1e-8);
+    }
+}
+
 #[test]
 fn what_it_cannot_do_is_refused() {
     for (setting, told) in [
         ("contact.sole.tangent=fixed-frame", "means nothing with \"segment\""),
-        ("contact.sole.method=uzawa", "does not settle"),
+        ("contact.sole.discretization=one-pass", "`slave_curvature` means nothing for nodes"),
+        ("contact.sole.smoothing=facet", "means nothing under a master of facets"),
     ] {
-        let bench = dragged("");
+        let bench = dragged("slave_curvature = \"deformed\"");
         let run = nagata(&bench.path(""), 1, &["check", "scene.toml", "--set", setting], bench.path("out"));
         assert!(run.code == 2 && run.stderr.contains(told), "{setting}: {}", run.stderr);
     }

@@ -426,7 +426,7 @@ class Maker:
         if is_plain or any(self.scene["body"][side.split(".")[0]]["element"].startswith("tet10") for side in sides):
             kind = "one-pass"
         method = c.weighted(augmented_lagrangian=55, lagrange=20, uzawa=15, penalty=10)
-        if (method == "uzawa" and kind == "segment") or (is_plain and method in ("uzawa", "penalty")):
+        if is_plain and method in ("uzawa", "penalty"):
             method = "augmented-lagrangian"
         one = {"slave": Name(slave), "master": Name(master), "discretization": kind, "method": method}
         if c.maybe(0.6):

@@ -202,8 +202,7 @@ def variants(problem, dice):
              and "plane" in scene["tool"]["punch"] and contact["method"] != "penalty"]
     finer = [f"step.{step['name']}.increments={2 * step['increments']}" for step in scene["step"]]
     methods = {method: [f'contact.{name}.method="{method}"' for name, contact in scene["contact"].items()
-                        if contact["method"] not in (method, "penalty")
-                        and not (method == "uzawa" and contact["discretization"] == "segment")]
+                        if contact["method"] not in (method, "penalty")]
                for method in ("augmented-lagrangian", "lagrange", "uzawa")}
     found = [
         (True, Variant("ranks-2", ranks=2)), (True, Variant("ranks-3", ranks=3)),

@@ -10,7 +10,7 @@ use super::unpaid::Account;
 use super::{Event, Observer, Rounded, State, preflight};
 use crate::Vec3;
 use crate::contact::meeting::{mean_of_pieces, pieces_of};
-use crate::contact::{Segments, Slave, Status};
+use crate::contact::{Faces, Segments, Slave, Status};
 use crate::error::{Error, Result};
 use crate::model::{Model, outward_of};
 use crate::output::phases::Phases;
@@ -342,7 +342,8 @@ impl<'a> Simulation<'a> {
         masters.attend(self.comm, pairs, place);
         for (pair, aside) in pairs.iter_mut().zip(aside) {
             let ground = masters.of(pair.master);
-            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, None, None));
+            let find = |faces: &Faces| Segments::find(pair, &ground, faces.as_meshed(), place, None, None);
+            let segments = pair.faces.as_ref().map(find);
             let (outward, is_self) = (outward_of(part, pair, place), pair.is_self());
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node;

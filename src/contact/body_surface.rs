@@ -293,7 +293,7 @@ impl BodySurface {
 }
 
 /// Where a patch finds its stencil in a list of nodes that has it all.
-fn stencil(patch: &MovingPatch, nodes: &Gather) -> Vec<u32> {
+pub(super) fn stencil(patch: &MovingPatch, nodes: &Gather) -> Vec<u32> {
     patch.nodes.iter().filter_map(|&n| nodes.index(n)).collect()
 }
 
@@ -302,11 +302,11 @@ fn pick<'a>(positions: &'a [Vec3], stencil: &'a [u32]) -> impl Iterator<Item = V
 }
 
 /// A patch with its nodes at those of these positions that its stencil names.
-fn shape_at(patch: &MovingPatch, positions: &[Vec3], stencil: &[u32]) -> Patch {
+pub(super) fn shape_at(patch: &MovingPatch, positions: &[Vec3], stencil: &[u32]) -> Patch {
     patch.shape(&pick(positions, stencil).collect::<Vec<_>>())
 }
 
-fn gather(comm: &SimpleCommunicator, nodes: &Gather, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
+pub(super) fn gather(comm: &SimpleCommunicator, nodes: &Gather, place: impl Fn(u32) -> Vec3) -> Vec<Vec3> {
     let flat = nodes.fetch(comm, 3, |n, d| place(n)[d]);
     flat.as_chunks::<3>().0.iter().map(|x| Vec3::from(*x)).collect()
 }

@@ -2,7 +2,7 @@
 //! there are from the edge of the contact to its middle.
 
 use crate::Vec3;
-use crate::contact::{Pair, Status};
+use crate::contact::{Faces, Pair, Status};
 use crate::model::elements::nodal_areas;
 use crate::model::tractions::tractions;
 use crate::model::{Model, outward_of};
@@ -109,8 +109,8 @@ impl Nodes<'_> {
 
 /// Work of the pressure `field` on what the master is behind the facets that this rank counts. Where normals of the master turn
 /// by dn along an edge d, it bulges by dn.d/8 over the edge; of all edges the mean over a facet is the sum of dn.d/24, for
-/// triangles as for quadrilaterals. As far as the slave bulges so in the initial mesh, as a bore does over a shaft, its faces need not
-/// bend. Across the edge of the contact the slave goes no farther along a master that turns away than the force of a node
+/// triangles as for quadrilaterals. As far as the slave bulges so in the initial mesh, as a bore does over a shaft, or as it is deformed, where that counts, its
+/// faces need not bend. Across the edge of the contact the slave goes no farther along a master that turns away than the force of a node
 /// indents it.
 fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     let part = &nodes.model.part;
@@ -125,7 +125,9 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             indents[n] = slave.accepted.force.norm() * pair.controls.augmentation / slave.penalties.automatic;
         }
     }
-    let mut outward = outward_of(part, pair, |n| part.points[n as usize]);
+    let follows = pair.faces.as_ref().is_some_and(Faces::follow_nodes);
+    let own_place = |n: usize| part.points[n] + if follows { u[n] } else { Vec3::zeros() };
+    let mut outward = outward_of(part, pair, |n| own_place(n as usize));
     nodes.share_vectors(&mut normals);
     nodes.share_vectors(&mut outward);
     nodes.share(&mut gaps);
@@ -138,7 +140,7 @@ fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
             (0..count).map(along).sum()
         };
         let bulges = turns(&normals, &|n| part.points[n] + u[n]);
-        let own = -turns(&outward, &|n| part.points[n]);
+        let own = -turns(&outward, &own_place);
         let bulges = bulges - own.clamp(bulges.min(0.0), bulges.max(0.0));
         let force: f64 = nodal_areas(nodes.model, &facet.nodes[..facet.count as usize], u)
             .iter()

@@ -1,12 +1,11 @@
-//! The surfaces of bodies that are masters, as they are made on rank 0, and how far the faces of slaves are from being such.
+//! The surfaces of bodies, as they are made on rank 0: of masters, and of slaves that are smooth as these.
 
 use super::assemble::set_of;
 use super::symmetry::{self, SymmetryPlane};
 use crate::Vec3;
-use crate::contact::{Avoided, self_contact};
-use crate::error::Result;
+use crate::contact::{Avoided, self_contact, segment::heights};
+use crate::error::{Error, Result};
 use crate::mesh::{Facet, Mesh, Quarters};
-use crate::mortar::Corners;
 use crate::partition::{GlobalFacet, GlobalMesh};
 use crate::scene::{self, Description, Discretization, Located, Scene};
 use crate::surface::{MovingPatch, Patch, Smoothing};
@@ -124,34 +123,30 @@ fn initial_shapes(scene: &Scene, surface: &Mesh, feature_angle: f64, planes: &[(
     Ok(patches.iter().map(shape).collect())
 }
 
-/// How far the edges of a face bulge out of the body, by their coefficients.
-fn heights(shape: &Patch) -> [f64; 4] {
-    let outward = Corners::new(&shape.nodes[..shape.count as usize]).area_vector().normalize();
-    shape.coefficients.map(|c| -c.dot(&outward))
-}
-
-/// How far the faces of slaves bulge where their points count, on rank 0: of each pass the coefficients of each facet, see
-/// [`Face`](crate::contact::Face); none where faces are flat as they are meshed.
+/// The patches over the faces of slaves that are smooth where their points count, on rank 0: of each pass that of each facet, none
+/// where faces are flat as they are meshed.
 ///
 /// # Errors
-/// Faces that make no surface.
-pub fn bulges(
+/// Faces that make no surface, or that were to follow their nodes under facets.
+pub fn slave_patches(
     scene: &Scene,
     names: &[Located<String>],
     planes: &[SymmetryPlane],
     mesh: Option<&GlobalMesh>,
-) -> Result<Vec<Vec<f64>>> {
-    scene.passes().iter().map(|contact| bulges_of(scene, names, contact, planes, mesh)).collect()
+    numbers: &[u64],
+) -> Result<Vec<Vec<MovingPatch>>> {
+    scene.passes().iter().map(|contact| of_slave(scene, names, contact, planes, mesh, numbers)).collect()
 }
 
 /// Those of one contact: from segment to segment, unless the master has facets, too.
-fn bulges_of(
+fn of_slave(
     scene: &Scene,
     names: &[Located<String>],
     contact: &scene::Contact,
     planes: &[SymmetryPlane],
     mesh: Option<&GlobalMesh>,
-) -> Result<Vec<f64>> {
+    numbers: &[u64],
+) -> Result<Vec<MovingPatch>> {
     let slave = &contact.slave;
     let tool = scene.tools.iter().find(|tool| tool.name.value == contact.master.value);
     let faceted = match (contact.surface, tool) {
@@ -161,6 +156,13 @@ fn bulges_of(
     let (Some(mesh), Some(set)) = (mesh, mesh.and_then(|mesh| set_of(names, mesh, &slave.value))) else {
         return Ok(Vec::new());
     };
+    if faceted && contact.slave_follows {
+        let what = format!(
+            "contact `{}`: `slave_curvature = \"deformed\"` means nothing under a master of facets",
+            contact.name.value
+        );
+        return Err(Error::input(&contact.slave.at, what, "smooth the master, or remove it"));
+    }
     if faceted || contact.discretization != Discretization::Segment {
         return Ok(Vec::new());
     }
@@ -169,10 +171,10 @@ fn bulges_of(
     if is_quadratic(mesh, &set.facets) || !quarters.is_empty() {
         return Ok(Vec::new());
     }
-    let (surface, _) = surface(mesh, &set.facets, &slave.value);
-    let angle = contact.slave_feature_angle();
+    let (surface, nodes) = surface(mesh, &set.facets, &slave.value);
+    let numbers: Vec<u64> = nodes.iter().map(|&n| numbers[n as usize]).collect();
     let planes = mirrors(scene, planes, &slave.value, &surface);
-    Ok(initial_shapes(scene, &surface, angle, &planes)?.iter().flat_map(heights).collect())
+    MovingPatch::all(&surface, &numbers, Smoothing::Nagata, contact.slave_feature_angle(), &planes, &scene.controls)
 }
 
 /// Some of these facets are sides of quadratic elements.

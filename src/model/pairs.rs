@@ -10,11 +10,12 @@ use crate::mortar::Corners;
 use crate::parallel::{agree, max, sum};
 use crate::partition::{Gather, PartSet};
 use crate::scene::{self, Discretization, Enforcement, Scene, body_of};
+use crate::surface::MovingPatch;
 use mpi::topology::SimpleCommunicator;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Model {
-    /// Makes the pairs of the contacts, of which those within a body have nodes that they shun, and some faces that bulge.
+    /// Makes the pairs of the contacts, of which those within a body have nodes that they shun, and some `smooth` faces.
     /// Collective.
     ///
     /// # Errors
@@ -24,11 +25,11 @@ impl Model {
         comm: &SimpleCommunicator,
         scene: &Scene,
         avoided: &[BTreeMap<u32, Avoided>],
-        bulges: &[Vec<f64>],
+        smooth: &[Vec<MovingPatch>],
     ) -> Result<()> {
         let passes = scene.passes();
-        for (contact, bulges) in passes.iter().zip(bulges) {
-            let pair = self.pair(comm, scene, contact, (avoided, bulges));
+        for (contact, smooth) in passes.iter().zip(smooth) {
+            let pair = self.pair(comm, scene, contact, (avoided, smooth));
             self.pairs.push(pair);
         }
         self.join_passes(&passes);
@@ -43,7 +44,7 @@ impl Model {
         comm: &SimpleCommunicator,
         scene: &Scene,
         contact: &scene::Contact,
-        (avoided, bulges): (&[BTreeMap<u32, Avoided>], &[f64]),
+        (avoided, smooth): (&[BTreeMap<u32, Avoided>], &[MovingPatch]),
     ) -> Pair {
         let set = self.set(&contact.slave.value);
         let index = |set: &str| self.bodies.iter().position(|b| b.name == body_of(set));
@@ -60,7 +61,11 @@ impl Model {
         let by_faces = contact.discretization == Discretization::Segment;
         let faces = by_faces.then(|| {
             let how = (self.is_axisymmetric(), contact.slave_feature_angle());
-            Faces::new(&self.part, &set.facets, &slaves, how, bulges)
+            let mut faces = Faces::new(&self.part, &set.facets, &slaves, how);
+            if !smooth.is_empty() {
+                faces.bulge_as(comm, &self.part, smooth, contact.slave_follows);
+            }
+            faces
         });
         let sides = (&slaves[..], faces.as_ref());
         let within = is_within_body(contact).then(|| self.within(comm, contact, master, sides, avoided));

@@ -8,10 +8,11 @@ use super::{
 use crate::error::{Error, Faults, Result};
 
 /// Keys of every pair.
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 12] = [
     "slave",
     "master",
     "discretization",
+    "slave_curvature",
     "friction",
     "method",
     "penalty",
@@ -95,8 +96,9 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     if let Some(item) = table.get("interference").filter(|_| master.value == slave.value) {
         return Err(item.error("means nothing in self-contact", "a surface cannot overlap itself; remove it"));
     }
-    if let Some(item) = table.get("method").filter(|_| segments && method == Enforcement::Uzawa) {
-        return Err(item.error("does not settle with \"segment\"", "use \"augmented-lagrangian\""));
+    let is_self = master.value == slave.value;
+    if let Some(item) = table.get("method").filter(|_| segments && is_self && method == Enforcement::Uzawa) {
+        return Err(item.error("does not settle with \"segment\" in self-contact", "use \"augmented-lagrangian\""));
     }
     if let Some(item) = table.get("tangent").filter(|_| segments) {
         return Err(item.error("means nothing with \"segment\"", "its tangent is always exact; remove it"));
@@ -115,8 +117,18 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
         interference,
         tangent: table.optional("tangent", |item| item.choice(&tangents))?.unwrap_or_default(),
         thickness: thickness?.flatten(),
+        slave_follows: slave_follows(&table, discretization)?,
         second_of: None,
     })
+}
+
+/// Whether the slave's smooth faces are curved as they are deformed.
+fn slave_follows(table: &Table, discretization: Discretization) -> Result<bool> {
+    let Some(item) = table.get("slave_curvature") else { return Ok(false) };
+    if discretization != Discretization::Segment {
+        return Err(item.error("means nothing for nodes", "it is for faces, with `discretization = \"segment\"`; remove it"));
+    }
+    item.choice(&[("meshed", false), ("deformed", true)])
 }
 
 fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {

@@ -243,6 +243,8 @@ pub struct Contact {
     /// What becomes of the overlap with which it begins.
     pub interference: Interference,
     pub tangent: Tangent,
+    /// From segment to segment the slave's smooth faces are curved as they are deformed, not as they are meshed.
+    pub slave_follows: bool,
     /// Of a sheet both of whose sides are in self-contact; `None` measures it.
     pub thickness: Option<f64>,
     /// Among [`Scene::passes`] the first pass, of which this is the second.

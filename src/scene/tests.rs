@@ -391,8 +391,8 @@ fn overrides_that_name_nothing_are_refused() {
     assert_eq!(
         message_set("contact.top.fricton=0.1"),
         "--set contact.top.fricton=0.1: unknown key `fricton` in contact.top\n  \
-         help: did you mean `friction`? (known: slave, master, discretization, friction, method, penalty, tolerance, \
-         reach, interference, thickness, tangent, smoothing, feature_angle, transfer)"
+         help: did you mean `friction`? (known: slave, master, discretization, slave_curvature, friction, method, penalty, \
+         tolerance, reach, interference, thickness, tangent, smoothing, feature_angle, transfer)"
     );
     assert_eq!(
         message_set("body.slb.material=steel"),

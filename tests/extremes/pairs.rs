@@ -9,11 +9,10 @@ use crate::scenes::{METHODS, STACK, stack_force};
 
 family!(penalties, frictions, drawn, gaps_and_overlaps, stiffness_ratios, two_passes_by_penalty);
 
-/// With their methods: segments have no Uzawa.
+/// With their methods.
 fn ways() -> Vec<(&'static str, &'static str)> {
     let all = ["one-pass", "two-pass", "node-to-node", "segment"];
-    let ways = all.iter().flat_map(|discretization| METHODS.map(|method| (*discretization, method)));
-    ways.filter(|way| *way != ("segment", "uzawa")).collect()
+    all.iter().flat_map(|discretization| METHODS.map(|method| (*discretization, method))).collect()
 }
 
 fn stack(name: &str, (discretization, method): (&str, &str), balances: f64) -> Case {

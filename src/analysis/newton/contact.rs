@@ -84,7 +84,10 @@ impl Newton<'_> {
             let pair = &mut pairs[p];
             let ground = masters.of(pair.master);
             let still = self.touching.segments[p].as_ref().filter(|_| stand_still);
-            let segments = pair.faces.is_some().then(|| Segments::find(pair, &ground, place, Some(&then), still));
+            let segments = pair.faces.as_ref().map(|faces| {
+                let heights = faces.heights(self.system.comm, place);
+                Segments::find(pair, &ground, heights, place, Some(&then), still)
+            });
             let mut on_master = vec![Vec3::zeros(); ground.count()];
             for s in 0..pair.slaves.len() {
                 let node = pair.slaves[s].node as usize;

@@ -6,7 +6,7 @@
 //! the master's faces under them.
 
 use super::sight::Standing;
-use crate::contact::Segments;
+use crate::contact::{Faces, Segments};
 use crate::model::Model;
 use crate::parallel::sum;
 use crate::surface::Projection;
@@ -22,10 +22,9 @@ pub fn check(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
         let contacts = sights.iter().enumerate().filter_map(|(s, sight)| Some((s, sight.contact?)));
         let inside: Vec<(usize, Projection)> = contacts.filter(|(_, at)| at.gap < 0.0).collect();
         let ground = model.masters.of(pair.master);
-        let segments = match inside.is_empty() || pair.faces.is_none() {
-            true => Segments::default(),
-            false => Segments::find(pair, &ground, |n| model.part.points[n as usize], None, None),
-        };
+        let place = |n: u32| model.part.points[n as usize];
+        let find = |faces: &Faces| Segments::find(pair, &ground, faces.as_meshed(), place, None, None);
+        let segments = pair.faces.as_ref().filter(|_| !inside.is_empty()).map(find).unwrap_or_default();
         let off = |(s, own): &(usize, Projection)| match pair.faces {
             None => Some(ground.off_arc(own)),
             Some(_) => segments.meet(pair, *s, Some(own)).map(|(mean, _)| (mean.gap - own.gap).abs()),

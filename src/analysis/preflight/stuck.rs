@@ -63,6 +63,7 @@ pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, step
     let mut warnings = Vec::new();
     for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
         let is_smooth = contact.surface.is_some_and(|surface| surface.smoothing == Smoothing::Nagata);
+        let is_smooth = is_smooth && !contact.slave_follows;
         let Some(other) = pair.master_side.as_ref().filter(|_| is_smooth && pair.faces.is_some() && !pair.is_self())
         else {
             continue;
@@ -92,7 +93,7 @@ pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, step
             warnings.push(format!(
                 "step `{}`: nodes of `{}` and of `{}`, at the end of contact `{}`, are held or moved, one on the other: where the \
                  bodies bend beside them, smoothed faces press each other apart, on coarse meshes by several times what the contact \
-                 bears; smoothing = \"facet\", or one pass, does not",
+                 bears; slave_curvature = \"deformed\", smoothing = \"facet\", or one pass, does not",
                 scene.steps[k].name.value, contact.slave.value, contact.master.value, contact.name.value
             ));
         }

@@ -48,7 +48,9 @@
 //!     φ = (ηʹζʹη, ηζζʹ, ηηʹζ, ηʹζζʹ) with ηʹ = 1 - η, ζʹ = 1 - ζ;      of a triangle (b₀b₁, b₁b₂, b₂b₀)
 //! ```
 //!
-//! as it is in the initial mesh, so that it stands still in the tangent. Under a master of facets it is left out.
+//! as it is in the initial mesh, or as it is deformed (`slave_curvature`), by nodal normals that follow the nodes as those of a
+//! master do. Then it is found anew with the points, and kept where these are: it stands still in the tangent. No force goes to the
+//! nodes that it depends on, which would be uneven at the ends of the surface. Under a master of facets it is left out.
 //!
 //! A face of six or nine nodes is four pieces, each a face here: on these the N_i of the multipliers are linear, with a positive
 //! integral at each node; the point itself is x_q = Σ_a N_a(ξ_q) x_a with the functions of all nodes, which also share f_iq and
@@ -74,11 +76,14 @@ pub mod points;
 pub use points::{Point, Segments, Share};
 
 use super::Slave;
+use super::body_surface::{gather, shape_at, stencil};
 use crate::mortar::face::{MOST, bilinear};
 use crate::mortar::rule::{on_line, on_triangle};
 use crate::mortar::{self, Corners};
-use crate::partition::{Part, PartFacet};
+use crate::partition::{Gather, Part, PartFacet};
+use crate::surface::{MovingPatch, Patch};
 use crate::{Vec2, Vec3};
+use mpi::topology::SimpleCommunicator;
 use std::collections::BTreeSet;
 
 /// Gauss points along a side of a face, on a tool.
@@ -128,6 +133,8 @@ pub struct Face {
     all: mortar::Face,
     /// Which of these are the corners.
     piece: Corners<usize>,
+    /// That of its facet in the set.
+    number: u64,
     /// Local nodes at its corners.
     pub corners: Corners<u32>,
     /// Those whose displacements they have.
@@ -147,7 +154,7 @@ pub struct Face {
     whole: [f64; 4],
     /// How far it bulges in the initial mesh, a length: what its edges' coefficients in (3) are along its normal.
     bulge: [f64; 4],
-    /// How far it is from being flat, with functions that are polynomials there: a length.
+    /// How far a quadratic one is from being flat, with functions that are polynomials there: a length.
     bent: f64,
 }
 
@@ -159,11 +166,37 @@ pub struct Faces {
     nodes: Vec<u32>,
     /// By these those around it, between the sharp edges of the initial mesh.
     fans: Vec<Vec<Vec<u32>>>,
+    /// The patches over them, where they bulge as they are deformed.
+    over: Option<Over>,
+}
+
+/// The patches over the faces of a slave.
+#[derive(Clone, Debug)]
+struct Over {
+    /// By face.
+    patches: Vec<MovingPatch>,
+    /// Indices of the stencil of each among the nodes.
+    stencils: Vec<Vec<u32>>,
+    nodes: Gather,
+}
+
+impl Over {
+    fn heights(&self, comm: &SimpleCommunicator, place: impl Fn(u32) -> Vec3) -> Vec<[f64; 4]> {
+        let positions = gather(comm, &self.nodes, place);
+        let of_face = |(patch, stencil): (&MovingPatch, &Vec<u32>)| heights(&shape_at(patch, &positions, stencil));
+        self.patches.iter().zip(&self.stencils).map(of_face).collect()
+    }
+}
+
+/// How far the edges of a smooth face bulge out of its body, by their coefficients in (3) of the [module](self).
+pub fn heights(shape: &Patch) -> [f64; 4] {
+    let outward = Corners::new(&shape.nodes[..shape.count as usize]).area_vector().normalize();
+    shape.coefficients.map(|c| -c.dot(&outward))
 }
 
 impl Face {
     /// The piece of a face with these corners, whose initial area counts by the `measure` at them.
-    fn new(part: &Part, all: mortar::Face, piece: Corners<usize>, is_ring: bool, bulge: [f64; 4]) -> Self {
+    fn new(part: &Part, (number, all): (u64, mortar::Face), piece: Corners<usize>, is_ring: bool) -> Self {
         let corners = piece.map(|k| all.nodes[k]);
         let nodes = corners.x.map(|n| part.tie[n as usize]);
         let at = |k: usize| all.nodes.get(k).map(|&n| n as usize);
@@ -172,13 +205,10 @@ impl Face {
         let measure = piece.x.map(|k| if is_ring { places[k].x } else { 1.0 });
         let flat = piece.map(|k| places[k]).area_vector();
         let mut face = Self {
-            bent: if all.is_quadratic() {
-                bent(&all, &places)
-            } else {
-                bulge.iter().fold(0.0, |most, h| h.abs().max(most))
-            },
+            bent: if all.is_quadratic() { bent(&all, &places) } else { 0.0 },
             all,
             piece,
+            number,
             corners,
             nodes,
             movers,
@@ -188,7 +218,7 @@ impl Face {
             measure,
             spots: Vec::new(),
             whole: [0.0; 4],
-            bulge,
+            bulge: [0.0; 4],
         };
         face.spots = face.rule(&places);
         face.whole = integrals(&face.spots);
@@ -281,10 +311,9 @@ impl Face {
         self.normal_at(node).dot(&other.normal_at(node)) >= flat && ends(self).iter().any(|end| theirs.contains(end))
     }
 
-    /// How far the smooth face bulges over the flat one, (3) of the [module](self).
-    fn height(&self, shapes: &[f64; 4]) -> f64 {
+    /// How far the smooth face with such coefficients bulges over the flat one, (3) of the [module](self).
+    fn height(&self, [h0, h1, h2, h3]: [f64; 4], shapes: &[f64; 4]) -> f64 {
         let &[b0, b1, b2, b3] = shapes;
-        let [h0, h1, h2, h3] = self.bulge;
         if self.corners.count == 3 {
             return h0 * b0 * b1 + h1 * b1 * b2 + h2 * b2 * b0;
         }
@@ -350,22 +379,20 @@ impl Faces {
     }
 
     /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
-    /// rings. `bulges` has four coefficients of each facet of the set, or none; edges are sharp from `feature_angle` on, degrees.
+    /// rings. Edges are sharp from `feature_angle` on, degrees.
     pub fn new(
         part: &Part,
         facets: &[PartFacet],
         slaves: &[Slave],
         (is_ring, feature_angle): (bool, f64),
-        bulges: &[f64],
     ) -> Self {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
-            let bulge = bulges.as_chunks::<4>().0.get(facet.number as usize).copied().unwrap_or_default();
             let all = part.face_nodes(facet);
             for piece in part.pieces(std::slice::from_ref(facet)).iter() {
                 let all = mortar::Face { nodes: all.to_vec(), pieces: Vec::new() };
                 let piece = all.piece(&piece.nodes[..piece.count as usize]);
-                let face = Face::new(part, all, piece, is_ring, bulge);
+                let face = Face::new(part, (facet.number, all), piece, is_ring);
                 let mut touched: Vec<usize> = face
                     .corner_nodes()
                     .iter()
@@ -384,7 +411,35 @@ impl Faces {
             fans(all, |a, b| faces[a as usize].goes_on(&faces[b as usize], slave.node, flat))
         };
         let fans = slaves.iter().zip(around).map(fans).collect();
-        Self { faces, nodes: slaves.iter().map(|slave| slave.node).collect(), fans }
+        Self { faces, nodes: slaves.iter().map(|slave| slave.node).collect(), fans, over: None }
+    }
+
+    /// Lets them bulge as the patches over them, those of all facets of the set in their order: in the initial mesh, or as they
+    /// `follow` their nodes. Collective.
+    pub fn bulge_as(&mut self, comm: &SimpleCommunicator, part: &Part, patches: &[MovingPatch], follow: bool) {
+        let patches: Vec<MovingPatch> = self.faces.iter().map(|face| patches[face.number as usize].clone()).collect();
+        let nodes = Gather::new(comm, &part.starts, patches.iter().flat_map(|patch| patch.nodes.iter().copied()));
+        let stencils = patches.iter().map(|patch| stencil(patch, &nodes)).collect();
+        let over = Over { patches, stencils, nodes };
+        for (face, bulge) in self.faces.iter_mut().zip(over.heights(comm, |n| part.points[n as usize])) {
+            face.bulge = bulge;
+        }
+        self.over = follow.then_some(over);
+    }
+
+    /// Whether they bulge as they are deformed.
+    pub fn follow_nodes(&self) -> bool {
+        self.over.is_some()
+    }
+
+    /// How far each of them bulges in the initial mesh.
+    pub fn as_meshed(&self) -> Vec<[f64; 4]> {
+        self.faces.iter().map(|face| face.bulge).collect()
+    }
+
+    /// How far each of them bulges with owned nodes at `place`. Collective.
+    pub fn heights(&self, comm: &SimpleCommunicator, place: impl Fn(u32) -> Vec3) -> Vec<[f64; 4]> {
+        self.over.as_ref().map_or_else(|| self.as_meshed(), |over| over.heights(comm, place))
     }
 
     /// The nodes at the corners of each of them.
@@ -480,7 +535,7 @@ fn bent(all: &mortar::Face, places: &[Vec3; MOST]) -> f64 {
 mod tests {
     use super::*;
     use crate::mortar::{MeanPlane, overlap};
-    use crate::surface::{Edge, Patch};
+    use crate::surface::Edge;
 
     /// The height over the flat face is that of the patch, along its normal.
     #[test]
@@ -503,14 +558,14 @@ mod tests {
             let part = Part { points: nodes.to_vec(), tie: vec![0, 1, 2, 3], ..Part::default() };
             let all = mortar::Face { nodes: (0..count as u32).collect(), pieces: Vec::new() };
             let piece = Corners::new(&[0, 1, 2, 3][..count]);
-            let face = Face::new(&part, all, piece, false, coefficients.map(|c| -c.z));
+            let face = Face::new(&part, (0, all), piece, false);
             for [e, z] in [[0.3, 0.2], [0.7, 0.4], [0.9, 0.9], [0.0, 0.0], [1.0, 0.5]] {
                 let shapes = match count {
                     3 => [1.0 - e, e - z, z, 0.0],
                     _ => bilinear(&Vec2::new(e, z))[0],
                 };
                 let height = (patch.point([e, z]) - flat.point([e, z])).z;
-                assert!((face.height(&shapes) - height).abs() < 1e-14, "{count} {e} {z}");
+                assert!((face.height(heights(&patch), &shapes) - height).abs() < 1e-14, "{count} {e} {z}");
             }
         }
     }
@@ -541,7 +596,7 @@ mod tests {
             let all = mortar::Face { nodes: (0..count).collect(), pieces: Vec::new() };
             let (mut by_rule, mut by_chords) = (0.0, 0.0);
             for piece in pieces {
-                let face = Face::new(&part, all.clone(), Corners::new(&piece), false, [0.0; 4]);
+                let face = Face::new(&part, (0, all.clone()), Corners::new(&piece), false);
                 by_rule += face.whole.iter().sum::<f64>();
                 let corners = face.corners.map(|n| points[n as usize]);
                 let plane = MeanPlane::of(&corners).unwrap();

@@ -64,23 +64,30 @@ pub struct Share {
 
 /// The points of the faces of a pair at an iterate, by face.
 #[derive(Clone, Debug, Default)]
-pub struct Segments(Vec<Vec<Point>>);
+pub struct Segments {
+    points: Vec<Vec<Point>>,
+    /// How far the faces bulge.
+    heights: Vec<[f64; 4]>,
+}
 
 /// A spot of a face, with where its projection may begin.
 type Start = (Spot, Option<(u32, [f64; 2])>);
 
 impl Segments {
     /// Finds the points of all faces of a pair with nodes at `now`. With friction they slip from where nodes were `then`, at the last
-    /// converged increment. Points that stand `still` in the slave's faces are found again on the master.
+    /// converged increment. Faces bulge by `heights`. Points that stand `still` in the slave's faces, as high above them, are found
+    /// again on the master.
     pub fn find(
         pair: &Pair,
         ground: &Ground,
+        heights: Vec<[f64; 4]>,
         now: impl Fn(u32) -> Vec3,
         then: Option<&dyn Fn(u32) -> Vec3>,
         still: Option<&Self>,
     ) -> Self {
         let lines = POINTS.map(|points| points.map(on_line));
         let then = then.filter(|_| pair.rules.friction > 0.0);
+        let heights = still.map_or(heights, |still| still.heights.clone());
         // Where corners of faces on a tool are, and what is closest to them, by the nodes that move them.
         let corners = RefCell::new(BTreeMap::new());
         let of_face = |(f, face): (usize, &Face)| {
@@ -96,7 +103,7 @@ impl Segments {
                 if still.is_none() && start.is_some_and(|start| is_hidden(pair, ground, &place, start, &flat)) {
                     return None;
                 }
-                let at = Projection { gap: flat.gap - face.height(&spot.shapes), ..flat };
+                let at = Projection { gap: flat.gap - face.height(heights[f], &spot.shapes), ..flat };
                 let origin = match &before {
                     Some(before) => ground.origin_of(pair, f, (&moved.of(before), &looked), &at),
                     None => SlipOrigin::Fixed(at.point),
@@ -106,9 +113,9 @@ impl Segments {
             };
             let at = |spots: &[Spot]| spots.iter().filter_map(|spot| point((*spot, None))).collect::<Vec<_>>();
             match (ground, still) {
-                (_, Some(still)) => still.0[f].iter().map(Point::again).filter_map(point).collect(),
+                (_, Some(still)) => still.points[f].iter().map(Point::again).filter_map(point).collect(),
                 (Ground::Surface(surface, _), None) => {
-                    let starts = covered(pair, (f, face), &x, surface, &lines);
+                    let starts = covered(pair, (f, face), &heights[f], &x, surface, &lines);
                     starts.into_iter().filter_map(point).collect()
                 }
                 (Ground::Tool(tool), None) => {
@@ -135,12 +142,13 @@ impl Segments {
                 }
             }
         };
-        Self(pair.faces.iter().flat_map(|faces| &faces.faces).enumerate().map(of_face).collect())
+        let points = pair.faces.iter().flat_map(|faces| &faces.faces).enumerate().map(of_face).collect();
+        Self { points, heights }
     }
 
     /// A point.
     pub fn get(&self, share: &Share) -> &Point {
-        &self.0[share.face as usize][share.point as usize]
+        &self.points[share.face as usize][share.point as usize]
     }
 
     /// A point with its share, for the element.
@@ -158,7 +166,7 @@ impl Segments {
                 let weight = point.spot.weight * face.of_node(node, &point.spot.shapes);
                 Share { face: f, point: k as u32, weight }
             };
-            self.0[f as usize].iter().enumerate().map(share)
+            self.points[f as usize].iter().enumerate().map(share)
         };
         fan.iter().flat_map(of_face).collect()
     }
@@ -229,6 +237,7 @@ pub fn mean_of<'a>(weighted: impl Iterator<Item = (&'a Projection, f64)>, base: 
 fn covered(
     pair: &Pair,
     (f, face): (usize, &Face),
+    heights: &[f64; 4],
     x: &Corners<Vec3>,
     surface: &BodySurface,
     lines: &[[Vec<[f64; 2]>; 2]; 2],
@@ -236,7 +245,8 @@ fn covered(
     let Some(plane) = MeanPlane::of(x) else { return Vec::new() };
     // Where one side bulges, gaps are no linear functions.
     let flat = FLAT * pair.facet_size;
-    let is_plain = face.measure == [1.0; 4] && face.bent <= flat;
+    let bent = heights.iter().fold(face.bent, |most, h| h.abs().max(most));
+    let is_plain = face.measure == [1.0; 4] && bent <= flat;
     let [coarse, fine] = &lines[usize::from(face.all.is_quadratic() || surface.is_quadratic)];
     // In self-contact what the face avoids, and how straight what it meets looks at it.
     let own = pair.within.as_ref().and_then(|within| Some((within.of_faces.get(f)?, within.facing)));
