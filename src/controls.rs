@@ -328,7 +328,7 @@ controls! {
         watch_unfelt: f64 = 1e-4, [1e-9, 1.0], "longest edge of the slave facets",
             "Nodes that are deeper at the end of the last step in a master that segments never felt end the run: coordinates of mesh files are as exact as that. At the end of other steps, and where it has been felt and eased, it is `watch_deep`, and what would push them out `watch_let_in` of what it has borne.";
         watch_let_in: f64 = 0.25, [0.01, 1e6], "how far both sides have given way",
-            "From segment to segment nodes are in a master that is sharper than the facets, while gaps are closed in the mean. If they are deeper than this when the contact bears its largest force, and to push them out, each as stiff as the surface around it, would take more than half of that, it is told of at the end: forces lack about as much. Twice the energy of both bodies over the force is how far they have given way.";
+            "A master that is sharper than the facets is in the slave where nodes do not feel it: between them, and from segment to segment at nodes whose gaps are closed in the mean. If it is deeper than this when the contact bears its largest force, and to push the slave out, each node as stiff as the surface around it, would take more than half of that, it is told of at the end: forces lack about as much. Twice the energy of both bodies over the force is how far they have given way.";
         watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
             "A master that is deeper in the slave between its nodes is told of at the end. The size is the diagonal where a node of the facet touches, else the edge of a square of its area, of a layer its length. A facet of the slave whose nodes are on a ball of its own size is 1/4 of its edge inside, and one that bends by a right angle at the edge of a punch as much.";
         watch_between_most: f64 = 0.5, [0.01, 10.0], "size of the slave facet",
@@ -383,6 +383,8 @@ controls! {
             "A turn that is this small beside the one at the junction counts as none.";
         straight_misfit: f64 = 0.2, [0.0, 10.0], "misfit of the normal of the straight side",
             "Where mean normals carry the curvature on so much better, they stay: the middle of an S-bend.";
+        straight_depth: f64 = 3.0, [1.5, 1e6], "depth of the facet beside",
+            "A facet that is so much deeper than the next one across a smooth edge may be a flat beside a fillet, as CAD programs write them: it is, where its normal fits the fillet by less than `straight_misfit` of what the mean is off. On arcs of unequal facets the mean fits.";
     }
 }
 

@@ -31,9 +31,11 @@ pub struct Between {
     pub share: f64,
     pub depth: f64,
     pub place: Vec3,
+    /// What it would take to push all facets of the slave out of the master, each node as stiff as the surface around it, N.
+    pub lacks: f64,
 }
 
-crate::words!(Between { share, depth, place });
+crate::words!(Between { share, depth, place, lacks });
 
 impl Between {
     /// The one that is deeper, measured by its facet.
@@ -57,8 +59,12 @@ pub(super) fn between(
         let sights = Sights::new(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.side.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
-        let beside = facets.iter().filter_map(of).fold(Between::default(), Between::or_deeper);
-        if *is_idle && !pair.is_within_body() { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside }
+        let of_facets: Vec<Between> = facets.iter().filter_map(of).collect();
+        let lacks = of_facets.iter().map(|of_facet| of_facet.lacks).sum();
+        let beside = of_facets.into_iter().fold(Between::default(), Between::or_deeper);
+        let whole = *is_idle && !pair.is_within_body();
+        let deepest = if whole { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside };
+        Between { lacks, ..deepest }
     };
     let mine: Vec<Between> = model.pairs.iter().zip(travels).zip(idle).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();
@@ -69,14 +75,16 @@ pub(super) fn between(
     let mut first: Vec<f64> = mine.iter().zip(&shares).map(has).collect();
     max(comm, &mut first);
     let said = |(mine, first): (&Between, &f64)| {
-        let Between { depth, place, .. } = *mine;
-        if here == *first { [depth, place.x, place.y, place.z] } else { [0.0; 4] }
+        let Between { depth, place, lacks, .. } = *mine;
+        if here == *first { [lacks, depth, place.x, place.y, place.z] } else { [lacks, 0.0, 0.0, 0.0, 0.0] }
     };
     let mut sums = mine.iter().zip(&first).map(said).collect::<Vec<_>>().concat();
     sum(comm, &mut sums);
-    let deepest =
-        |(share, sums): (f64, &[f64])| Between { share, depth: sums[0], place: Vec3::from_column_slice(&sums[1..]) };
-    shares.into_iter().zip(sums.chunks_exact(4)).map(deepest).collect()
+    let deepest = |(share, &[lacks, depth, x, y, z]): (f64, &[f64; 5])| {
+        let place = Vec3::new(x, y, z);
+        Between { share, depth, place, lacks }
+    };
+    shares.into_iter().zip(sums.as_chunks().0).map(deepest).collect()
 }
 
 /// Whether nobody else sees what happens between the nodes of a slave: in self-contact and in two passes the nodes of the other side
@@ -129,6 +137,8 @@ struct Facet {
     deep: f64,
     /// Where it is looked at, along both parameters.
     spots: [&'static [f64]; 2],
+    /// What its slave nodes of this rank have of its stiffness: all of them together the mean of its nodes.
+    stiffness: f64,
 }
 
 impl Facet {
@@ -168,7 +178,9 @@ impl Facet {
             _ if is_layer => [CLOSELY, MIDDLE],
             _ => [CLOSELY, CLOSELY],
         };
-        Some(Self { corners, inward, slave, touches, size, longest, deep: f64::max(-nearest, 0.0), spots })
+        let slaves = nodes.iter().filter_map(|&n| pair.index_of(n)).map(|s| &pair.slaves[s]);
+        let stiffness = slaves.map(|slave| slave.stiffness(&pair.controls)).sum::<f64>() / nodes.len() as f64;
+        Some(Self { corners, inward, slave, touches, size, longest, deep: f64::max(-nearest, 0.0), spots, stiffness })
     }
 
     fn deepest(&self, model: &Model, pair: &Pair, travel: f64) -> Between {
@@ -179,7 +191,8 @@ impl Facet {
         let largest = if self.touches { pair.controls.watch_between_most } else { f64::INFINITY };
         let at = |place: Vec3| {
             let depth = watch::intrusion(&view, &place, &self.inward, most, around, &may) - self.deep;
-            Between { share: (depth / self.size).min(largest), depth, place }
+            let lacks = self.stiffness * depth.max(0.0);
+            Between { share: (depth / self.size).min(largest), depth, place, lacks }
         };
         let all = self.spots[0].iter().flat_map(|s| self.spots[1].iter().map(move |t| Vec2::new(*s, *t)));
         all.map(|xi| at(self.place(&xi))).fold(Between::default(), Between::or_deeper)
@@ -211,7 +224,8 @@ fn swallowed(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) 
     let held = held(comm, model, pair.side.body, &points, &place);
     let within = feet.iter().zip(held.chunks(1 << axes.len())).filter(|(_, held)| held.iter().all(|held| *held));
     let nearest = within.map(|(foot, _)| *foot).min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map_or(Between::default(), |(depth, place)| Between { share: f64::INFINITY, depth, place })
+    let whole = |(depth, place)| Between { share: f64::INFINITY, depth, place, lacks: 0.0 };
+    nearest.map_or(Between::default(), whole)
 }
 
 /// What ends an increment: a pair whose master is deeper between the nodes of a facet than what these feel.

@@ -35,8 +35,8 @@ const INTO: f64 = 0.5;
 /// Nodes that let go of friction of more of a contact's force as they rest are told of: what engineers would not see in a curve.
 const LET_GO: f64 = 2e-3;
 
-/// What it would take to push nodes out of a master that gaps closed in the mean let in, each as stiff as the surface around it, over
-/// what the contact bears, from where it is looked at more closely.
+/// What it would take to push a slave out of a master that is in it unfelt, each node as stiff as the surface around it, over what the
+/// contact bears, from where it is looked at more closely.
 const LACKS: f64 = 0.5;
 
 /// What a contact did until now.
@@ -71,7 +71,7 @@ pub struct Touch {
     shared: Most,
     /// How far nodes that bear from node to node ever were from those that they meet.
     apart: Most,
-    /// The largest that it ever bore, N, and what gaps that are closed in the mean let in then.
+    /// The largest that it ever bore, N, and what was in it unfelt then.
     most: f64,
     let_in: LetIn,
     /// The largest force with which sides that nodes do not look at pushed them aside, N.
@@ -100,17 +100,20 @@ crate::words!(Touch {
     aside,
 });
 
-/// From segment to segment: nodes that are in the master while the gaps around them are closed in the mean.
+/// The master in the slave where its nodes do not feel that: between them, or, from segment to segment, at nodes that are in it while
+/// the gaps around them are closed in the mean.
 #[derive(Clone, Copy, Debug, Default)]
 struct LetIn {
-    /// Of the deepest.
+    /// The deepest.
     depth: f64,
+    /// It is between nodes.
+    between: bool,
     /// How far both sides have given way under the force.
     approach: f64,
     at: f64,
 }
 
-crate::words!(LetIn { depth, approach, at });
+crate::words!(LetIn { depth, between, approach, at });
 
 /// The largest that something ever was, and when.
 #[derive(Clone, Copy, Debug, Default)]
@@ -371,7 +374,7 @@ impl Simulation<'_> {
     }
 
     /// How deep the master of a pair is between the nodes of the slave.
-    fn word_between(&self, p: usize, Between { share, depth, place }: &Between) -> String {
+    fn word_between(&self, p: usize, Between { share, depth, place, .. }: &Between) -> String {
         let pair = &self.model.pairs[p];
         let (master, slave) = (self.model.master_name(pair), &self.model.bodies[pair.side.body].name);
         format!(
@@ -426,17 +429,16 @@ impl Simulation<'_> {
         max(self.comm, &mut depths);
         let borne = sums.chunks_exact(EACH).map(|sums| [sums[7], sums[12]]);
         let deepest = depths.as_chunks::<4>().0;
-        for ((touch, [depth, yielded, apart, let_in]), [borne, lacks]) in
-            self.state.touches.iter_mut().zip(deepest).zip(borne)
+        for (((touch, [depth, yielded, apart, let_in]), [borne, lacks]), between) in
+            self.state.touches.iter_mut().zip(deepest).zip(borne).zip(between)
         {
             touch.depth = touch.depth.max(*depth);
             if borne > 0.0 && borne >= touch.most {
                 touch.most = borne;
-                touch.let_in = LetIn {
-                    depth: if lacks > LACKS * borne { *let_in } else { 0.0 },
-                    approach: 0.0,
-                    at: self.state.time,
-                };
+                let counts = |(lacks, depth): (f64, f64)| if lacks > LACKS * borne { depth } else { 0.0 };
+                let [at_nodes, beside] = [(lacks, *let_in), (between.lacks, between.depth)].map(counts);
+                let (depth, between) = (f64::max(at_nodes, beside), beside > at_nodes);
+                touch.let_in = LetIn { depth, between, approach: 0.0, at: self.state.time };
             }
             touch.apart = touch.apart.or_larger(*apart, self.state.time);
             touch.yielded = touch.yielded.or_larger(*yielded, self.state.time);
@@ -476,7 +478,7 @@ impl Simulation<'_> {
         }
     }
 
-    /// How far both sides of contacts have given way that have just borne the most with nodes let in: twice their energy over the force.
+    /// How far both sides of contacts have given way that have just borne the most with something in them unfelt: twice their energy over the force.
     /// Collective.
     fn note_approaches(&mut self) {
         let (comm, model, u) = (self.comm, &self.model, &self.state.u);
@@ -608,13 +610,21 @@ impl Simulation<'_> {
                     touch.depth / pair.facet_size
                 ));
             }
-            let LetIn { depth, approach, at } = touch.let_in;
-            if depth > pair.controls.watch_let_in * approach {
+            let LetIn { depth, between, approach, at } = touch.let_in;
+            // What is too deep between nodes whatever else is told of already.
+            let is_told = between && touch.between.share > pair.controls.watch_between;
+            if depth > pair.controls.watch_let_in * approach && !is_told {
+                let (how, or) = match between {
+                    true => (format!("its nodes do not feel that between them {master} is {depth:.3e} deep in their body"), ""),
+                    false => (
+                        format!("its gaps, closed in the mean over facets, let nodes be {depth:.3e} deep in {master}"),
+                        ", or `discretization = \"one-pass\"`",
+                    ),
+                };
                 warnings.push(format!(
-                    "contact `{name}`: its gaps, closed in the mean over facets, let nodes be {depth:.3e} deep in {master}, \
-                     {:.2} of a facet, when it bore the most (time {at:.6}); both have given way by about {approach:.1e}, and where \
-                     displacements are given forces lack what it would take to give way by {depth:.1e} more: mesh the slave finer \
-                     there, take the finer side as the slave, or `discretization = \"one-pass\"`",
+                    "contact `{name}`: {how}, {:.2} of a facet, when it bore the most (time {at:.6}); both sides have given way by \
+                     about {approach:.1e}, and where displacements are given forces lack what it would take to give way by \
+                     {depth:.1e} more: mesh the slave finer there, or take the finer side as the slave{or}",
                     depth / pair.facet_size
                 ));
             }

@@ -17,7 +17,9 @@
 //!      section 5.3). On a plane that is the normal of the plane, on a cylinder that runs into a torus the mean over
 //!      the cylinder. At the corner of several such parts, the part that is on the curved side of no junction decides.
 //!    - Where both sides are straight the edge is a crease, and sharp.
-//!    - A flat that is one facet deep cannot be told from an arc, and gets mean normals.
+//!    - So is a facet that is several times as deep as the next one across a smooth edge, as the flats of CAD programs' STL
+//!      files between their fillets, where its normal fits the arc by (*) far better than the mean does.
+//!    - Other flats that are one facet deep cannot be told from an arc, and get mean normals.
 //!    - In the middle of an S-bend of two equal arcs two facets are coplanar by chance. There the mean normals carry
 //!      the curvature on much better than the facet's, see (*), and stay.
 //! 3. Where a surface ends, at a boundary or sharp edge, the mean is that of one side only, off by half an edge's turn.
@@ -294,6 +296,35 @@ mod tests {
                 let exact = if facets.point(f, k).x > 2.5 { Vec3::x() } else { -Vec3::y() };
                 assert!((normals.corners[f][k] - exact).norm() < 1e-14);
             }
+        }
+    }
+
+    /// Flats of one facet between fillets, as CAD programs write them, are flat, and the fillets round; an arc of unequal facets has no
+    /// flats.
+    #[test]
+    fn deep_flats_are_flat() {
+        for triangles in [false, true] {
+            let (steps, quarter) = (6, std::f64::consts::FRAC_PI_2);
+            let fillet = |k: usize| {
+                let turn = quarter * k as f64 / steps as f64;
+                [2.0 * turn.sin(), 2.0 - 2.0 * turn.cos()]
+            };
+            let mut profile = vec![[-6.0, 0.0]];
+            profile.extend((0..=steps).map(fillet));
+            profile.push([2.0, 9.0]);
+            let (facets, normals) = normals(&strip(&profile, 1, triangles));
+            for (f, k) in facets.corners() {
+                let x = facets.point(f, k);
+                let exact = Vec3::new(x.x.max(0.0) / 2.0, x.y.min(2.0) / 2.0 - 1.0, 0.0);
+                assert!((normals.corners[f][k] - exact).norm() < 1e-12, "{triangles}: {x}");
+            }
+        }
+        let places = [0.0, 0.05, 0.1, 0.5, 0.6, 1.0, 1.05];
+        let arc: Vec<[f64; 2]> = places.iter().map(|a: &f64| [a.sin(), -a.cos()]).collect();
+        let (facets, normals) = normals(&strip(&arc, 1, false));
+        for (f, k) in facets.corners() {
+            let x = facets.point(f, k);
+            assert!((normals.corners[f][k] - Vec3::new(x.x, x.y, 0.0)).norm() < 1e-12, "{x}");
         }
     }
 

@@ -10,10 +10,20 @@ use crate::controls::Controls;
 /// Angle of two facets below which the surface does not turn between them, radians: above the rounding of mesh files.
 const NO_TURN: f64 = 1e-4;
 
-/// Makes the edges between two straight sides sharp; returns the junctions as (facet, edge) on the straight side.
-pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -> Vec<(usize, usize)> {
+/// An edge between a straight part and a curved one.
+#[derive(Clone, Copy)]
+pub struct Junction {
+    /// The facet on the straight side, and its edge.
+    side: (usize, usize),
+    /// It goes on behind the edge, and is not only deeper than the other.
+    goes_on: bool,
+}
+
+/// Makes the edges between two straight sides sharp; returns the junctions.
+pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -> Vec<Junction> {
     let around = facets.around_nodes();
     let (mut junctions, mut creases) = (Vec::new(), Vec::new());
+    let is_deep = |(f, k), (g, j)| depth(facets, f, k) > controls.straight_depth * depth(facets, g, j);
     for (f, k) in facets.corners() {
         let Some((g, j)) = facets.across[f][k].filter(|(g, _)| f < *g) else { continue };
         let turn = angle(&facets.normals[f], &facets.normals[g]);
@@ -23,15 +33,29 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -
         let none = controls.coplanar * turn;
         match (is_straight(facets, &around, f, k, none), is_straight(facets, &around, g, j, none)) {
             (true, true) => creases.extend([(f, k), (g, j)]),
-            (true, false) => junctions.push((f, k)),
-            (false, true) => junctions.push((g, j)),
-            (false, false) => {}
+            (true, false) => junctions.push(Junction { side: (f, k), goes_on: true }),
+            (false, true) => junctions.push(Junction { side: (g, j), goes_on: true }),
+            (false, false) => {
+                let sides = [((f, k), (g, j)), ((g, j), (f, k))].into_iter().filter(|(side, other)| is_deep(*side, *other));
+                junctions.extend(sides.map(|(side, _)| Junction { side, goes_on: false }));
+            }
         }
     }
     for (f, k) in creases {
         edges[f][k] = Edge::Sharp;
     }
     junctions
+}
+
+/// How far a facet goes from its edge `k`.
+fn depth(facets: &Facets, f: usize, k: usize) -> f64 {
+    let along = facets.edge(f, k).normalize();
+    let count = facets.count(f);
+    let away = |other: usize| {
+        let from = facets.point(f, other % count) - facets.point(f, k);
+        (from - along * along.dot(&from)).norm()
+    };
+    (2..count).map(|more| away(k + more)).sum::<f64>() / (count - 2) as f64
 }
 
 /// Whether facet `f` goes on in its plane behind its edge `k`, where a turn of `none` counts as none.
@@ -53,14 +77,19 @@ fn is_straight(facets: &Facets, around: &[Vec<(usize, usize)>], f: usize, k: usi
 pub fn straight_sides(
     facets: &Facets,
     weight: Weight,
-    (edges, junctions): (&[[Edge; 4]], &[(usize, usize)]),
+    (edges, junctions): (&[[Edge; 4]], &[Junction]),
     fans: &Groups,
     normals: &mut [Vec3],
     controls: &Controls,
 ) -> Vec<[bool; 4]> {
     let mut is_junction = vec![[false; 4]; facets.nodes.len()];
     let mut other_side = Vec::with_capacity(junctions.len());
-    for &(f, k) in junctions {
+    // Whether all that tells of a straight side at a fan is how deep it is.
+    let mut is_guess = vec![false; fans.count];
+    for &Junction { side: (f, k), goes_on } in junctions {
+        for corner in [k, (k + 1) % facets.count(f)] {
+            is_guess[fans.of(f, corner)] |= !goes_on;
+        }
         if let Some((g, j)) = facets.across[f][k] {
             (is_junction[f][k], is_junction[g][j]) = (true, true);
             other_side.push((g, j));
@@ -68,7 +97,8 @@ pub fn straight_sides(
     }
     let sectors = Groups::new(facets, |f, k| edges[f][k] == Edge::Smooth && !is_junction[f][k]);
     let (mut straight, mut curved) = (vec![false; sectors.count], vec![false; sectors.count]);
-    for (sides, flags) in [(junctions, &mut straight), (&other_side, &mut curved)] {
+    let own_side: Vec<(usize, usize)> = junctions.iter().map(|junction| junction.side).collect();
+    for (sides, flags) in [(&own_side, &mut straight), (&other_side, &mut curved)] {
         for &(f, k) in sides {
             flags[sectors.of(f, k)] = true;
             flags[sectors.of(f, (k + 1) % facets.count(f))] = true;
@@ -96,7 +126,14 @@ pub fn straight_sides(
     let kept: Vec<bool> = side
         .iter()
         .zip(&misfit)
-        .map(|(side, m)| *side != Vec3::zeros() && m[1] >= controls.straight_misfit * m[0])
+        .zip(is_guess)
+        .map(|((side, [by_side, by_mean]), is_guess)| {
+            let fits = match is_guess {
+                true => *by_side <= controls.straight_misfit * by_mean,
+                false => *by_mean >= controls.straight_misfit * by_side,
+            };
+            *side != Vec3::zeros() && fits
+        })
         .collect();
     for fan in (0..fans.count).filter(|fan| kept[*fan]) {
         normals[fan] = side[fan];
