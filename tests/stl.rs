@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::stl::{Triangle, binary, cylinder, directions, sphere, text};
+use common::stl::{Triangle, binary, cylinder, directions, rectangle, sphere, text};
 use common::{Bench, assert_small};
 use nagata::Vec3;
 use nagata::controls::Controls;
@@ -53,6 +53,42 @@ fn spheres_and_cylinders_are_smoothed() {
     let shape = described.geometry.whole();
     let beyond = Vec3::new(1.3, 0.0, 1.4);
     assert_small("edge", shape.closest(&beyond, 1.0, None).unwrap().gap - 0.5, 1e-6);
+}
+
+/// The flats of a punch, as CAD programs write them: each of two triangles, however long, between fillets of several. They are flat,
+/// and the fillets round.
+#[test]
+fn flats_between_fillets_are_flat() {
+    let (radius, steps) = (2.0, 4);
+    let fillet = |k: usize| {
+        let turn = std::f64::consts::FRAC_PI_2 * k as f64 / steps as f64;
+        [5.0 + radius * turn.sin(), radius - radius * turn.cos()]
+    };
+    // From the left wall to the right one, mirrored.
+    let mut outline: Vec<[f64; 2]> = (0..=steps).map(fillet).chain([[7.0, 9.0]]).collect();
+    let left: Vec<[f64; 2]> = outline.iter().rev().map(|[x, y]| [-x, *y]).collect();
+    outline.splice(0..0, left);
+    let wall = |&[[ax, ay], [bx, by]]: &[[f64; 2]; 2]| {
+        rectangle([[ax, ay, 0.0], [bx, by, 0.0], [bx, by, 3.0], [ax, ay, 3.0]].map(Vec3::from))
+    };
+    let facets: Vec<Triangle> = outline.array_windows().flat_map(wall).collect();
+    let described = described(&binary(&facets), "").unwrap();
+    let below = (0..40).map(|k| (Vec3::new(0.25 * f64::from(k) - 4.9, 0.0, 1.5), -Vec3::y()));
+    let round = (1..20).map(|k| {
+        let turn = std::f64::consts::FRAC_PI_2 * f64::from(k) / 20.0;
+        let normal = Vec3::new(turn.sin(), -turn.cos(), 0.0);
+        (Vec3::new(5.0, radius, 1.5) + radius * normal, normal)
+    });
+    let beside = (0..20).map(|k| (Vec3::new(7.0, 2.1 + 0.3 * f64::from(k), 1.5), Vec3::x()));
+    let (below, round, beside): (Vec<_>, Vec<_>, Vec<_>) = (below.collect(), round.collect(), beside.collect());
+    let shape = described.geometry.whole();
+    // As exact as numbers of four bytes, and as arcs of a quarter of a right angle.
+    for (name, points, far) in [("flat", below, 1e-6), ("fillet", round, 2e-3), ("wall", beside, 1e-6)] {
+        for (x, normal) in points {
+            let found = shape.closest(&(x + 0.3 * normal), 1.0, None).unwrap();
+            assert_small(&format!("{name} {x}"), found.gap - 0.3, far);
+        }
+    }
 }
 
 /// What is not in order is named by the number of the facet, and refused or passed over.

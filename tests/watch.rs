@@ -1452,7 +1452,8 @@ fn what_is_between_nodes_is_told_of_by_what_gives_way() {
         let most = run.history().column("t.fy").iter().fold(0.0, |most: f64, f| most.max(f.abs()));
         (most, run.log().contains("its nodes do not feel that between them"))
     };
-    let up = "[[step]]\nincrements = 2\nfix = [{ set = \"b.ymin\" }]\nmove = [{ target = \"t\", by = [0.0, 0.045, 0.0] }]";
+    let up =
+        "[[step]]\nincrements = 2\nfix = [{ set = \"b.ymin\" }]\nmove = [{ target = \"t\", by = [0.0, 0.045, 0.0] }]";
     let round = |x: f64| format!("cylinder = {{ point = [{x}, 1.0, 0.0], axis = [0.0, 0.0, 1.0], radius = 1.0 }}");
     let right = pressed(&round(0.25), 16, "", 1);
     assert!(!right.1, "{right:?}");

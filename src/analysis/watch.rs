@@ -615,7 +615,10 @@ impl Simulation<'_> {
             let is_told = between && touch.between.share > pair.controls.watch_between;
             if depth > pair.controls.watch_let_in * approach && !is_told {
                 let (how, or) = match between {
-                    true => (format!("its nodes do not feel that between them {master} is {depth:.3e} deep in their body"), ""),
+                    true => (
+                        format!("its nodes do not feel that between them {master} is {depth:.3e} deep in their body"),
+                        "",
+                    ),
                     false => (
                         format!("its gaps, closed in the mean over facets, let nodes be {depth:.3e} deep in {master}"),
                         ", or `discretization = \"one-pass\"`",

@@ -3,7 +3,7 @@
 use super::assemble::set_of;
 use super::symmetry::{self, SymmetryPlane};
 use crate::Vec3;
-use crate::contact::{Avoided, self_contact, segment::heights};
+use crate::contact::{Avoided, segment::heights, self_contact};
 use crate::error::{Error, Result};
 use crate::mesh::{Facet, Mesh, Quarters};
 use crate::partition::{GlobalFacet, GlobalMesh};

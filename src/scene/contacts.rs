@@ -125,10 +125,12 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
 /// Whether the slave's smooth faces are curved as they are deformed.
 fn slave_follows(table: &Table, discretization: Discretization) -> Result<bool> {
     let Some(item) = table.get("slave_curvature") else { return Ok(false) };
+    let follows = item.choice(&[("meshed", false), ("deformed", true)])?;
     if discretization != Discretization::Segment {
-        return Err(item.error("means nothing for nodes", "it is for faces, with `discretization = \"segment\"`; remove it"));
+        let help = "it is for faces, with `discretization = \"segment\"`; remove it";
+        return Err(item.error("means nothing for nodes", help));
     }
-    item.choice(&[("meshed", false), ("deformed", true)])
+    Ok(follows)
 }
 
 fn discretization(table: &Table, is_tool: bool) -> Result<Discretization> {

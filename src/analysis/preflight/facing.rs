@@ -61,7 +61,7 @@ pub fn check(
         }
         if !facing.is_finite() && away.is_finite() {
             model.warnings.push(format!(
-                "contact `{}`: `{}` and {master} look the same way wherever they are near: no slave node faces the \
+                "contact `{}`: `{}` and {master} look the same way wherever they are near as meshed: no slave node faces the \
                  master; is the slave the right side of the body?",
                 contact.name.value, contact.slave.value
             ));

@@ -380,12 +380,7 @@ impl Faces {
 
     /// Those of the facets of a set that touch the slaves, which are in the order of their nodes; turned about the axis they are
     /// rings. Edges are sharp from `feature_angle` on, degrees.
-    pub fn new(
-        part: &Part,
-        facets: &[PartFacet],
-        slaves: &[Slave],
-        (is_ring, feature_angle): (bool, f64),
-    ) -> Self {
+    pub fn new(part: &Part, facets: &[PartFacet], slaves: &[Slave], (is_ring, feature_angle): (bool, f64)) -> Self {
         let (mut faces, mut around) = (Vec::new(), vec![Vec::new(); slaves.len()]);
         for facet in facets {
             let all = part.face_nodes(facet);

@@ -36,7 +36,8 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -
             (true, false) => junctions.push(Junction { side: (f, k), goes_on: true }),
             (false, true) => junctions.push(Junction { side: (g, j), goes_on: true }),
             (false, false) => {
-                let sides = [((f, k), (g, j)), ((g, j), (f, k))].into_iter().filter(|(side, other)| is_deep(*side, *other));
+                let sides =
+                    [((f, k), (g, j)), ((g, j), (f, k))].into_iter().filter(|(side, other)| is_deep(*side, *other));
                 junctions.extend(sides.map(|(side, _)| Junction { side, goes_on: false }));
             }
         }
@@ -129,7 +130,8 @@ pub fn straight_sides(
         .zip(is_guess)
         .map(|((side, [by_side, by_mean]), is_guess)| {
             let fits = match is_guess {
-                true => *by_side <= controls.straight_misfit * by_mean,
+                // Between two such facets alone nothing tells a flat from an arc.
+                true => *by_side < controls.straight_misfit * by_mean,
                 false => *by_mean >= controls.straight_misfit * by_side,
             };
             *side != Vec3::zeros() && fits
