@@ -109,9 +109,9 @@ impl Nodes<'_> {
 
 /// Work of the pressure `field` on what the master is behind the facets that this rank counts. Where normals of the master turn
 /// by dn along an edge d, it bulges by dn.d/8 over the edge; of all edges the mean over a facet is the sum of dn.d/24, for
-/// triangles as for quadrilaterals. As far as the slave bulges so in the initial mesh, as a bore does over a shaft, or as it is deformed, where that counts, its
-/// faces need not bend. Across the edge of the contact the slave goes no farther along a master that turns away than the force of a node
-/// indents it.
+/// triangles as for quadrilaterals. As far as the slave bulges so in the initial mesh, as a bore does over a shaft, or as it is
+/// deformed, where its gap counts so, its faces need not bend. Across the edge of the contact the slave goes no farther along a
+/// master that turns away than the force of a node indents it.
 fn works(nodes: &Nodes, pair: &Pair, field: &[f64], u: &[Vec3]) -> [f64; 2] {
     let part = &nodes.model.part;
     let mut normals = vec![Vec3::zeros(); part.points.len()];
