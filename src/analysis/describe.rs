@@ -66,10 +66,11 @@ pub fn contacts(comm: &SimpleCommunicator, model: &Model) -> String {
             0.0 => format!("frictionless, {multipliers}, no slip history"),
             friction => format!("friction {friction}, {multipliers}"),
         };
-        let by = match pair.is_by_nodes() {
-            true => ", each on a node of the master",
-            false if pair.faces.is_some() => ", from segment to segment",
-            false => "",
+        let by = match &pair.faces {
+            _ if pair.is_by_nodes() => ", each on a node of the master",
+            Some(faces) if faces.follow_nodes() => ", from segment to segment, its faces curved as they are deformed",
+            Some(_) => ", from segment to segment",
+            None => "",
         };
         let _ = writeln!(text, "contact `{}`: {count} slave nodes{by}, {method}, {friction}", pair.name);
     }
