@@ -892,6 +892,8 @@ fn what_a_tool_has_and_a_body_lacks_is_told() {
         "in/test.toml:26:13: contact.top.tolerance means nothing with the method \"augmented-lagrangian\"\n  \
          | tolerance = 1e-3\n  help: it ends the outer iterations of \"uzawa\"; remove it"
     );
+    let own = "master = \"slab.top\"\ndiscretization = \"segment\"\nmethod = \"uzawa\"";
+    assert!(reason("master = \"indenter\"", own).ends_with("does not settle with \"segment\" in self-contact"));
     let wrong = "master = \"slab.side\"\ntransfer = \"mortar\"";
     assert_eq!(reason("master = \"indenter\"", wrong), "contact.top.transfer cannot be \"mortar\"");
 }
