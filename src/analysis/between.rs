@@ -42,6 +42,11 @@ impl Between {
     pub fn or_deeper(self, other: Self) -> Self {
         if other.share > self.share { other } else { self }
     }
+
+    /// What both are together.
+    fn and(self, other: Self) -> Self {
+        Self { lacks: self.lacks + other.lacks, ..self.or_deeper(other) }
+    }
 }
 
 /// The deepest between the nodes of each pair, of which none has gone farther than its entry of `travels`, as the watch
@@ -59,12 +64,8 @@ pub(super) fn between(
         let sights = Sights::new(comm, model, pair);
         let facets = model.part.pieces(&model.part.sets[pair.side.set].facets);
         let of = |facet| Facet::new(model, pair, &sights, facet, u).map(|facet| facet.deepest(model, pair, *travel));
-        let of_facets: Vec<Between> = facets.iter().filter_map(of).collect();
-        let lacks = of_facets.iter().map(|of_facet| of_facet.lacks).sum();
-        let beside = of_facets.into_iter().fold(Between::default(), Between::or_deeper);
-        let whole = *is_idle && !pair.is_within_body();
-        let deepest = if whole { beside.or_deeper(swallowed(comm, model, pair, u)) } else { beside };
-        Between { lacks, ..deepest }
+        let beside = facets.iter().filter_map(of).fold(Between::default(), Between::and);
+        if *is_idle && !pair.is_within_body() { beside.and(swallowed(comm, model, pair, u)) } else { beside }
     };
     let mine: Vec<Between> = model.pairs.iter().zip(travels).zip(idle).map(deepest).collect();
     let mut shares: Vec<f64> = mine.iter().map(|mine| mine.share).collect();

@@ -342,7 +342,7 @@ impl<'a> Simulation<'a> {
         masters.attend(self.comm, pairs, place);
         for (pair, aside) in pairs.iter_mut().zip(aside) {
             let ground = masters.of(pair.master);
-            let find = |faces: &Faces| Segments::find(pair, &ground, faces.as_meshed(), place, None, None);
+            let find = |faces: &Faces| Segments::find(pair, &ground, || faces.as_meshed(), place, None, None);
             let segments = pair.faces.as_ref().map(find);
             let (outward, is_self) = (outward_of(part, pair, place), pair.is_self());
             for s in 0..pair.slaves.len() {

@@ -478,8 +478,8 @@ impl Simulation<'_> {
         }
     }
 
-    /// How far both sides of contacts have given way that have just borne the most with something in them unfelt: twice their energy over the force.
-    /// Collective.
+    /// How far both sides of contacts have given way that have just borne the most with something in them unfelt: twice their energy
+    /// over the force. Collective.
     fn note_approaches(&mut self) {
         let (comm, model, u) = (self.comm, &self.model, &self.state.u);
         let energy = |body: usize| {

@@ -73,7 +73,8 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     faults.note(&thickness);
     faults.finish()?;
     let (slave, master) = (slave?, master?);
-    if let Some(item) = table.get("thickness").filter(|_| master.value != slave.value) {
+    let is_self = master.value == slave.value;
+    if let Some(item) = table.get("thickness").filter(|_| !is_self) {
         let what = "means nothing between two surfaces";
         return Err(item.error(what, "it is for self-contact, with `master` the same as `slave`; remove it"));
     }
@@ -86,17 +87,16 @@ fn contact(name: Located<String>, item: &Item, names: &Names) -> Result<Contact>
     let discretization = discretization(&table, is_tool)?;
     let segments = discretization == Discretization::Segment;
     let of_two = matches!(discretization, Discretization::TwoPass | Discretization::NodeToNode);
-    if let Some(item) = table.get("discretization").filter(|_| master.value == slave.value && of_two) {
+    if let Some(item) = table.get("discretization").filter(|_| is_self && of_two) {
         let help = "all of its nodes are slaves in one pass; write \"one-pass\" or \"segment\"";
         return Err(item.error("means nothing in self-contact", help));
     }
     let interferences =
         [("auto", Interference::Auto), ("at-once", Interference::AtOnce), ("ramped", Interference::Ramped)];
     let interference = table.optional("interference", |item| item.choice(&interferences))?.unwrap_or_default();
-    if let Some(item) = table.get("interference").filter(|_| master.value == slave.value) {
+    if let Some(item) = table.get("interference").filter(|_| is_self) {
         return Err(item.error("means nothing in self-contact", "a surface cannot overlap itself; remove it"));
     }
-    let is_self = master.value == slave.value;
     if let Some(item) = table.get("method").filter(|_| segments && is_self && method == Enforcement::Uzawa) {
         return Err(item.error("does not settle with \"segment\" in self-contact", "use \"augmented-lagrangian\""));
     }

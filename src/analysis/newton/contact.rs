@@ -85,7 +85,7 @@ impl Newton<'_> {
             let ground = masters.of(pair.master);
             let still = self.touching.segments[p].as_ref().filter(|_| stand_still);
             let segments = pair.faces.as_ref().map(|faces| {
-                let heights = faces.heights(self.system.comm, place);
+                let heights = || faces.heights(self.system.comm, place);
                 Segments::find(pair, &ground, heights, place, Some(&then), still)
             });
             let mut on_master = vec![Vec3::zeros(); ground.count()];

@@ -23,7 +23,7 @@ pub fn check(comm: &SimpleCommunicator, model: &mut Model, sights: &[Vec<Standin
         let inside: Vec<(usize, Projection)> = contacts.filter(|(_, at)| at.gap < 0.0).collect();
         let ground = model.masters.of(pair.master);
         let place = |n: u32| model.part.points[n as usize];
-        let find = |faces: &Faces| Segments::find(pair, &ground, faces.as_meshed(), place, None, None);
+        let find = |faces: &Faces| Segments::find(pair, &ground, || faces.as_meshed(), place, None, None);
         let segments = pair.faces.as_ref().filter(|_| !inside.is_empty()).map(find).unwrap_or_default();
         let off = |(s, own): &(usize, Projection)| match pair.faces {
             None => Some(ground.off_arc(own)),

@@ -63,9 +63,8 @@ pub fn clamped(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model, step
     let mut warnings = Vec::new();
     for (pair, contact) in model.pairs.iter().zip(scene.passes()) {
         let is_smooth = contact.surface.is_some_and(|surface| surface.smoothing == Smoothing::Nagata);
-        let is_smooth = is_smooth && !contact.slave_follows;
-        let Some(other) = pair.master_side.as_ref().filter(|_| is_smooth && pair.faces.is_some() && !pair.is_self())
-        else {
+        let presses = is_smooth && !contact.slave_follows && pair.faces.is_some() && !pair.is_self();
+        let Some(other) = pair.master_side.as_ref().filter(|_| presses) else {
             continue;
         };
         let nodes: [Vec<u32>; 2] =

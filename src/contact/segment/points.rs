@@ -75,19 +75,19 @@ type Start = (Spot, Option<(u32, [f64; 2])>);
 
 impl Segments {
     /// Finds the points of all faces of a pair with nodes at `now`. With friction they slip from where nodes were `then`, at the last
-    /// converged increment. Faces bulge by `heights`. Points that stand `still` in the slave's faces, as high above them, are found
-    /// again on the master.
+    /// converged increment. Faces bulge by `heights`, unless points stand `still` in them: these are found again on the master, as
+    /// high above their faces as before.
     pub fn find(
         pair: &Pair,
         ground: &Ground,
-        heights: Vec<[f64; 4]>,
+        heights: impl FnOnce() -> Vec<[f64; 4]>,
         now: impl Fn(u32) -> Vec3,
         then: Option<&dyn Fn(u32) -> Vec3>,
         still: Option<&Self>,
     ) -> Self {
         let lines = POINTS.map(|points| points.map(on_line));
         let then = then.filter(|_| pair.rules.friction > 0.0);
-        let heights = still.map_or(heights, |still| still.heights.clone());
+        let heights = still.map_or_else(heights, |still| still.heights.clone());
         // Where corners of faces on a tool are, and what is closest to them, by the nodes that move them.
         let corners = RefCell::new(BTreeMap::new());
         let of_face = |(f, face): (usize, &Face)| {

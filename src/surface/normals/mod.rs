@@ -17,8 +17,8 @@
 //!      section 5.3). On a plane that is the normal of the plane, on a cylinder that runs into a torus the mean over
 //!      the cylinder. At the corner of several such parts, the part that is on the curved side of no junction decides.
 //!    - Where both sides are straight the edge is a crease, and sharp.
-//!    - So is a facet that is several times as deep as the next one across a smooth edge, as the flats of CAD programs' STL
-//!      files between their fillets, where its normal fits the arc by (*) far better than the mean does.
+//!    - A facet that is several times as deep as the next one across a smooth edge counts as straight, too, as the flats of
+//!      CAD programs' STL files between their fillets, where its normal fits the arc by (*) far better than the mean does.
 //!    - Other flats that are one facet deep cannot be told from an arc, and get mean normals.
 //!    - In the middle of an S-bend of two equal arcs two facets are coplanar by chance. There the mean normals carry
 //!      the curvature on much better than the facet's, see (*), and stay.

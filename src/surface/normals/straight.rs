@@ -31,15 +31,14 @@ pub fn classify(facets: &Facets, edges: &mut [[Edge; 4]], controls: &Controls) -
             continue;
         }
         let none = controls.coplanar * turn;
+        let [here, there] = [(f, k), (g, j)];
         match (is_straight(facets, &around, f, k, none), is_straight(facets, &around, g, j, none)) {
-            (true, true) => creases.extend([(f, k), (g, j)]),
-            (true, false) => junctions.push(Junction { side: (f, k), goes_on: true }),
-            (false, true) => junctions.push(Junction { side: (g, j), goes_on: true }),
-            (false, false) => {
-                let sides =
-                    [((f, k), (g, j)), ((g, j), (f, k))].into_iter().filter(|(side, other)| is_deep(*side, *other));
-                junctions.extend(sides.map(|(side, _)| Junction { side, goes_on: false }));
-            }
+            (true, true) => creases.extend([here, there]),
+            (true, false) => junctions.push(Junction { side: here, goes_on: true }),
+            (false, true) => junctions.push(Junction { side: there, goes_on: true }),
+            (false, false) if is_deep(here, there) => junctions.push(Junction { side: here, goes_on: false }),
+            (false, false) if is_deep(there, here) => junctions.push(Junction { side: there, goes_on: false }),
+            (false, false) => {}
         }
     }
     for (f, k) in creases {
