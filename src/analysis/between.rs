@@ -43,6 +43,21 @@ impl Between {
         if other.share > self.share { other } else { self }
     }
 
+    /// What is said of it, of the master of a pair.
+    pub fn word(&self, model: &Model, pair: &Pair) -> String {
+        let Self { share, depth, place, .. } = self;
+        let (master, slave) = (model.master_name(pair), &model.bodies[pair.side.body].name);
+        format!(
+            "contact `{}`: {master} is {depth:.3e} deep in body `{slave}` between its nodes, {}at ({:.6}, {:.6}, {:.6}), \
+             where nothing resists it",
+            pair.name,
+            if share.is_finite() { format!("{share:.2} of the facet ") } else { "which never touched it, ".into() },
+            place.x,
+            place.y,
+            place.z
+        )
+    }
+
     /// What both are together.
     fn and(self, other: Self) -> Self {
         Self { lacks: self.lacks + other.lacks, ..self.or_deeper(other) }

@@ -13,7 +13,7 @@ use super::ladder::Tries;
 use super::newton::{Evaluated, Newton, Share, Start, System, update_halo};
 use super::state::State;
 use super::step::{Frame, Running};
-use super::watch::Touch;
+use super::touches::Touch;
 use crate::Vec3;
 use crate::contact::{Committed, Interference, Manner, Pair, Pose, Sight, Sights, Slave, Trial};
 use crate::error::Result;

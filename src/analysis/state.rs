@@ -5,7 +5,7 @@ use super::conditions::Conditions;
 use super::increments::Increments;
 use super::ladder::Ladder;
 use super::strays::Strays;
-use super::watch::Touch;
+use super::touches::Touch;
 use crate::Vec3;
 use crate::contact::{Avoided, Committed, Enforcement, Interference, Pair, Pose, Sight, Trial};
 use crate::model::Model;
