@@ -247,11 +247,14 @@ fn a_tool_that_turns_stands_still_along_its_axle() {
     let rolled = |turn: &Rotation3<f64>, drive: &str| {
         let vector = |v: [f64; 3]| format!("{:?}", (turn * Vector3::from(v)).data.0[0]);
         let (point, axis) = (vector([1.5, 0.0, 2.0]), vector([0.0, 1.0, 0.0]));
+        let along = vector([0.1, 0.0, 0.0]);
+        let turned = format!("rotate = {{ point = {point}, axis = {axis}, angle = -3.0 }}");
+        let torque = format!("torque = [{{ tool = \"roller\", point = {point}, axis = {axis}, total = 0.3 }}]");
         let drive = match drive {
-            "torque" => format!("torque = [{{ tool = \"roller\", point = {point}, axis = {axis}, total = 0.3 }}]"),
-            _ => format!(
-                "move = [{{ target = \"roller\", rotate = {{ point = {point}, axis = {axis}, angle = -3.0 }} }}]"
-            ),
+            "torque" => torque,
+            "torque, drawn" => format!("move = [{{ target = \"roller\", by = {along} }}]\n{torque}"),
+            "rotate" => format!("move = [{{ target = \"roller\", {turned} }}]"),
+            _ => format!("move = [{{ target = \"roller\", by = {along}, {turned} }}]"),
         };
         let bench = Bench::new(&format!(
             r#"
@@ -275,7 +278,7 @@ fn a_tool_that_turns_stands_still_along_its_axle() {
         bench.write("pad.msh", &msh::block([5, 3, 2], false, place));
         bench.solve(1, &[]).history()
     };
-    for drive in ["rotate", "torque"] {
+    for drive in ["rotate", "torque", "rotate, drawn", "torque, drawn"] {
         let turn = oblique();
         let [still, turned] = [Rotation3::identity(), turn].map(|turn| rolled(&turn, drive));
         let force = still.largest_force("roller");

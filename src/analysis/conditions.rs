@@ -16,7 +16,7 @@
 mod inclined;
 mod prescribe;
 
-use crate::contact::moves::way;
+use crate::contact::moves::{RIGHT, way};
 use crate::contact::pose::are_along;
 use crate::contact::{Axle, Movement, Pair, Pose, Tool};
 use crate::error::Result;
@@ -58,13 +58,18 @@ impl ToolMotion {
             }
             None => Mat3::identity(),
         };
+        // Of what turns besides nothing is known across the axis, against which digits of a way along it would be found to be none.
+        let along = |direction: &Vec3| {
+            let along = self.by.dot(direction);
+            if turn.is_some() && along.abs() <= RIGHT * self.by.norm() { 0.0 } else { along }
+        };
         let way_along = |direction: Vec3| {
             let is_free = (0..3).any(|d| self.free[d] && direction[d].abs() > NONE);
             let is_across = turn.is_some_and(|axis| !are_along(&axis, &direction));
             match is_across {
                 _ if is_free || is_across && self.axle.is_some() => f64::NAN,
                 true => f64::INFINITY,
-                false => way(self.by.dot(&direction), self.course),
+                false => way(along(&direction), self.course),
             }
         };
         Movement { axes, ways: [0, 1, 2].map(|d| way_along(axes.column(d).into_owned())) }

@@ -90,8 +90,11 @@ fn doubts_of_contact(contact: &OfContact) -> Vec<String> {
     let nodes = contact.pressure.nodes;
     let mut doubts = Vec::new();
     if nodes < RESOLVED {
-        let some = if nodes == 1 { "node" } else { "nodes" };
-        doubts.push(format!("{nodes} {some} from its edge to its middle: the pressure is not resolved"));
+        let (some, more) = match nodes {
+            1 => ("node", ", nor, within half a facet, where the force acts"),
+            _ => ("nodes", ""),
+        };
+        doubts.push(format!("{nodes} {some} from its edge to its middle: the pressure is not resolved{more}"));
     }
     if nodes >= RESOLVED && contact.pressure.relative > UNEVEN {
         let off = 100.0 * contact.pressure.relative;

@@ -193,7 +193,8 @@ impl Model {
                          it twice",
                         joint.name, x.x, x.y, x.z, pair.name
                     );
-                    let help = "exchange `slave` and `master` of the tie, or leave the node out of the contact";
+                    let help = "exchange `slave` and `master` of the tie, leave the node out of the contact, or give that \
+                                `method = \"penalty\"` or `\"uzawa\"`";
                     Error::input(&tie.slave.at, what, help)
                 });
                 agree(comm, told.map_or(Ok(()), Err))?;
