@@ -253,9 +253,9 @@ impl<'a> Told<'a> {
     }
 
     fn let_in(&self) -> Option<String> {
-        let LetIn { depth, between, approach, at } = self.touch.let_in;
+        let LetIn { depth, between, lacks, approach, at } = self.touch.let_in;
         // What is too deep between nodes whatever else is told of already.
-        if depth <= self.pair.controls.watch_let_in * approach || between && self.is_between() {
+        if lacks <= self.pair.controls.watch_let_in * approach || between && self.is_between() {
             return None;
         }
         let master = &self.master;
@@ -266,10 +266,11 @@ impl<'a> Told<'a> {
                 ", or `discretization = \"one-pass\"`",
             ),
         };
+        let others = if lacks > depth { ", with what other contacts of its bodies let in" } else { "" };
         Some(self.word(&format!(
             "{how}, {:.2} of a facet, when it bore the most (time {at:.6}); both sides have given way by about {approach:.1e}, and where \
-             displacements are given forces lack what it would take to give way by {depth:.1e} more: mesh the slave finer there, or \
-             take the finer side as the slave{or}",
+             displacements are given forces lack what it would take to give way by {lacks:.1e} more{others}: mesh the slave finer \
+             there, or take the finer side as the slave{or}",
             self.facets(depth)
         )))
     }

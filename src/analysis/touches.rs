@@ -88,12 +88,15 @@ pub struct LetIn {
     pub depth: f64,
     /// It is between nodes.
     pub between: bool,
-    /// How far both sides have given way under the force.
+    /// By how much more it would have to give way, with what other contacts of its bodies let in: where they bear one after the other,
+    /// as supports of a beam do, their depths add up.
+    pub lacks: f64,
+    /// How far all sides have given way under the force.
     pub approach: f64,
     pub at: f64,
 }
 
-crate::words!(LetIn { depth, between, approach, at });
+crate::words!(LetIn { depth, between, lacks, approach, at });
 
 /// The largest that something ever was, and when.
 #[derive(Clone, Copy, Debug, Default)]
@@ -146,13 +149,6 @@ impl Touch {
         self.shared = self.shared.or_larger(shared, time);
         if between.share > self.between.share {
             (self.between, self.deepest_at) = (*between, time);
-        }
-        if sums.borne > 0.0 && sums.borne >= self.most {
-            self.most = sums.borne;
-            let counts = |(lacks, depth): (f64, f64)| if lacks > LACKS * sums.borne { depth } else { 0.0 };
-            let [at_nodes, beside] = [(sums.lacks, largest.let_in), (between.lacks, between.depth)].map(counts);
-            let (depth, between) = (f64::max(at_nodes, beside), beside > at_nodes);
-            self.let_in = LetIn { depth, between, approach: 0.0, at: time };
         }
     }
 
@@ -250,6 +246,16 @@ struct Now {
     largest: Largest,
 }
 
+impl Now {
+    /// How deep the master is in the slave unfelt, nothing where to push it out would take less than [`LACKS`] of what the contact
+    /// bears; and whether that is between nodes.
+    fn let_in(&self, between: &Between) -> (f64, bool) {
+        let counts = |(lacks, depth): (f64, f64)| if lacks > LACKS * self.sums.borne { depth } else { 0.0 };
+        let [at_nodes, beside] = [(self.sums.lacks, self.largest.let_in), (between.lacks, between.depth)].map(counts);
+        (f64::max(at_nodes, beside), beside > at_nodes)
+    }
+}
+
 impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, with what force sides push nodes
     /// `aside`, and what contacts lost, also by a jump. Collective.
@@ -270,7 +276,7 @@ impl Simulation<'_> {
                 touch.last = Last { until: Some(time), now: true, force, middle, on_tool };
             }
         }
-        self.note_approaches();
+        self.note_let_in(&all, between);
     }
 
     /// What the slave nodes of each contact do, which slid off masters with such forces on this rank. Collective.
@@ -289,20 +295,35 @@ impl Simulation<'_> {
         pairs.iter().map(|_| Now { sums: Sums::take(&mut sums), largest: Largest::take(&mut largest) }).collect()
     }
 
-    /// How far both sides of contacts have given way that have just borne the most with something in them unfelt: twice their energy
-    /// over the force. Collective.
-    fn note_approaches(&mut self) {
-        let (comm, model, u) = (self.comm, &self.model, &self.state.u);
+    /// Notes what contacts let in unfelt that have just borne the most, with what those let in that a body of theirs is in, and how far
+    /// all of them have given way: twice the energy of their bodies over the force. Collective.
+    fn note_let_in(&mut self, all: &[Now], between: &[Between]) {
+        let (comm, model, u, at) = (self.comm, &self.model, &self.state.u, self.state.time);
         let energy = |body: usize| {
             agree(comm, states::energies(model, u, body)).map_or(f64::INFINITY, |[stored, work]| stored + work)
         };
-        for (pair, touch) in model.pairs.iter().zip(&mut self.state.touches) {
-            if touch.let_in.depth > 0.0 && touch.let_in.approach == 0.0 {
-                let mut energies =
-                    [pair.side.body].into_iter().chain(pair.master_body()).map(energy).collect::<Vec<_>>();
-                sum(comm, &mut energies);
-                touch.let_in.approach = 2.0 * energies.iter().sum::<f64>() / touch.most;
+        let bodies = |pair: &Pair| [pair.side.body].into_iter().chain(pair.master_body());
+        let let_in: Vec<(f64, bool)> = all.iter().zip(between).map(|(now, between)| now.let_in(between)).collect();
+        for (p, touch) in self.state.touches.iter_mut().enumerate() {
+            let borne = all[p].sums.borne;
+            if borne == 0.0 || borne < touch.most {
+                continue;
             }
+            touch.most = borne;
+            let (depth, between) = let_in[p];
+            touch.let_in = LetIn { depth, between, at, ..LetIn::default() };
+            if depth == 0.0 {
+                continue;
+            }
+            let is_beside = |q: &usize| *q != p && bodies(&model.pairs[p]).any(|body| model.pairs[*q].is_of(body));
+            let others: Vec<usize> = (0..all.len()).filter(|q| let_in[*q].0 > 0.0).filter(is_beside).collect();
+            let strained =
+                others.iter().chain([&p]).flat_map(|q| bodies(&model.pairs[*q])).collect::<BTreeSet<usize>>();
+            let mut energies: Vec<f64> = strained.into_iter().map(energy).collect();
+            sum(comm, &mut energies);
+            let of_others = others.iter().map(|q| let_in[*q].0 * all[*q].sums.borne / borne).sum::<f64>();
+            touch.let_in.lacks = depth + of_others;
+            touch.let_in.approach = 2.0 * energies.iter().sum::<f64>() / borne;
         }
     }
 }

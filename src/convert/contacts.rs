@@ -340,7 +340,9 @@ fn tell_of_pair(card: &Card, notes: &mut Notes) {
     if card.keyword.has("ADJUST") {
         notes.at(&card.at, "ADJUST is passed over: nodes of the slave stay where the mesh has them");
     }
-    if card.keyword.has("SMALL SLIDING") {
+    let is_small = card.keyword.has("SMALL SLIDING")
+        && card.keyword.get("SMALL SLIDING").is_none_or(|v| !v.eq_ignore_ascii_case("no"));
+    if is_small {
         notes.at(&card.at, "SMALL SLIDING becomes large sliding");
     }
     let kind = card.keyword.get("TYPE").unwrap_or("NODE TO SURFACE").to_uppercase();
