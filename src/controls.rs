@@ -326,7 +326,7 @@ controls! {
         watch_segment: f64 = 0.25, [1e-6, 1.0], "longest edge of the slave facets",
             "The same on top of `watch_deep` from segment to segment, where gaps are closed in the mean around a node: beside a radius or an end of the master that is no larger than a facet its nodes may be so deep.";
         watch_unfelt: f64 = 1e-4, [1e-9, 1.0], "longest edge of the slave facets",
-            "Nodes that are deeper at the end of the last step in a master that segments never felt end the run: coordinates of mesh files are as exact as that. At the end of other steps, and where it has been felt and eased, it is `watch_deep`, and what would push them out `watch_let_in` of what it has borne.";
+            "Nodes that are deeper at the end of the last step in a master that segments never felt end the run: coordinates of mesh files are as exact as that. At the end of other steps, and where it has been felt and eased, it is `watch_deep`, and what would push them out half of what it has borne.";
         watch_let_in: f64 = 0.1, [0.01, 1e6], "how far both sides have given way",
             "A master that is sharper than the facets is in the slave where nodes do not feel it: between them, and from segment to segment at nodes whose gaps are closed in the mean. If it is deeper than this when the contact bears its largest force, with what other contacts of its bodies let in, and to push the slave out, each node as stiff as the surface around it, would take more than half of that, it is told of at the end: forces lack about as much. Twice the energy of both bodies over the force is how far they have given way.";
         watch_between: f64 = 0.2, [0.01, 10.0], "size of the slave facet",
