@@ -280,7 +280,7 @@ impl Recorder<'_> {
             simulation.phases().add(Phase::Output, begun.elapsed());
             outcome.and(indexed)?;
         }
-        self.warn(simulation, simulation.contact_warnings());
+        self.warn(simulation, simulation.last_warnings());
         match simulation.pushed_aside() {
             Some(word) => Err(Error::diverged(Cause::Watch, word)),
             None => Ok(()),

@@ -29,7 +29,7 @@ struct Told<'a> {
 
 impl Simulation<'_> {
     /// What is to be said at the end. Collective.
-    pub fn contact_warnings(&self) -> Vec<String> {
+    pub fn last_warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
         if let Some(summary::Rounded { of, time, residual, lost: true, .. }) = &self.summary.rounded {
             warnings.push(format!(

@@ -9,7 +9,7 @@ use crate::contact::{Ground, Pair, Sight, Slave, Status, touching_nodes};
 use crate::model::{Model, states};
 use crate::parallel::{agree, max, sum};
 use crate::words::Words;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What it would take to push a slave out of a master that is in it unfelt, each node as stiff as the surface around it, over what the
 /// contact bears, from where it is looked at more closely.
@@ -299,9 +299,14 @@ impl Simulation<'_> {
     /// all of them have given way: twice the energy of their bodies over the force. Collective.
     fn note_let_in(&mut self, all: &[Now], between: &[Between]) {
         let (comm, model, u, at) = (self.comm, &self.model, &self.state.u, self.state.time);
-        let energy = |body: usize| {
-            agree(comm, states::energies(model, u, body)).map_or(f64::INFINITY, |[stored, work]| stored + work)
+        let energy_of = |body: usize| {
+            let mine =
+                agree(comm, states::energies(model, u, body)).map_or(f64::INFINITY, |[stored, work]| stored + work);
+            let mut energy = [mine];
+            sum(comm, &mut energy);
+            energy[0]
         };
+        let mut energies = BTreeMap::new();
         let bodies = |pair: &Pair| [pair.side.body].into_iter().chain(pair.master_body());
         let let_in: Vec<(f64, bool)> = all.iter().zip(between).map(|(now, between)| now.let_in(between)).collect();
         for (p, touch) in self.state.touches.iter_mut().enumerate() {
@@ -319,11 +324,10 @@ impl Simulation<'_> {
             let others: Vec<usize> = (0..all.len()).filter(|q| let_in[*q].0 > 0.0).filter(is_beside).collect();
             let strained =
                 others.iter().chain([&p]).flat_map(|q| bodies(&model.pairs[*q])).collect::<BTreeSet<usize>>();
-            let mut energies: Vec<f64> = strained.into_iter().map(energy).collect();
-            sum(comm, &mut energies);
+            let energy = strained.into_iter().map(|body| *energies.entry(body).or_insert_with(|| energy_of(body)));
+            touch.let_in.approach = 2.0 * energy.sum::<f64>() / borne;
             let of_others = others.iter().map(|q| let_in[*q].0 * all[*q].sums.borne / borne).sum::<f64>();
             touch.let_in.lacks = depth + of_others;
-            touch.let_in.approach = 2.0 * energies.iter().sum::<f64>() / borne;
         }
     }
 }

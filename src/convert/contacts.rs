@@ -59,7 +59,7 @@ pub(super) fn convert(groups: &mut Groups, bodies: &Bodies, namer: &mut Namer, n
         card.rows.iter().try_for_each(|row| pairs.convert(row, interaction.friction))?;
     }
     for card in cards.iter().filter(|card| card.keyword.name == "TIE") {
-        if card.keyword.get("ADJUST").is_some_and(|adjust| adjust.eq_ignore_ascii_case("NO")) {
+        if card.keyword.is_off("ADJUST") {
             notes.at(&card.at, "ADJUST=NO is passed over: slave nodes are moved until both sides meet in the mean");
         }
         card.rows.iter().try_for_each(|row| pairs.tie(card, row))?;
@@ -340,9 +340,7 @@ fn tell_of_pair(card: &Card, notes: &mut Notes) {
     if card.keyword.has("ADJUST") {
         notes.at(&card.at, "ADJUST is passed over: nodes of the slave stay where the mesh has them");
     }
-    let is_small = card.keyword.has("SMALL SLIDING")
-        && card.keyword.get("SMALL SLIDING").is_none_or(|v| !v.eq_ignore_ascii_case("no"));
-    if is_small {
+    if card.keyword.has("SMALL SLIDING") && !card.keyword.is_off("SMALL SLIDING") {
         notes.at(&card.at, "SMALL SLIDING becomes large sliding");
     }
     let kind = card.keyword.get("TYPE").unwrap_or("NODE TO SURFACE").to_uppercase();

@@ -161,8 +161,7 @@ fn split(cards: &[Card]) -> Result<(Vec<&Card>, Vec<Step<'_>>)> {
 
 fn tell_of_step(step: &Step, notes: &mut Notes) {
     let keyword = &step.card.keyword;
-    let is_off = |key: &str| keyword.get(key).is_some_and(|value| value.eq_ignore_ascii_case("NO"));
-    if !keyword.has("NLGEOM") || is_off("NLGEOM") {
+    if !keyword.has("NLGEOM") || keyword.is_off("NLGEOM") {
         notes.at(&step.card.at, "the step is geometrically linear in the deck: nagata takes finite displacements");
     }
     if let Some(card) = step.cards.iter().find(|card| card.keyword.has("STABILIZE")) {

@@ -147,6 +147,11 @@ impl Keyword {
         self.parameters.iter().any(|parameter| parameter.0 == key)
     }
 
+    /// Whether a parameter is said to be off.
+    pub fn is_off(&self, key: &str) -> bool {
+        self.get(key).is_some_and(|value| value.eq_ignore_ascii_case("NO"))
+    }
+
     pub fn get(&self, key: &str) -> Option<&str> {
         self.parameters.iter().find(|parameter| parameter.0 == key).map(|parameter| parameter.1.as_str())
     }
