@@ -275,7 +275,10 @@ move = [{{ target = "punch", by = [0.0, -0.35, 0.0] }}]
         )
     };
     let of_die = "contact.die = { slave = \"billet.skin\", master = \"die\", friction = 0.1 }";
-    let text = failure(&scene(&die("0.0"), of_die).run(2, &[]));
+    let run = scene(&die("0.0"), of_die).run(2, &[]);
+    let told = "begins at a hollow edge of the tool `die`, whose sides turn by 90 degrees there";
+    assert_eq!(run.log().matches(told).count(), 1, "{}", run.log());
+    let text = failure(&run);
     for words in [
         "help: node ",
         "is in a hollow edge of the tool `die`, whose sides, which turn by 90 degrees there, both press it",

@@ -47,6 +47,25 @@ fn a_ramped_fit_ends_as_one_at_once() {
     }
 }
 
+/// An overlap that is less than what the facets of the master lack of their arc is told, for it is off by as much; patches have next to
+/// none.
+#[test]
+fn a_shallow_fit_on_coarse_facets_is_told() {
+    for (smoothing, is_told) in [("facet", true), ("nagata", false)] {
+        let run = Bench::new(&format!(
+            "{}{}material.m = {{ model = \"hooke\", young = 1000.0, poisson = 0.3 }}\n\
+             contact.c = {{ slave = \"shaft.rmax\", master = \"hub.rmin\", smoothing = {smoothing:?} }}\n[[step]]\nincrements = 1\n",
+            sector("shaft", [0.5, 1.001], [5, 9]),
+            sector("hub", [1.0, 2.0], [8, 6])
+        ))
+        .solve(2, &[]);
+        let told =
+            run.log().lines().find(|line| line.contains("off the arcs that its faces stand for")).map(String::from);
+        println!("{smoothing}: {told:?}");
+        assert_eq!(told.is_some(), is_told, "{smoothing}");
+    }
+}
+
 /// A rubber ring between two walls that are too near, and so through it by a tenth of its thickness.
 fn seat(settings: &str) -> Bench {
     let mesh = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("inputs/face-seal.msh");

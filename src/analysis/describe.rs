@@ -232,9 +232,10 @@ pub fn unstable(step: &str, time: f64, has_shells: bool) -> String {
         false => "",
     };
     format!(
-        "step `{step}`: the equilibrium at time {time:.6} is not stable: a body would buckle or snap from it, and forces from \
-         there on may be those of a way that it does not take. Take smaller increments; where the scene is symmetric, give it \
-         an imperfection{more}"
+        "step `{step}`: the equilibrium at time {time:.6} is not stable: a body would buckle or snap from it, or slide aside \
+         where weak springs alone hold it, and forces from there on may be those of a way that it does not take. Take smaller \
+         increments; where the scene is symmetric, give it an imperfection; hold what would slide by friction, or by stiffer \
+         springs{more}"
     )
 }
 

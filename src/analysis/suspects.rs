@@ -195,33 +195,61 @@ pub fn flush(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String
     told
 }
 
+/// What to do about a hollow edge that presses nodes from both sides.
+const OF_HOLLOWS: &str =
+    "round the edge by a fillet, or give each side a contact of its own, as faces with a name or a tool for each";
+
 /// Contacts of which nodes are in hollow edges of the master, at displacements `u`, which the master attends to: two sides press
 /// them, and a contact has one force for a node. Collective.
 pub fn hollow(comm: &SimpleCommunicator, model: &Model, u: &[Vec3]) -> Vec<String> {
-    model.pairs.iter().filter_map(|pair| of_hollow(comm, model, pair, u)).collect()
-}
-
-fn of_hollow(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Option<String> {
     /// Over the facets of the slave: how near a node is to both sides.
     const NEAR: f64 = 0.1;
+    let of_pair = |pair: &Pair| {
+        let (node, turn) = in_hollow(comm, model, pair, (u, NEAR))?;
+        Some(format!(
+            "node {node} is in a hollow edge of {}, whose sides, which turn by {turn:.0} degrees there, both press it, and contact `{}` has \
+             one force for a node: {OF_HOLLOWS}",
+            model.master_name(pair),
+            pair.name
+        ))
+    };
+    model.pairs.iter().filter_map(of_pair).collect()
+}
+
+/// Warnings of contacts whose nodes begin in hollow edges of the master, or next to one, as a block does that fills its groove.
+/// Collective.
+pub fn begun_hollow(comm: &SimpleCommunicator, model: &Model) -> Vec<String> {
+    /// As above; what fills a groove has some play.
+    const NEAR: f64 = 0.25;
+    let still = vec![Vec3::zeros(); model.part.points.len()];
+    let of_pair = |pair: &Pair| {
+        let (node, turn) = in_hollow(comm, model, pair, (&still, NEAR))?;
+        Some(format!(
+            "contact `{}`: node {node} begins at a hollow edge of {}, whose sides turn by {turn:.0} degrees there: increments may fail \
+             where both press it, for a contact has one force for a node; {OF_HOLLOWS}",
+            pair.name,
+            model.master_name(pair)
+        ))
+    };
+    model.pairs.iter().filter(|pair| !pair.is_self()).filter_map(of_pair).collect()
+}
+
+/// The slave node that is within so much of a facet of both sides of the sharpest hollow edge, and by how much that turns, degrees.
+/// Collective.
+fn in_hollow(
+    comm: &SimpleCommunicator,
+    model: &Model,
+    pair: &Pair,
+    (u, near): (&[Vec3], f64),
+) -> Option<(String, f64)> {
     let ground = model.masters.of(pair.master);
     let sides = |node: u32| {
         let x = model.part.points[node as usize] + u[node as usize];
-        let [a, b] = ground.hollow(pair, &x, NEAR * pair.facet_size)?;
+        let [a, b] = ground.hollow(pair, &x, near * pair.facet_size)?;
         Some((node, a.dot(&b).clamp(-1.0, 1.0).acos().to_degrees()))
     };
     let sharpest = pair.slaves.iter().filter_map(|slave| sides(slave.node)).max_by(|a, b| a.1.total_cmp(&b.1));
-    let told = |(node, turn): (u32, f64)| {
-        format!(
-            "node {} is in a hollow edge of {}, whose sides, which turn by {turn:.0} degrees there, both press it, and contact `{}` has \
-             one force for a node: round the edge by a fillet, or give each side a contact of its own, as faces with a name or a \
-             tool for each",
-            node_name(model, node),
-            model.master_name(pair),
-            pair.name
-        )
-    };
-    word_of_largest(comm, sharpest.map(|(node, turn)| ((node, turn), turn)), told).map(|(told, _)| told)
+    word_of_largest(comm, sharpest, |node| node_name(model, node))
 }
 
 /// What to change in the contacts of the `body` where an increment failed, of all bodies where that is not known. Collective.

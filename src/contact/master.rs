@@ -14,8 +14,8 @@ use crate::parallel::max;
 use crate::partition::parcels::{bounds, hull};
 use crate::surface::projection::descend;
 use crate::surface::{
-    Even, MovingPatch, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way, looks_aslant,
-    shortest,
+    Even, MovingPatch, NormalOptions, Parametric, Patch, PatchSet, Polygon, Projection, Smoothing, Transfer, Way,
+    looks_aslant, shortest,
 };
 use crate::tool::shape::{Shape, side_normal};
 use crate::{Mat3, Vec3};
@@ -756,15 +756,22 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// How far the arcs that it stands for are from it at one of its points, see [`Patch::off_arc`]; exact shapes are not.
+    /// How far the arcs that it stands for are from it at one of its points, see [`Patch::off_arc`] and [`PatchSet::off_chord`]; exact
+    /// shapes are not.
     pub fn off_arc(&self, at: &Projection) -> f64 {
         let of = |patches: &PatchSet, is_quadratic: bool| {
             patches.get(at.patch).map_or(0.0, |patch| patch.off_arc(at.xi, is_quadratic))
         };
         match self {
-            Self::Surface(surface, Meets::Faces | Meets::Own) => of(surface.shapes(), surface.is_quadratic),
             Self::Surface(_, Meets::Nodes) => 0.0,
+            Self::Surface(surface, _) if surface.given.smoothing == Smoothing::Facet && !surface.is_quadratic => {
+                surface.shapes().off_chord(at, surface.given.feature_angle)
+            }
+            Self::Surface(surface, _) => of(surface.shapes(), surface.is_quadratic),
             Self::Tool(tool) => match tool.surface.near() {
+                Shape::Patches(patches) if tool.surface.faceted => {
+                    patches.off_chord(at, NormalOptions::default().feature_angle)
+                }
                 Shape::Patches(patches) => of(patches, false),
                 Shape::Faces(_) | Shape::Analytic(_) => 0.0,
             },

@@ -43,8 +43,8 @@ mod units;
 pub use gaps::DEEP;
 
 use super::conditions::Conditions;
-use super::probes;
 use super::strangers::Strangers;
+use super::{probes, suspects};
 use crate::Vec3;
 use crate::error::Result;
 use crate::model::Model;
@@ -96,6 +96,8 @@ pub fn check(comm: &SimpleCommunicator, scene: &Scene, model: &mut Model) -> Res
     stuck::check(comm, scene, model, &steps)?;
     stuck::rigid(comm, scene, model, &steps);
     stuck::clamped(comm, scene, model, &steps);
+    let hollow = suspects::begun_hollow(comm, model);
+    model.warnings.extend(hollow);
     tied::check(comm, scene, model, &steps)?;
     tied::pressed(comm, model);
     support::check(comm, scene, model, (&steps, &sights), &freed)?;

@@ -39,7 +39,7 @@ pub(crate) mod tree;
 pub use search::{Admission, settle};
 
 use super::patch::Patch;
-use super::piece::{EXTENSION, Piece};
+use super::piece::{EXTENSION, Piece, Polygon};
 use super::projection::{Extent, Foot, Projection, descend};
 use crate::Vec3;
 use crate::controls::Controls;
@@ -135,6 +135,53 @@ impl PatchSet {
     /// The patches, by rising id.
     pub fn patches(&self) -> &[Patch] {
         &self.pieces
+    }
+
+    /// How far from a facet, at its point `at`, the arcs are that it and its neighbours stand for: where they turn by b from one facet
+    /// to the next, `L b u (1 - u) / 2` at the part u of a length L across an edge. Of opposite edges the mean counts; edges at which
+    /// nothing follows, or that turn by more than `feature_angle`, degrees, tell nothing.
+    pub fn off_chord(&self, at: &Projection, feature_angle: f64) -> f64 {
+        let Some(facet) = self.get(at.patch) else { return 0.0 };
+        let turns = self.turns(facet, feature_angle.to_radians());
+        let length = |line: Vec3| line.norm();
+        let [e, z] = at.xi.map(|xi| xi.clamp(0.0, 1.0));
+        let corner = |k: usize| facet.nodes[k % facet.count as usize];
+        if facet.count == 3 {
+            let shares = [1.0 - e, e - z, z];
+            let of_edge = |k: usize| {
+                let (side, u) = (corner(k + 1) - corner(k), shares[(k + 2) % 3]);
+                let height = length(side.cross(&(corner(k + 2) - corner(k)))) / length(side);
+                0.5 * height * turns[k].unwrap_or(0.0) * u * (1.0 - u)
+            };
+            return (0..3).map(of_edge).sum::<f64>().abs();
+        }
+        let across = |k: usize, u: f64| {
+            let known: Vec<f64> = [turns[k], turns[k + 2]].into_iter().flatten().collect();
+            let middles = [k, k + 2].map(|k| 0.5 * (corner(k) + corner(k + 1)));
+            let turn = known.iter().sum::<f64>() / known.len().max(1) as f64;
+            0.5 * length(middles[1] - middles[0]) * turn * u * (1.0 - u)
+        };
+        (across(1, e) + across(0, z)).abs()
+    }
+
+    /// By how much a facet turns to its neighbour over each of its edges, positive where it bulges.
+    fn turns(&self, facet: &Patch, most: f64) -> [Option<f64>; 4] {
+        let edge = |patch: &Patch, k: usize| [patch.nodes[k], patch.nodes[(k + 1) % patch.count as usize]];
+        let beside: Vec<&Patch> = {
+            let (low, high) = facet.bounds();
+            self.within(&low, &high).into_iter().map(|k| &self.pieces[k as usize]).collect()
+        };
+        let normal = facet.normal(facet.center());
+        let over = |k: usize| {
+            let [a, b] = edge(facet, k);
+            let shares = |patch: &&&Patch| (0..patch.count as usize).any(|j| edge(patch, j) == [b, a]);
+            let next = beside.iter().find(shares)?;
+            let turned = next.normal(next.center());
+            let turn = normal.cross(&turned).norm().atan2(normal.dot(&turned));
+            let bulges = (next.point(next.center()) - a).dot(&normal) < 0.0;
+            (turn <= most).then_some(if bulges { turn } else { -turn })
+        };
+        std::array::from_fn(|k| if k < facet.count as usize { over(k) } else { None })
     }
 }
 

@@ -53,6 +53,26 @@ fn faces_edges_and_corners_of_a_cube() {
     }
 }
 
+/// The arcs that facets of a sphere and of a pipe stand for are as far from them as they say, within what facets of one size differ.
+#[test]
+fn facets_know_how_far_they_are_off_their_arcs() {
+    for triangles in [false, true] {
+        let ball = PatchSet::new(sphere_patches(6, triangles, 6, Smoothing::Facet));
+        let points = cubed_sphere(3, false, 6).points;
+        let [mut known, mut off] = [0.0; 2];
+        for x in points.iter().map(|p| Vec3::from(*p) + Vec3::new(0.011, 0.023, 0.017)) {
+            let at = ball.closest(&x, 1.0, None).unwrap();
+            known += ball.off_chord(&at, 50.0);
+            off += 1.0 - at.point.norm();
+        }
+        println!("triangles {triangles}: {known:.4e}, {off:.4e}");
+        assert!((known / off - 1.0).abs() < 0.05);
+        // Edges are none of an arc.
+        let cube = cube(triangles);
+        assert_eq!(cube.off_chord(&project(&cube, [0.3, 0.45, 1.5]), 50.0), 0.0);
+    }
+}
+
 /// Beside an edge the side that x is farthest from counts, extended; the gap goes on continuously where the sides change.
 #[test]
 fn the_sides_of_an_edge_reach_beyond_it() {
