@@ -396,3 +396,63 @@ fn a_probe_outside_is_refused() {
     assert!(ask("output.probe.end.name=inside").contains("has the name of another probe"));
     assert!(ask("output.probe.end.point=[0, 0, 0]").contains("must look at one place"));
 }
+
+/// A cube that stands on a plane, of which the sides are slave faces, too, has the pressure of its bottom at all nodes of that, up to its
+/// edges and corners.
+#[test]
+fn sides_that_bear_nothing_take_no_pressure() {
+    for (element, discretization) in
+        [("hex8", "one-pass"), ("hex8", "segment"), ("hex27", "one-pass"), ("hex27", "segment")]
+    {
+        let run = Bench::new(&format!(
+            r#"
+            body.b.material = "m"
+            body.b.element = "{element}"
+            body.b.block = {{ box = {{ size = [1, 1, 1] }}, elements = [4, 4, 4], faces = {{ all = ["ymin", "xmin", "xmax", "zmin", "zmax"] }} }}
+            material.m = {{ model = "hooke", young = 100, poisson = 0 }}
+            tool.floor.plane = {{ point = [0, 0, 0], normal = [0, 1, 0] }}
+            contact.c = {{ slave = "b.all", master = "floor", discretization = "{discretization}" }}
+            [[step]]
+            increments = 1
+            fix = [{{ set = "b.ymax", directions = "xz" }}]
+            move = [{{ target = "b.ymax", by = [0, -0.1, 0], directions = "y" }}]
+            "#
+        ))
+        .solve(2, &[]);
+        // Cauchy stress of ln λ, over an area that stays.
+        let right = run.history().last("floor.fy");
+        let points = run.points("contact.c");
+        let pressures = run.scalars(1, "contact.c", "pressure");
+        let below = points.iter().zip(&pressures).filter(|(x, _)| x[1] == 0.0);
+        let worst = below.map(|(_, p)| (p / right - 1.0).abs()).fold(0.0, f64::max);
+        assert!(right > 10.0);
+        assert_small(&format!("{element}, {discretization}"), worst, 1e-8);
+    }
+}
+
+/// Nothing acts across planes of symmetry, whatever the points of segments next to them bear.
+#[test]
+fn tractions_lie_in_planes_of_symmetry() {
+    let run = Bench::new(
+        r#"
+        body.b.material = "m"
+        body.b.symmetry = ["xmin", "zmin"]
+        body.b.block = { box = { size = [1, 1, 1] }, elements = [4, 4, 4] }
+        material.m = { model = "hooke", young = 100, poisson = 0.3 }
+        tool.ball.sphere = { center = [0, 2.5, 0], radius = 1.5 }
+        contact.c = { slave = "b.ymax", master = "ball", friction = 0.2, discretization = "segment" }
+        [[step]]
+        increments = 3
+        fix = [{ set = "b.ymin" }]
+        move = [{ target = "ball", by = [0, -0.12, 0] }]
+        "#,
+    )
+    .solve(2, &[]);
+    let tractions = run.vectors(3, "contact.c", "traction");
+    let along: f64 = tractions.iter().map(|t| t[0].hypot(t[2])).fold(0.0, f64::max);
+    let in_planes = run.points("contact.c").into_iter().zip(tractions);
+    let across = in_planes
+        .map(|(x, t)| f64::max(if x[0] == 0.0 { t[0].abs() } else { 0.0 }, if x[2] == 0.0 { t[2].abs() } else { 0.0 }));
+    let across = across.fold(0.0, f64::max);
+    assert!(along > 0.01 && across < 1e-12 * along, "{across} {along}");
+}

@@ -1466,6 +1466,103 @@ fn what_contacts_let_in_one_after_the_other_adds_up() {
     assert!((force / right - 1.0).abs() < 0.06 && told == [false; 2], "{force} for {right}, {told:?}");
 }
 
+/// A flat punch with fillets, which a force of more than friction bears drags over coarse facets, is found at once where a node comes
+/// under a fillet: that it went there is told of. With less force it stays, and nothing is.
+#[test]
+fn what_goes_over_to_another_equilibrium_is_told_of() {
+    for (along, goes) in [(24.4267, true), (9.0, false)] {
+        let bench = Bench::new(&format!(
+            r#"
+            body.pad.block = {{ box = {{ size = [4, 1, 0.5] }}, elements = [8, 3, 1] }}
+            body.pad.material = "m"
+            body.pad.plane_strain = true
+            material.m = {{ model = "neo-hookean", young = 1000, poisson = 0.3 }}
+            tool.punch.profile = {{ points = [[1, 3], [1, 1], [3, 1], [3, 3]], fillets = 0.45 }}
+            contact.c = {{ slave = "pad.ymax", master = "punch", friction = 0.3 }}
+            [[step]]
+            increments = 5
+            fix = [{{ set = "pad.ymin" }}]
+            move = [{{ target = "punch", by = [0, -0.06, 0] }}]
+            [[step]]
+            increments = 5
+            fix = [{{ set = "pad.ymin" }}]
+            force = [{{ target = "punch", total = [{along}, -62.6324, 0], directions = "xy" }}]
+            "#
+        ));
+        let run = bench.solve(2, &[]);
+        let words = "contact `c`: its nodes or its tool went";
+        assert_eq!(run.log().contains(words), goes, "{along}: {}", run.log());
+        assert_eq!(run.history().last("punch.ux") > 0.2, goes, "{along}");
+    }
+}
+
+/// A roller that is pressed in between two rows of nodes, from segment to segment at first unfelt; in one pass it is drawn aside by as much
+/// as it was deep, and has borne more before: both are told of, and so they are in a quarter of the model.
+#[test]
+fn what_is_unfelt_is_told_of_whenever_it_was() {
+    let scene = |settings: &str, steps: &str| {
+        format!(
+            r#"
+            body.pad.block = {{ box = {{ size = [4, 1, 2] }}, elements = [8, 2, 4] }}
+            body.pad.material = "m"
+            material.m = {{ model = "neo-hookean", young = 1000, poisson = 0.3 }}
+            tool.roller.cylinder = {{ point = [2, 2, 0], axis = [0, 0, 1], radius = 1 }}
+            contact.c = {{ slave = "pad.ymax", master = "roller"{settings} }}
+            {steps}
+            "#
+        )
+    };
+    let press = |by: &str| {
+        let turn = by.replace("AT", "point = [2.2, 1.95, 1.1], axis = [0.2, 0.1, 1]");
+        format!(
+            "[[step]]\nincrements = 3\nfix = [{{ set = \"pad.ymin\" }}]\nmove = [{{ target = \"roller\", {turn} }}]\n"
+        )
+    };
+    let down = "[[step]]\nincrements = 4\nfix = [{ set = \"pad.ymin\" }]\nmove = [{ target = \"roller\", by = [0, -0.06, 0] }]";
+    let run = Bench::new(&scene(", discretization = \"segment\"", down)).solve(2, &[]);
+    let bears = run.history().column("roller.fy").iter().map(|f| *f != 0.0).collect::<Vec<_>>();
+    assert!(!bears[0] && bears[3], "{bears:?}");
+    let told = run.log().lines().find(|line| line.contains("while no gap was closed in the mean")).map(String::from);
+    assert!(told.as_ref().is_some_and(|told| told.contains("(time 0.25")), "{}", run.log());
+
+    let steps: String = [
+        "by = [0.2, -0.05, 0.1]",
+        "by = [0, -0.03, 0], rotate = { AT, angle = 24 }",
+        "by = [0, 0, 0], rotate = { AT, angle = -12 }",
+    ]
+    .iter()
+    .map(|by| press(by))
+    .collect();
+    let run = Bench::new(&scene("", &steps)).solve(2, &[]);
+    let forces = run.history().column("roller.fy").to_vec();
+    assert!(forces.iter().any(|f| *f < 1.05 * forces[8]), "{forces:?}");
+    assert!(run.log().contains("of a facet, at the end of a step (time 3.000000)"), "{}", run.log());
+
+    let told = [true, false].map(|whole| {
+        let from = if whole { -1.0 } else { 0.0 };
+        let (size, count) = (1.0 - from, if whole { 8 } else { 4 });
+        let symmetry = if whole { "" } else { "body.b.symmetry = [\"xmin\", \"zmin\"]" };
+        let run = Bench::new(&format!(
+            r#"
+            body.b.material = "m"
+            body.b.element = "hex8-sri"
+            {symmetry}
+            body.b.block = {{ box = {{ origin = [{from:?}, 0, {from:?}], size = [{size:?}, 1, {size:?}] }}, elements = [{count}, 4, {count}] }}
+            material.m = {{ model = "j2", young = 100, poisson = 0.3, yield_stress = 3, hardening = {{ linear = 10 }} }}
+            tool.ball.sphere = {{ center = [0, 2.5, 0], radius = 1.5 }}
+            contact.c = {{ slave = "b.ymax", master = "ball", friction = 0.2 }}
+            [[step]]
+            increments = 3
+            fix = [{{ set = "b.ymin" }}]
+            move = [{{ target = "ball", by = [0, -0.12, 0] }}]
+            "#
+        ))
+        .solve(1, &[]);
+        run.log().contains("its nodes do not feel that between them the tool `ball` is")
+    });
+    assert_eq!(told, [true; 2]);
+}
+
 /// A cylinder that is pressed in midway between two nodes: coarse facets bear six tenths of what fine ones do, which is told of, on any
 /// number of ranks, and where the cylinder has gone up again.
 #[test]

@@ -19,6 +19,7 @@ use crate::partition::PartFacet;
 use crate::{Vec2, Vec3};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
+use std::collections::BTreeMap;
 
 /// Where a facet is looked at in a direction, closely or not.
 const CLOSELY: &[f64] = &[0.1, 0.3, 0.5, 0.7, 0.9];
@@ -109,8 +110,13 @@ pub(super) fn is_unseen_between(pair: &Pair) -> bool {
     pair.pass.other().is_none() && !matches!(pair.master, Master::Surface(_, Meets::Own | Meets::Nodes))
 }
 
-/// What the watch sighted of the nodes of a slave, by local node whose displacements they have.
-struct Sights(Vec<[f64; 4]>);
+/// What the watch sighted of the nodes of a slave.
+struct Sights {
+    /// By local node whose displacements they have.
+    all: Vec<[f64; 4]>,
+    /// Of nodes of this rank in planes of symmetry how many times what is modelled of their surface is the whole of it.
+    whole: BTreeMap<u32, f64>,
+}
 
 impl Sights {
     /// Collective.
@@ -127,12 +133,14 @@ impl Sights {
             };
         }
         model.part.halo.update(comm, 4, sights.as_flattened_mut());
-        Self(sights)
+        let mut whole = BTreeMap::new();
+        pair.mirrored.iter().for_each(|(n, _)| *whole.entry(*n).or_insert(1.0) *= 2.0);
+        Self { all: sights, whole }
     }
 
     /// Those of some nodes that are slaves.
     fn of(&self, nodes: &[u32]) -> Vec<[f64; 4]> {
-        nodes.iter().map(|&n| self.0[n as usize]).filter(|[gap, ..]| !gap.is_nan()).collect()
+        nodes.iter().map(|&n| self.all[n as usize]).filter(|[gap, ..]| !gap.is_nan()).collect()
     }
 }
 
@@ -186,16 +194,18 @@ impl Facet {
         };
         let inward = -area.try_normalize(f64::MIN_POSITIVE)?;
         let normals: Vec<Vec3> = seen.iter().map(|[_, x, y, z]| Vec3::new(*x, *y, *z)).collect();
-        // Two normals at this angle to the first, at both ends of a chord: a wedge between is tan(angle)/2 of it deep.
+        // Two normals at this angle, at both ends of a chord: a wedge between is tan(angle)/2 of it deep at most.
         let same = 1.0 / (2.0 * pair.controls.watch_between).hypot(1.0);
         let spots = match &corners.all()[..2] {
-            _ if normals.iter().all(|n| n.dot(&normals[0]) >= same) => [MIDDLE, MIDDLE],
+            _ if normals.iter().all(|n| normals.iter().all(|m| n.dot(m) >= same)) => [MIDDLE, MIDDLE],
             [a, b] if is_layer && !along(&(b - a)) => [MIDDLE, CLOSELY],
             _ if is_layer => [CLOSELY, MIDDLE],
             _ => [CLOSELY, CLOSELY],
         };
         let slaves = nodes.iter().filter_map(|&n| pair.index_of(n)).map(|s| &pair.slaves[s]);
-        let stiffness = slaves.map(|slave| slave.stiffness(&pair.controls)).sum::<f64>() / nodes.len() as f64;
+        let whole = |slave: &Slave| sights.whole.get(&slave.node).unwrap_or(&1.0);
+        let stiffness =
+            slaves.map(|slave| slave.stiffness(&pair.controls) * whole(slave)).sum::<f64>() / nodes.len() as f64;
         Some(Self { corners, inward, slave, touches, size, longest, deep: f64::max(-nearest, 0.0), spots, stiffness })
     }
 

@@ -14,7 +14,7 @@
 //! - `watch`: whether an increment that has converged may be accepted; `intruders` looks into bodies,
 //!   `between` between the nodes of slaves, `seams` between masters that lie on each other, `strays` at what no contact
 //!   names, `strangers` at bodies that nothing connects, `unpaid` at energy that nothing gave
-//! - `touches`: what contacts have done until now; `told`: what a run says of it at its end
+//! - `touches`: what contacts have done until now, `pace`: how fast they went on; `told`: what a run says of it at its end
 //! - `results`: the history and the fields of what has converged; `grids` what has them, `body_fields` those of bodies
 //! - `probes`: what the fields of bodies are at points, along lines, and on sets
 //! - `restart`, `keep`: checkpoints, on any number of ranks, and what a run adds to them
@@ -52,6 +52,7 @@ mod keep;
 mod ladder;
 mod last_iterate;
 mod newton;
+mod pace;
 mod paths;
 pub mod preflight;
 mod probes;

@@ -2,6 +2,7 @@
 //! be, of masters between nodes, and of contacts that never touched or no longer do, though nothing took the tool away.
 
 use super::Simulation;
+use super::pace::Pace;
 use super::touches::{LetIn, Loss, Most, Touch};
 use crate::Vec3;
 use crate::contact::watch::Side;
@@ -65,6 +66,8 @@ impl Simulation<'_> {
                 told.apart(),
                 told.gave_way(),
                 told.let_in(),
+                told.unfelt(),
+                told.went_over(),
                 told.aside(),
             ];
             warnings.extend(of_this.into_iter().flatten());
@@ -253,11 +256,14 @@ impl<'a> Told<'a> {
     }
 
     fn let_in(&self) -> Option<String> {
-        let LetIn { depth, between, lacks, approach, at } = self.touch.let_in;
+        let Touch { let_in, let_in_at_end, .. } = self.touch;
+        let is_at_end = let_in_at_end.share() > let_in.share();
+        let LetIn { depth, between, lacks, approach, at } = *if is_at_end { let_in_at_end } else { let_in };
         // What is too deep between nodes whatever else is told of already.
         if lacks <= self.pair.controls.watch_let_in * approach || between && self.is_between() {
             return None;
         }
+        let when = if is_at_end { "at the end of a step" } else { "when it bore the most" };
         let master = &self.master;
         let (how, or) = match between {
             true => (format!("its nodes do not feel that between them {master} is {depth:.3e} deep in their body"), ""),
@@ -268,11 +274,38 @@ impl<'a> Told<'a> {
         };
         let others = if lacks > depth { ", with what other contacts of its bodies let in" } else { "" };
         Some(self.word(&format!(
-            "{how}, {:.2} of a facet, when it bore the most (time {at:.6}); both sides have given way by about {approach:.1e}, and where \
+            "{how}, {:.2} of a facet, {when} (time {at:.6}); both sides have given way by about {approach:.1e}, and where \
              displacements are given forces lack what it would take to give way by {lacks:.1e} more{others}: mesh the slave finer \
              there, or take the finer side as the slave{or}",
             self.facets(depth)
         )))
+    }
+
+    /// At the end of a step it would end the run.
+    fn unfelt(&self) -> Option<String> {
+        let Most { size, at } = self.touch.unfelt;
+        (self.facets(size) > self.pair.controls.watch_deep).then(|| {
+            self.word(&format!(
+                "nodes were {size:.3e} deep in {}, {:.2} of a facet, while no gap was closed in the mean over facets, and it bore nothing \
+                 (time {at:.6}, the most): until then forces lack what it would take to push them out; mesh the slave finer there, or \
+                 take `discretization = \"one-pass\"`",
+                self.master,
+                self.facets(size)
+            ))
+        })
+    }
+
+    /// Where nothing held it in between.
+    fn went_over(&self) -> Option<String> {
+        let Pace { way, facets, share, at, .. } = self.touch.pace;
+        (way > 0.0).then(|| {
+            self.word(&format!(
+                "its nodes or its tool went {way:.3e}, {facets:.2} of a facet, in an increment of {share:.1e} of the step, ten times as far \
+                 and more as the increments before (time {at:.6}): nothing held them in between, as where friction is overcome or a \
+                 sheet snaps through, and what is shown from there on is where they came to rest again, if that is how they get there; \
+                 a motion in place of the force shows what is in between"
+            ))
+        })
     }
 
     /// With what share of the contact's largest force sides that nodes do not look at pushed them aside.

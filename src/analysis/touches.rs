@@ -2,6 +2,7 @@
 
 use super::Simulation;
 use super::between::Between;
+use super::pace::Pace;
 use super::watch::{apart, explained};
 use crate::Vec3;
 use crate::contact::watch::Side;
@@ -42,6 +43,11 @@ pub struct Touch {
     /// The largest that it ever bore, N, and what was in it unfelt then.
     pub most: f64,
     pub let_in: LetIn,
+    /// The same at the end of a step, of the worst, with half of the largest force or more.
+    pub let_in_at_end: LetIn,
+    /// How deep nodes ever were in the master while the contact, from segment to segment, bore nothing.
+    pub unfelt: Most,
+    pub pace: Pace,
     /// The largest force with which sides that nodes do not look at pushed them aside, N.
     pub aside: Most,
 }
@@ -61,6 +67,9 @@ crate::words!(Touch {
     apart,
     most,
     let_in,
+    let_in_at_end,
+    unfelt,
+    pace,
     aside,
 });
 
@@ -97,6 +106,13 @@ pub struct LetIn {
 }
 
 crate::words!(LetIn { depth, between, lacks, approach, at });
+
+impl LetIn {
+    /// What it lacks over what has given way.
+    pub fn share(&self) -> f64 {
+        if self.lacks > 0.0 { self.lacks / self.approach } else { 0.0 }
+    }
+}
 
 /// The largest that something ever was, and when.
 #[derive(Clone, Copy, Debug, Default)]
@@ -145,6 +161,9 @@ impl Touch {
         self.apart = self.apart.or_larger(largest.apart, time);
         self.aside = self.aside.or_larger(aside, time);
         self.past_end = self.past_end.or_larger(sums.past_end, time);
+        if sums.count == 0.0 {
+            self.unfelt = self.unfelt.or_larger(largest.let_in, time);
+        }
         let shared = if sums.shared > 0.0 { sums.shared / sums.borne } else { 0.0 };
         self.shared = self.shared.or_larger(shared, time);
         if between.share > self.between.share {
@@ -258,8 +277,8 @@ impl Now {
 
 impl Simulation<'_> {
     /// Notes which contacts touch in an increment that was accepted, how deep masters are between nodes, with what force sides push nodes
-    /// `aside`, and what contacts lost, also by a jump. Collective.
-    pub(super) fn note_touches(&mut self, (between, aside): (&[Between], &[f64]), is_jump: bool) {
+    /// `aside`, and what contacts lost, also by a jump; the increment may end its step. Collective.
+    pub(super) fn note_touches(&mut self, (between, aside): (&[Between], &[f64]), [is_jump, ends_step]: [bool; 2]) {
         let time = self.state.time;
         let slid = take_slid(&mut self.model.pairs);
         let all = self.look_back(&slid);
@@ -276,7 +295,7 @@ impl Simulation<'_> {
                 touch.last = Last { until: Some(time), now: true, force, middle, on_tool };
             }
         }
-        self.note_let_in(&all, between);
+        self.note_let_in((&all, between), ends_step);
     }
 
     /// What the slave nodes of each contact do, which slid off masters with such forces on this rank. Collective.
@@ -295,9 +314,11 @@ impl Simulation<'_> {
         pairs.iter().map(|_| Now { sums: Sums::take(&mut sums), largest: Largest::take(&mut largest) }).collect()
     }
 
-    /// Notes what contacts let in unfelt that have just borne the most, with what those let in that a body of theirs is in, and how far
+    /// Notes what contacts let in unfelt that have just borne the most, or bear much at the end of a step, with what those let in that a body of theirs is in, and how far
     /// all of them have given way: twice the energy of their bodies over the force. Collective.
-    fn note_let_in(&mut self, all: &[Now], between: &[Between]) {
+    fn note_let_in(&mut self, (all, between): (&[Now], &[Between]), ends_step: bool) {
+        /// Of the largest force, at the end of a step.
+        const MUCH: f64 = 0.5;
         let (comm, model, u, at) = (self.comm, &self.model, &self.state.u, self.state.time);
         let energy_of = |body: usize| {
             let mine =
@@ -311,12 +332,17 @@ impl Simulation<'_> {
         let let_in: Vec<(f64, bool)> = all.iter().zip(between).map(|(now, between)| now.let_in(between)).collect();
         for (p, touch) in self.state.touches.iter_mut().enumerate() {
             let borne = all[p].sums.borne;
-            if borne == 0.0 || borne < touch.most {
+            let is_most = borne >= touch.most;
+            let counts = is_most || ends_step && borne >= MUCH * touch.most;
+            if borne == 0.0 || !counts {
                 continue;
             }
-            touch.most = borne;
+            touch.most = touch.most.max(borne);
             let (depth, between) = let_in[p];
-            touch.let_in = LetIn { depth, between, at, ..LetIn::default() };
+            let mut now = LetIn { depth, between, at, ..LetIn::default() };
+            if is_most {
+                touch.let_in = now;
+            }
             if depth == 0.0 {
                 continue;
             }
@@ -325,9 +351,14 @@ impl Simulation<'_> {
             let strained =
                 others.iter().chain([&p]).flat_map(|q| bodies(&model.pairs[*q])).collect::<BTreeSet<usize>>();
             let energy = strained.into_iter().map(|body| *energies.entry(body).or_insert_with(|| energy_of(body)));
-            touch.let_in.approach = 2.0 * energy.sum::<f64>() / borne;
+            now.approach = 2.0 * energy.sum::<f64>() / borne;
             let of_others = others.iter().map(|q| let_in[*q].0 * all[*q].sums.borne / borne).sum::<f64>();
-            touch.let_in.lacks = depth + of_others;
+            now.lacks = depth + of_others;
+            if is_most {
+                touch.let_in = now;
+            } else if now.share() > touch.let_in_at_end.share() {
+                touch.let_in_at_end = now;
+            }
         }
     }
 }

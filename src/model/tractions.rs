@@ -15,15 +15,24 @@
 //! ```
 //!
 //! Tractions times areas add up to the force, and a node next to one that touches has some, too.
+//!
+//! At a sharp edge of the slave the area is that of the faces that look at what presses there: sides that stand beside it bear nothing.
+//! In a plane of symmetry what acts across it is zero with the mirror image's.
 
 use super::Model;
-use super::elements::add_nodal_areas;
+use super::elements::nodal_areas;
 use super::symmetry::SymmetryPlane;
 use crate::Vec3;
 use crate::contact::{Faces, Pair};
 use crate::mesh::SolidShape;
+use crate::mortar::Corners;
+use crate::partition::PartFacet;
 use crate::scene::body_of;
 use mpi::topology::SimpleCommunicator;
+
+/// Cosine of the angle to the normal of the contact within which a face looks at it: the sides of an edge of 90 degrees that a V presses
+/// both do, at 45 degrees, a side that stands on the master does not, however it bulges.
+const FACING: f64 = 0.5;
 
 /// An edge: its ends, the node in its middle, and what it counts.
 type Edge = ([usize; 2], usize, f64);
@@ -31,22 +40,72 @@ type Edge = ([usize; 2], usize, f64);
 /// The tractions on the owned nodes of a slave surface, with displacements `u`; zero where there is no area. Tied nodes count for
 /// the node that they follow. Collective.
 pub fn tractions(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
-    match &pair.faces {
+    let mut tractions = match &pair.faces {
         Some(faces) => of_segments(comm, model, (pair, faces), u),
         None => of_nodes(comm, model, pair, u),
+    };
+    for (n, across) in &pair.mirrored {
+        let traction = &mut tractions[*n as usize];
+        *traction -= across * across.dot(traction);
+    }
+    tractions
+}
+
+/// The areas that belong to the nodes of a slave surface, of which owned ones have all.
+struct Areas {
+    /// Normals of the contact at owned nodes, where there is one.
+    normals: Vec<Vec3>,
+    all: Vec<f64>,
+    /// Those of faces that look at the contact.
+    facing: Vec<f64>,
+}
+
+impl Areas {
+    fn none(model: &Model, pair: &Pair) -> Self {
+        let mut normals = vec![Vec3::zeros(); model.part.points.len()];
+        for slave in &pair.slaves {
+            normals[slave.node as usize] = slave.accepted.projection.map_or(Vec3::zeros(), |at| at.normal);
+        }
+        let all = vec![0.0; normals.len()];
+        Self { normals, facing: all.clone(), all }
+    }
+
+    /// Adds that of a node on a face that looks `outward`.
+    fn add(&mut self, node: u32, area: f64, outward: &Vec3) {
+        let n = node as usize;
+        self.all[n] += area;
+        if outward.dot(&self.normals[n]) <= -FACING * outward.norm() {
+            self.facing[n] += area;
+        }
+    }
+
+    /// Adds those of linear facets, and of quadratic ones that are counted by their nodes.
+    fn add_facets(&mut self, model: &Model, facets: &[PartFacet], u: &[Vec3]) {
+        let part = &model.part;
+        for facet in facets {
+            let nodes = part.face_nodes(facet);
+            let corners = &facet.nodes[..facet.count as usize];
+            let outward = Corners::new(corners).map(|n| part.points[n as usize] + u[n as usize]).area_vector();
+            for (&n, area) in nodes.iter().zip(nodal_areas(model, &nodes, u)) {
+                self.add(part.tie[n as usize], nodes.share * area, &outward);
+            }
+        }
+    }
+
+    fn of(&self, node: usize) -> f64 {
+        if self.facing[node] > 0.0 { self.facing[node] } else { self.all[node] }
     }
 }
 
 /// From segment to segment.
 fn of_segments(comm: &SimpleCommunicator, model: &Model, (pair, faces): (&Pair, &Faces), u: &[Vec3]) -> Vec<Vec3> {
     let part = &model.part;
-    let mut areas = vec![0.0; part.points.len()];
+    let mut areas = Areas::none(model, pair);
     if part.quadratic.is_empty() {
-        let facets = &part.sets[pair.side.set].facets;
-        add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
+        areas.add_facets(model, &part.sets[pair.side.set].facets, u);
     } else {
         let place = |n: u32| part.points[n as usize] + u[n as usize];
-        faces.add_areas(place, |n, area| areas[n as usize] += area);
+        faces.add_areas(place, |n, area, outward| areas.add(n, area, outward));
     }
     let mut forces = vec![0.0; 3 * part.points.len()];
     let mut add = |n: u32, force: Vec3| (0..3).for_each(|d| forces[3 * n as usize + d] += force[d]);
@@ -58,8 +117,8 @@ fn of_segments(comm: &SimpleCommunicator, model: &Model, (pair, faces): (&Pair, 
     }
     let mut tractions: Vec<Vec3> = forces.as_chunks::<3>().0[..part.owned].iter().map(|f| Vec3::from(*f)).collect();
     part.halo.add_to_owners(comm, 3, &forces, |n, force| tractions[n as usize] += Vec3::from_column_slice(force));
-    for (traction, area) in tractions.iter_mut().zip(&areas) {
-        *traction = if *area > 0.0 { *traction / *area } else { Vec3::zeros() };
+    for (n, traction) in tractions.iter_mut().enumerate() {
+        *traction = if areas.of(n) > 0.0 { *traction / areas.of(n) } else { Vec3::zeros() };
     }
     tractions
 }
@@ -67,9 +126,9 @@ fn of_segments(comm: &SimpleCommunicator, model: &Model, (pair, faces): (&Pair, 
 /// From node to surface.
 fn of_nodes(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -> Vec<Vec3> {
     let part = &model.part;
-    let mut areas = vec![0.0; part.points.len()];
+    let mut areas = Areas::none(model, pair);
     let facets = &part.sets[pair.side.set].facets;
-    add_nodal_areas(model, facets, u, |n, area| areas[part.tie[n as usize] as usize] += area);
+    areas.add_facets(model, facets, u);
     let mut tractions = vec![Vec3::zeros(); part.points.len()];
     pair.slaves.iter().for_each(|slave| tractions[slave.node as usize] = slave.accepted.on_node());
     let edges = edges(model, pair);
@@ -92,7 +151,7 @@ fn of_nodes(comm: &SimpleCommunicator, model: &Model, pair: &Pair, u: &[Vec3]) -
         edges.iter().for_each(|([a, b], middle, share)| tractions[*middle] += (given[*a] + given[*b]) * *share);
     }
     for n in 0..part.owned {
-        tractions[n] = if ending[n] > 0.0 || areas[n] == 0.0 { Vec3::zeros() } else { tractions[n] / areas[n] };
+        tractions[n] = if ending[n] > 0.0 || areas.of(n) == 0.0 { Vec3::zeros() } else { tractions[n] / areas.of(n) };
     }
     if quadratic {
         share(comm, model, &mut tractions);

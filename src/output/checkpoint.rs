@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 pub const NAME: &str = "checkpoint.h5";
 
 /// The mark, with the version of what the tables hold.
-pub const MARK: [u8; 8] = *b"nagata25";
+pub const MARK: [u8; 8] = *b"nagata26";
 
 /// The table of the numbers that are the same on all ranks.
 const WORDS: &str = "all";

@@ -62,15 +62,18 @@ impl Simulation<'_> {
     /// Makes a converged increment the state, and says what it was. Collective.
     pub(super) fn accept(&mut self, frame: &mut Frame, converged: Converged, x: &Vector) -> Result<Increment> {
         let busy = self.is_busy(&converged.limits);
+        let ways = self.ways(&frame.progress, converged.end, &converged.u);
         let Progress { increments, ladder, past, step, start, .. } = &mut frame.progress;
         let is_remedy = ladder.is_remedy() || ladder.lingers();
         let way = ladder.succeed(!converged.loose.is_empty());
+        let is_jump = way == Way::Jump;
         let end = converged.end;
+        let (is_first, share) = (increments.done == 0.0, end - increments.done);
         let iterations = converged.effort.residuals.len() - 1;
         let size = (end - increments.done) * step.duration;
         let time = *start + end * step.duration;
         increments.accept(end, iterations.div_ceil(1 + converged.effort.rounds), busy);
-        if way == Way::Jump {
+        if is_jump {
             increments.resume();
         }
         let ends_step = increments.next().is_none();
@@ -92,7 +95,8 @@ impl Simulation<'_> {
         frame.plain = None;
         self.state.time = time;
         self.state.increments += 1;
-        self.note_touches((&converged.between, &converged.aside), way == Way::Jump);
+        self.note_pace(&ways, share, [is_first, is_jump]);
+        self.note_touches((&converged.between, &converged.aside), [is_jump, ends_step]);
         self.summary.counts.increments += 1;
         self.note_rounded(converged.effort.rounded.as_ref());
         let nodes = self.count(&converged.effort.calmed);

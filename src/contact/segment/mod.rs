@@ -447,11 +447,12 @@ impl Faces {
         self.fans[slave].iter().flatten().map(|&f| &self.faces[f as usize])
     }
 
-    /// Adds what of the area of all faces, with their nodes at `place`, belongs to the nodes that their corners move with.
-    pub fn add_areas(&self, place: impl Fn(u32) -> Vec3, mut add: impl FnMut(u32, f64)) {
+    /// Adds what of the area of all faces, with their nodes at `place`, belongs to the nodes that their corners move with, and where
+    /// the face looks.
+    pub fn add_areas(&self, place: impl Fn(u32) -> Vec3, mut add: impl FnMut(u32, f64, &Vec3)) {
         for face in &self.faces {
             let of_corners = face.nodes.iter().zip(integrals(&face.rule(&face.at(&place)))).take(face.piece.count);
-            of_corners.for_each(|(&node, area)| add(node, area));
+            of_corners.for_each(|(&node, area)| add(node, area, &face.outward));
         }
     }
 
