@@ -244,8 +244,11 @@ impl Case {
         }
         let verdicts: Vec<_> = self.oracles.iter().map(|oracle| oracle.judge(done)).collect();
         let text = verdicts.iter().map(|v| v.text.as_str()).collect::<Vec<_>>().join("; ");
-        if verdicts.iter().all(|v| v.holds) {
+        if verdicts.iter().all(|v| v.holds == Some(true)) {
             return Outcome::Right(text);
+        }
+        if verdicts.iter().all(|v| v.holds != Some(false)) {
+            return Outcome::Failed(text);
         }
         match warned {
             Some(line) => Outcome::Warned(format!("{text}; {line}")),

@@ -22,7 +22,8 @@ pub enum Oracle {
 
 /// Of an oracle.
 pub struct Verdict {
-    pub holds: bool,
+    /// Nothing where it has no value to compare with: the run that was to give it failed.
+    pub holds: Option<bool>,
     pub text: String,
 }
 
@@ -74,7 +75,7 @@ impl Oracle {
 
     pub fn judge(&self, done: &Done) -> Verdict {
         let Some(history) = done.history.as_ref().filter(|history| history.len() > 0) else {
-            return Verdict { holds: false, text: "an empty history".into() };
+            return Verdict { holds: Some(false), text: "an empty history".into() };
         };
         match self {
             Self::Value { quantity, value, scale, tolerance, .. } => {
@@ -83,7 +84,7 @@ impl Oracle {
             Self::Same { quantity, as_in, times, tolerance, .. } => {
                 let other = as_in.run();
                 let Some(right) = other.history.as_ref().filter(|_| other.code == Some(0)) else {
-                    return Verdict { holds: false, text: format!("the oracle failed: {}", shown(&other.reason())) };
+                    return Verdict { holds: None, text: format!("the oracle failed: {}", shown(&other.reason())) };
                 };
                 let right = times * find(right, quantity);
                 compare(quantity, find(history, quantity), right, right.abs(), *tolerance)
@@ -97,19 +98,22 @@ impl Oracle {
                 let error = rest / largest;
                 // A NaN in the forces is no balance.
                 let finite = forces.iter().flatten().all(|f| f.is_finite());
-                Verdict { holds: finite && error <= *tolerance, text: format!("balance {error:.1e}") }
+                Verdict { holds: Some(finite && error <= *tolerance), text: format!("balance {error:.1e}") }
             }
             Self::Coulomb { tool, axis, friction } => {
                 let f = ["fx", "fy", "fz"].map(|c| history.last(&format!("{tool}.{c}")));
                 let along = f[(axis + 1) % 3].hypot(f[(axis + 2) % 3]);
                 // What the tolerance of the solution lets through is allowed.
                 let holds = along <= friction * f[*axis].abs() + 1e-8 * history.largest_force(tool);
-                Verdict { holds, text: format!("{tool} {:.3e} along itself over across", along / f[*axis].abs()) }
+                Verdict {
+                    holds: Some(holds),
+                    text: format!("{tool} {:.3e} along itself over across", along / f[*axis].abs()),
+                }
             }
             Self::None { what } => {
                 let count = done.summary[*what].as_u64();
                 Verdict {
-                    holds: count == Some(0),
+                    holds: Some(count == Some(0)),
                     text: format!("{} {what}", count.map_or("?".into(), |n| n.to_string())),
                 }
             }
@@ -120,7 +124,7 @@ impl Oracle {
 fn compare(quantity: &str, found: f64, value: f64, scale: f64, tolerance: f64) -> Verdict {
     let error = (found - value).abs() / scale;
     // A NaN does not hold.
-    Verdict { holds: error <= tolerance, text: format!("{quantity} {found:.6e}, off by {error:.1e}") }
+    Verdict { holds: Some(error <= tolerance), text: format!("{quantity} {found:.6e}, off by {error:.1e}") }
 }
 
 /// A quantity of a history.

@@ -12,11 +12,12 @@ use std::sync::LazyLock;
 
 /// What ends a run, by words of its reason of which one is there. Which node it is, how far it was, and in which way an iteration fails,
 /// depends on rounding.
-const KINDS: [(&str, &[&str]); 4] = [
+const KINDS: [(&str, &[&str]); 5] = [
     ("rounding", &["rounding leaves", "nearly singular"]),
     ("watch", &["went through", " deep in ", "is inside body", "lies beyond", "it is in none of the faces"]),
     ("loose", &["can move freely", "hold it", "holds it", "can hold the tool", "spins", "slide off"]),
     ("no convergence", &["converge", "do not settle", "comes back again", "contradict", "folded", "not stable"]),
+    ("rounding", &["is ill-conditioned"]),
 ];
 
 /// The kind of reason of each row.
