@@ -161,9 +161,6 @@ impl Touch {
         self.apart = self.apart.or_larger(largest.apart, time);
         self.aside = self.aside.or_larger(aside, time);
         self.past_end = self.past_end.or_larger(sums.past_end, time);
-        if sums.count == 0.0 {
-            self.unfelt = self.unfelt.or_larger(largest.let_in, time);
-        }
         let shared = if sums.shared > 0.0 { sums.shared / sums.borne } else { 0.0 };
         self.shared = self.shared.or_larger(shared, time);
         if between.share > self.between.share {
@@ -283,8 +280,19 @@ impl Simulation<'_> {
         let slid = take_slid(&mut self.model.pairs);
         let all = self.look_back(&slid);
         let most = all.iter().map(|now| now.sums.borne).fold(0.0, f64::max);
+        // At a corner another contact with the same master may feel it.
+        let pairs = &self.model.pairs;
+        let is_felt = |p: usize| {
+            let shares = |pair: &Pair| {
+                pair.master == pairs[p].master || pairs[p].master_body().is_some_and(|b| pair.master_body() == Some(b))
+            };
+            pairs.iter().zip(&all).any(|(pair, now)| now.sums.count > 0.0 && shares(pair))
+        };
         for (p, (touch, now)) in self.state.touches.iter_mut().zip(&all).enumerate() {
             touch.note(now, &between[p], aside[p], time);
+            if !is_felt(p) {
+                touch.unfelt = touch.unfelt.or_larger(now.largest.let_in, time);
+            }
             touch.note_losses(&now.sums, most, is_jump, time);
             let Sums { count, force, middle, .. } = now.sums;
             touch.last.now = count > 0.0;
